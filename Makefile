@@ -1,0 +1,59 @@
+# `make` lists what can be done. Everything happens in .venv, which the first command sets up.
+# Another interpreter: make PYTHON=/path/to/python3.11 setup
+
+PYTHON ?= $(shell for python in python3.11 python3 python; do \
+	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$python; break; }; done)
+
+BIN := .venv/bin
+INSTALLED := .venv/.installed
+INSTALLED_DEV := .venv/.installed-dev
+PINS := pyproject.toml constraints.txt
+
+PREVIEW_SCENES := FloorPlan1 FloorPlan2 FloorPlan3 FloorPlan201 FloorPlan202 FloorPlan203 \
+	FloorPlan301 FloorPlan302 FloorPlan303 FloorPlan401 FloorPlan402 FloorPlan403
+PREVIEWS := out/previews
+
+.DEFAULT_GOAL := help
+.PHONY: help setup dataset test test-fast lint bench clean
+
+help:  ## list the targets
+	@awk -F ':.*##  *' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+setup: $(INSTALLED_DEV)  ## make .venv and install the package with its development tools
+
+dataset: $(INSTALLED)  ## the main job: preview sheets of three rooms of each type, in out/previews
+	@for scene in $(PREVIEW_SCENES); do \
+		$(BIN)/remqa-data preview $$scene --output $(PREVIEWS)/$$scene.png || exit; done
+
+test: lint  ## lint, then all tests on two cores
+	$(BIN)/python -m pytest -n 2
+
+test-fast: $(INSTALLED_DEV)  ## only the tests that take seconds
+	$(BIN)/python -m pytest -n 2 -m "not slow"
+
+lint: $(INSTALLED_DEV)  ## ruff, the format, and mypy --strict on the library
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: $(INSTALLED_DEV)  ## measure speed
+	@for benchmark in $(wildcard benchmarks/*.py); do $(BIN)/python $$benchmark || exit; done
+
+clean:  ## remove .venv, caches and build files (out/ stays)
+	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# Installed again when a pin changes, so that `git pull && make test` is enough.
+$(INSTALLED): $(PINS) | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	@touch $@
+
+$(INSTALLED_DEV): $(PINS) | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	@touch $(INSTALLED) $@
+
+$(BIN)/python:
+	@test -n "$(PYTHON)" || { echo "No Python 3.11 or newer found. Install Python 3.11," \
+		"or name it: make PYTHON=/path/to/python3.11 setup" >&2; exit 1; }
+	@$(PYTHON) -m venv .venv || { rm -rf .venv; echo "$(PYTHON) cannot make a virtual environment." \
+		"On Debian and Ubuntu: apt install python3.11-venv" >&2; exit 1; }

@@ -1,0 +1,1 @@
+"""Scores what was submitted, by replaying it."""

@@ -1,0 +1,1 @@
+"""Makes the data: rooms, configurations, walks, questions and shards."""

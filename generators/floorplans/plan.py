@@ -1,0 +1,239 @@
+"""What a room's recorded boxes say about the room itself: floor level, walls, and which way things face."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from remqa_data.assets.model import F64, Rect
+from remqa_data.generators.floorplans.table import RecordedObject, axes_facing
+
+ON_WALLS = frozenset(
+    "Blinds Curtains HandTowel HandTowelHolder LightSwitch Mirror Painting Poster Towel TowelHolder "
+    "ToiletPaperHanger Window".split()
+)
+"""Types that hang on a wall: their back is the wall."""
+IN_WALLS = frozenset({"Window", "Curtains", "Blinds"})
+"""Types whose recorded box reaches into or through the wall."""
+BACKED = frozenset(
+    "Bed Bathtub BathtubBasin Desk Dresser Faucet Safe Shelf ShelvingUnit ShowerHead SideTable Sink SinkBasin Sofa "
+    "Toilet TVStand".split()
+)
+"""Furniture that stands with its back to a wall when it stands at one."""
+IN_FURNITURE = ("Drawer", "Cabinet", "Shelf")
+WALL_SLACK_M = 0.60
+WALL_EVIDENCE_SLACK_M = 2.6
+"""A floor's recorded box may reach this far behind the wall (the second: where something hangs on the wall)."""
+AT_WALL_M = 0.35
+CORNER_M, IN_WALL_DEPTH_M = 0.6, 0.15
+"""What is in a wall and wider than the first both ways goes round a corner; it is drawn in to the second."""
+
+SIDES: dict[str, F64] = {
+    "west": np.array([1.0, 0.0, 0.0]),
+    "east": np.array([-1.0, 0.0, 0.0]),
+    "south": np.array([0.0, 1.0, 0.0]),
+    "north": np.array([0.0, -1.0, 0.0]),
+}
+"""The walls of a room and the direction from each into the room."""
+
+
+@dataclass(frozen=True)
+class RoomShell:
+    """Floor level, inner faces of the outer walls, ceiling height above the floor; metres."""
+
+    floor_z: float
+    bounds: Rect
+    height: float
+
+    def gap(self, side: str, low: F64, high: F64) -> float:
+        """Distance between a box and a wall."""
+        x0, y0, x1, y1 = self.bounds
+        gaps = {"west": low[0] - x0, "east": x1 - high[0], "south": low[1] - y0, "north": y1 - high[1]}
+        return float(gaps[side])
+
+    def nearest_side(self, low: F64, high: F64) -> tuple[str, float]:
+        """The wall nearest to a box, and how far it is."""
+        gaps = {side: self.gap(side, low, high) for side in SIDES}
+        side = min(gaps, key=lambda name: gaps[name])
+        return side, gaps[side]
+
+
+def fit_shell(objects: Sequence[RecordedObject]) -> RoomShell:
+    """Floor level and outer walls of a room from its recorded boxes.
+
+    The floor's own box gives the extent, but it often reaches behind the walls: a wall is put where the outermost
+    things on that side end, when they end shortly before the floor does.
+    """
+    floor = next(o for o in objects if o.type == "Floor")
+    standing = [
+        float(o.low[2])
+        for o in objects
+        if any(p.startswith("Floor|") for p in o.parents) and o.size[2] > 0.1 and not o.type.startswith(IN_FURNITURE)
+    ]
+    floor_z = float(np.percentile(standing, 20, method="lower")) if standing else float(floor.high[2])
+    bounds = []
+    for axis, sign in ((0, -1), (1, -1), (0, 1), (1, 1)):
+        edge = float((floor.low if sign < 0 else floor.high)[axis])
+        reach = max(sign * _outer_face(o, axis, sign) for o in objects if o is not floor)
+        hung = any(_hangs_at(o, axis, sign, reach) for o in objects)
+        slack = WALL_EVIDENCE_SLACK_M if hung else WALL_SLACK_M
+        bounds.append(edge if sign * edge - reach > slack else sign * reach)
+    top = max(float(o.high[2]) for o in objects if o.type != "Floor")
+    height = max(2.5, top - floor_z + 0.15)
+    return RoomShell(floor_z, (bounds[0], bounds[1], bounds[2], bounds[3]), height)
+
+
+def _outer_face(o: RecordedObject, axis: int, sign: int) -> float:
+    """Where a box ends towards a wall; what sits in a wall ends in the middle of it."""
+    if o.type in IN_WALLS:
+        return float(o.low[axis] + o.high[axis]) / 2 if (o.high - o.low)[axis] < 0.6 else -sign * np.inf
+    return float((o.low if sign < 0 else o.high)[axis])
+
+
+def flat_on_walls(objects: Sequence[RecordedObject]) -> list[RecordedObject]:
+    """The same objects, with each corner window, recorded with the corner's whole box, drawn in to the wall it faces from."""
+    flattened = []
+    for o in objects:
+        axis = int(np.abs(o.front).argmax())
+        if o.type in IN_WALLS and (o.high - o.low)[:2].min() > CORNER_M and abs(o.front[axis]) > 0.9:
+            low, high = o.low.copy(), o.high.copy()
+            if o.front[axis] > 0:
+                high[axis] = low[axis] + IN_WALL_DEPTH_M
+            else:
+                low[axis] = high[axis] - IN_WALL_DEPTH_M
+            o = replace(o, low=low, high=high, centre=(low + high) / 2, size=np.abs(o.rotation.T) @ (high - low))
+        flattened.append(o)
+    return flattened
+
+
+def _hangs_at(o: RecordedObject, axis: int, sign: int, reach: float) -> bool:
+    """Whether something hangs flat on a wall that would be where everything ends on that side."""
+    flat = (o.high - o.low)[axis] < 0.6 * (o.high - o.low)[1 - axis]
+    return o.type in ON_WALLS and flat and reach - sign * _outer_face(o, axis, sign) < 0.20
+
+
+def facing_right(objects: Sequence[RecordedObject], shell: RoomShell) -> list[RecordedObject]:
+    """The same objects, each facing the way that the room makes plain.
+
+    Things on walls face away from the wall, beds have their head where the recording has its foot, furniture at a wall
+    does not face the wall, and doors of cabinets and fronts of drawers face free floor.
+    """
+    blockers = [o for o in objects if not o.pickupable and o.type not in ON_WALLS | {"Floor", "StoveKnob", "Faucet"}]
+    turned = []
+    for o in objects:
+        front = o.front
+        if o.type in ON_WALLS:
+            front = _off_the_wall(o, shell)
+        elif o.type == "Bed":
+            front = -front
+        elif o.type in ("Cabinet", "Drawer"):
+            front = _towards_free_floor(o, blockers, shell)
+        elif o.type in BACKED:
+            front = _not_into_wall(o, shell)
+        turned.append(_turned(o, front))
+    return turned
+
+
+def _turned(o: RecordedObject, front: F64) -> RecordedObject:
+    if float(front @ o.front) > 0.999:
+        return o
+    rotation = axes_facing(front)
+    swap = abs(float(rotation[:, 0] @ o.rotation[:, 0])) < 0.5
+    size = o.size[[1, 0, 2]] if swap else o.size
+    if abs(o.rotation[2, 2]) < 0.999 or (abs(float(front @ o.front)) > 0.01 and float(front @ o.front) > -0.999):
+        size = np.abs(rotation.T) @ (o.high - o.low)  # was tilted or oblique: take the axis-aligned box
+    return replace(o, rotation=rotation, size=size)
+
+
+def _off_the_wall(o: RecordedObject, shell: RoomShell) -> F64:
+    extent = o.high - o.low
+    thin = [axis for axis in (0, 1) if extent[axis] < 0.6 * extent[1 - axis]]
+    allowed = [side for side, inward in SIDES.items() if not thin or abs(inward[thin[0]]) > 0.5]
+    gaps = {side: abs(shell.gap(side, o.low, o.high)) for side in allowed}
+    side = min(gaps, key=lambda name: (gaps[name] > AT_WALL_M, gaps[name]))
+    if gaps[side] > AT_WALL_M and abs(o.rotation[2, 2]) > 0.99 and any(SIDES[s] @ o.front > 0.99 for s in allowed):
+        return o.front  # on an inner wall: trust the recorded yaw
+    return SIDES[side]
+
+
+def _not_into_wall(o: RecordedObject, shell: RoomShell) -> F64:
+    for side, inward in SIDES.items():
+        faces_it = float(o.front @ inward) < -0.9
+        if faces_it and shell.gap(side, o.low, o.high) < AT_WALL_M:
+            opposite = next(s for s, d in SIDES.items() if float(d @ inward) < -0.9)
+            if shell.gap(opposite, o.low, o.high) > 0.5:
+                return -o.front
+    return o.front
+
+
+def _towards_free_floor(o: RecordedObject, blockers: Sequence[RecordedObject], shell: RoomShell) -> F64:
+    """Front of a cabinet or drawer: free floor before it, a wall or other furniture behind, its hinge at that side."""
+    host = _host(o, blockers)
+    half = (o.high - o.low) / 2
+    middle = (o.high + o.low) / 2
+    score: dict[str, float] = {}
+    for side, inward in SIDES.items():
+        axis = int(np.abs(inward).argmax())
+        total = 1.5 * _freedom(o, inward, 0.45, blockers, host, shell)
+        total += 0.5 * (1 - _freedom(o, -inward, 0.15, blockers, host, shell))
+        total += 0.4 * float(o.front @ inward > 0.9)
+        if half[axis] > 1e-6:  # the pivot of a door is at the front, at one end of it
+            total += 0.5 * float(np.clip((o.pivot - middle)[axis] / half[axis] * inward[axis], -1, 1))
+        if host is not None:
+            edge = (host.high if inward[axis] > 0 else host.low)[axis]
+            face = (o.high if inward[axis] > 0 else o.low)[axis]
+            total += 0.6 * float(abs(edge - face) < 0.08) + 1.0 * float(host.front @ inward > 0.9)
+        score[side] = total
+    return SIDES[max(score, key=lambda side: score[side])]
+
+
+def _host(o: RecordedObject, blockers: Sequence[RecordedObject]) -> RecordedObject | None:
+    """The piece of furniture whose box contains an object's centre, if any."""
+    middle = (o.low + o.high) / 2
+    hosts = [
+        b
+        for b in blockers
+        if b is not o
+        and b.type in HOSTS
+        and np.all(middle > b.low - 0.02)
+        and np.all(middle < b.high + 0.02)
+        and np.prod(b.high - b.low) > np.prod(o.high - o.low)
+    ]
+    return min(hosts, key=lambda b: float(np.prod(b.high - b.low)), default=None)
+
+
+HOSTS = frozenset("Desk Dresser SideTable TVStand CoffeeTable DiningTable ShelvingUnit Bed Cabinet".split())
+"""Furniture that may contain drawers, shelves and cabinets recorded as objects of their own."""
+
+
+def _freedom(
+    o: RecordedObject,
+    direction: F64,
+    reach: float,
+    blockers: Sequence[RecordedObject],
+    host: RecordedObject | None,
+    shell: RoomShell,
+) -> float:
+    """Share of the room before one side of a box, up to a distance, that is neither wall nor furniture."""
+    axis = int(np.abs(direction).argmax())
+    across = 1 - axis
+    x0, y0, x1, y1 = shell.bounds
+    face = (o.high if direction[axis] > 0 else o.low)[axis]
+    free = 0
+    samples = [(a, b) for a in (0.2, 0.5, 0.8) for b in (0.15, 0.4, 0.65, 0.9)]
+    for a, b in samples:
+        point = np.zeros(3)
+        point[axis] = face + direction[axis] * b * reach
+        point[across] = o.low[across] + a * (o.high - o.low)[across]
+        if not (x0 < point[0] < x1 and y0 < point[1] < y1):
+            continue
+        point[2] = (o.low[2] + o.high[2]) / 2
+        hit = any(
+            np.all(point > other.low) and np.all(point < other.high)
+            for other in blockers
+            if other is not o and other is not host and other.type != "CounterTop"
+        )
+        free += not hit
+    return free / len(samples)

@@ -1,0 +1,122 @@
+"""A picture of a whole room: a map from above with the reachable cells, and eight views."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.files import atomic_path
+from remqa_data.generators.floorplans.ithor import load_scene
+from remqa_data.scene import Scene
+from remqa_data.sim.camera import Camera, TopDownCamera
+from remqa_data.sim.navigation import CAMERA_HEIGHT_M, GRID_M, ReachableGrid, reachable_grid
+from remqa_data.sim.view import WorldView
+from remqa_data.sim.world import World
+
+U8 = npt.NDArray[np.uint8]
+
+MAP_CUT_M = 1.95
+"""The map shows what is below this height."""
+VIEWS = 8
+HORIZON_DEG = 18.0
+CELL_COLOR, START_COLOR, WALL_COLOR, TEXT_COLOR = (60, 160, 60), (220, 60, 40), (70, 70, 75), (30, 30, 30)
+
+
+def write_preview(scene_name: str, path: Path, size_px: int = 300) -> None:
+    """Write the preview sheet of a floor plan as PNG; `size_px` is the side of each view."""
+    image = preview(load_scene(scene_name), size_px)
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(cv2.imencode(".png", image[..., ::-1])[1].tobytes())
+
+
+def preview(scene: Scene, size_px: int = 300) -> U8:
+    """The sheet: a map (twice as high as a view) beside two rows of four views, (2 * size, 6 * size, 3) RGB."""
+    with World(scene) as world:
+        world.settle()
+        view = WorldView(world)
+        grid = reachable_grid(world)
+        plan = room_map(scene, view, grid, 2 * size_px)
+        cameras = spread_views(scene, grid, size_px)
+        pictures = [view.render(camera).rgb for camera in cameras]
+    for number, camera in enumerate(cameras):
+        _mark_camera(plan, scene, camera, number + 1)
+        _label(pictures[number], str(number + 1))
+    rows = [np.hstack(pictures[i : i + VIEWS // 2]) for i in range(0, VIEWS, VIEWS // 2)]
+    title = f"{scene.name}  {scene.room_type}  {len(scene.objects)} objects  {len(grid.cells)} reachable cells"
+    _label(plan, title)
+    return np.hstack([plan, np.vstack(rows)])
+
+
+def room_map(scene: Scene, view: WorldView, grid: ReachableGrid, size_px: int) -> U8:
+    """The room from above without its ceiling, with a dot on each reachable cell, (size, size, 3) RGB."""
+    camera = _map_camera(scene, size_px)
+    rendered = view.render(camera, shadows=False).rgb
+    x0, y0, x1, y1 = scene.bounds
+    (left, bottom), (right, top) = _pixel(scene, size_px, x0, y0), _pixel(scene, size_px, x1, y1)
+    image = np.full_like(rendered, 255)
+    image[top:bottom, left:right] = rendered[top:bottom, left:right]
+    for part in scene.structure:
+        if part.kind == "wall" and part.box[2] < camera.height_m < part.box[5]:
+            corner = _pixel(scene, size_px, part.box[0], part.box[1])
+            cv2.rectangle(image, corner, _pixel(scene, size_px, part.box[3], part.box[4]), WALL_COLOR, -1)
+    scale = size_px / camera.extent_m
+    for x, y in grid.positions():
+        centre = _pixel(scene, size_px, float(x), float(y))
+        cv2.circle(image, centre, max(2, round(0.035 * scale)), CELL_COLOR, -1, cv2.LINE_AA)
+    return image
+
+
+def spread_views(scene: Scene, grid: ReachableGrid, size_px: int, count: int = VIEWS) -> list[Camera]:
+    """Cameras spread over the reachable cells, each looking to where the room is deepest."""
+    positions = grid.positions()
+    x0, y0, x1, y1 = scene.bounds
+    middle = np.array([(x0 + x1) / 2, (y0 + y1) / 2])
+    chosen = [int(np.argmax(np.linalg.norm(positions - middle, axis=1)))]
+    while len(chosen) < min(count, len(positions)):
+        gaps = np.min([np.linalg.norm(positions - positions[i], axis=1) for i in chosen], axis=0)
+        chosen.append(int(np.argmax(gaps)))
+    cameras = []
+    for n in range(count):
+        x, y = positions[chosen[n % len(chosen)]]
+        towards = middle - (x, y)
+        yaw = np.degrees(np.arctan2(towards[1], towards[0])) + (0 if n < len(chosen) else 180)
+        yaw += (0, 50, -50, 90, 0, -90, 30, -30)[n % 8] * min(1.0, 1.5 * float(n % 8 > 0))
+        eye = (float(x), float(y), scene.floor_z + CAMERA_HEIGHT_M)
+        cameras.append(Camera(eye, float(yaw), HORIZON_DEG, width=size_px, height=size_px))
+    return cameras
+
+
+def _map_camera(scene: Scene, size_px: int) -> TopDownCamera:
+    x0, y0, x1, y1 = scene.bounds
+    extent = 1.12 * max(x1 - x0, y1 - y0)
+    return TopDownCamera(
+        ((x0 + x1) / 2, (y0 + y1) / 2), scene.floor_z + MAP_CUT_M, extent, width=size_px, height=size_px
+    )
+
+
+def _pixel(scene: Scene, size_px: int, x: float, y: float) -> tuple[int, int]:
+    camera = _map_camera(scene, size_px)
+    scale = size_px / camera.extent_m
+    return (
+        round(size_px / 2 + (x - camera.centre_xy[0]) * scale),
+        round(size_px / 2 - (y - camera.centre_xy[1]) * scale),
+    )
+
+
+def _mark_camera(plan: U8, scene: Scene, camera: Camera, number: int) -> None:
+    size = plan.shape[0]
+    x, y, _ = camera.position
+    yaw = np.radians(camera.yaw_deg)
+    tip = (x + 1.4 * GRID_M * np.cos(yaw), y + 1.4 * GRID_M * np.sin(yaw))
+    start, end = _pixel(scene, size, x, y), _pixel(scene, size, float(tip[0]), float(tip[1]))
+    cv2.arrowedLine(plan, start, end, START_COLOR, 2, cv2.LINE_AA, tipLength=0.35)
+    place = (start[0] + 4, start[1] - 4)
+    cv2.putText(plan, str(number), place, cv2.FONT_HERSHEY_SIMPLEX, 0.5, START_COLOR, 2, cv2.LINE_AA)
+
+
+def _label(image: U8, text: str) -> None:
+    for color, width in (((255, 255, 255), 3), (TEXT_COLOR, 1)):
+        cv2.putText(image, text, (6, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.45, color, width, cv2.LINE_AA)

@@ -1,0 +1,8 @@
+"""Parametric objects: one small function for each object type draws it from a size, a variant and a seed."""
+
+from __future__ import annotations
+
+from remqa_data.assets.library import TYPES, build, variant_count
+from remqa_data.assets.model import Asset, AssetSpec
+
+__all__ = ["TYPES", "Asset", "AssetSpec", "build", "variant_count"]

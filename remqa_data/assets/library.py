@@ -1,0 +1,116 @@
+"""Every object type and the function that draws it."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from remqa_data.assets import (
+    appliances,
+    bathroom,
+    bedding,
+    bins,
+    books,
+    boots,
+    bottles,
+    carried,
+    clocks,
+    containers,
+    cookware,
+    decor,
+    desks,
+    electronics,
+    food,
+    kitchen_supplies,
+    lamps,
+    lighting,
+    plants,
+    plumbing,
+    plush,
+    seating,
+    shower,
+    sofas,
+    sports,
+    stationery,
+    statues,
+    storage,
+    tables,
+    tableware,
+    textiles,
+    utensils,
+    vacuums,
+    wall,
+)
+from remqa_data.assets.builder import Builder
+from remqa_data.assets.kind import Kind
+from remqa_data.assets.model import Asset, AssetSpec
+from remqa_data.errors import AssetError, UnknownNameError
+
+KINDS: dict[str, Kind] = {
+    **storage.KINDS,
+    **containers.KINDS,
+    **bins.KINDS,
+    **desks.KINDS,
+    **tables.KINDS,
+    **tableware.KINDS,
+    **kitchen_supplies.KINDS,
+    **food.KINDS,
+    **utensils.KINDS,
+    **bottles.KINDS,
+    **cookware.KINDS,
+    **bathroom.KINDS,
+    **textiles.KINDS,
+    **wall.KINDS,
+    **bedding.KINDS,
+    **decor.KINDS,
+    **lamps.KINDS,
+    **lighting.KINDS,
+    **plants.KINDS,
+    **plush.KINDS,
+    **seating.KINDS,
+    **sofas.KINDS,
+    **statues.KINDS,
+    **books.KINDS,
+    **boots.KINDS,
+    **carried.KINDS,
+    **clocks.KINDS,
+    **electronics.KINDS,
+    **sports.KINDS,
+    **stationery.KINDS,
+    **vacuums.KINDS,
+    **appliances.KINDS,
+    **plumbing.KINDS,
+    **shower.KINDS,
+}
+TYPES = tuple(sorted(KINDS))
+
+
+@lru_cache(maxsize=4096)
+def build(spec: AssetSpec) -> Asset:
+    """The asset that a specification describes; equal specifications share one asset.
+
+    Raises
+    ------
+    UnknownNameError
+        If the type is not known.
+    AssetError
+        If the variant does not exist or the size is not positive.
+    """
+    kind = _kind(spec.type)
+    if not 0 <= spec.variant < kind.variants:
+        raise AssetError(f"{spec.type} has variants 0 to {kind.variants - 1}, not {spec.variant}")
+    if min(spec.size) <= 0:
+        raise AssetError(f"{spec.type}: size {spec.size} m must be positive on each axis")
+    builder = Builder(spec)
+    kind.draw(builder)
+    return builder.finish()
+
+
+def variant_count(type_: str) -> int:
+    """How many variants a type has."""
+    return _kind(type_).variants
+
+
+def _kind(type_: str) -> Kind:
+    if type_ not in KINDS:
+        raise UnknownNameError("object type", type_, KINDS)
+    return KINDS[type_]

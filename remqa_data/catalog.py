@@ -1,0 +1,245 @@
+"""The object types of the iTHOR floor plans: what can be done with each, and the words for it.
+
+The facts are in `templates/objects.yaml`, which also says where they come from.
+
+>>> object_type("GarbageCan").manipulation
+'Move'
+>>> with_article("Apple"), plural("Shelf")
+('an apple', 'shelves')
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from importlib import resources
+from types import MappingProxyType
+from typing import Any, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from remqa_data.errors import CatalogError, UnknownNameError
+
+Flag = Literal[
+    "openable",
+    "pickupable",
+    "moveable",
+    "receptacle",
+    "toggleable",
+    "breakable",
+    "sliceable",
+    "cookable",
+    "dirtyable",
+    "fillable",
+    "used_up",
+]
+Manipulation = Literal["Open", "Move", "Pickup"]
+Room = Literal["kitchen", "living_room", "bedroom", "bathroom"]
+
+SOURCE = "objects.yaml"
+
+
+class ObjectType(BaseModel):
+    """One object type.
+
+    Attributes
+    ----------
+    name : str
+        AI2-THOR's name, such as "GarbageCan".
+    words : (str, str)
+        Singular and plural, such as ("garbage can", "garbage cans").
+    synonyms : tuple of str
+        Other words that people use, in the singular, the most usual first.
+    can : frozenset of str
+        What can be done with it; also as properties, such as `openable`.
+    manipulation : {"Open", "Move", "Pickup"} or None
+        What a question about this type asks the agent to do; None for what is fixed and does not open.
+    mass_kg : float or None
+        Of what can be picked up or moved.
+    materials : tuple of str
+        AI2-THOR's salient materials, such as "Metal", the most usual first.
+    rooms : tuple of str
+        Kinds of room in which the type occurs.
+    question_type : bool
+        Whether it is one of the 60 types that questions use.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str
+    words: tuple[str, str]
+    synonyms: tuple[str, ...] = ()
+    can: frozenset[Flag]
+    manipulation: Manipulation | None
+    mass_kg: float | None = Field(default=None, gt=0, strict=True)
+    materials: tuple[str, ...] = ()
+    rooms: tuple[Room, ...] = Field(min_length=1)
+    question_type: bool = Field(default=False, strict=True)
+
+    @model_validator(mode="after")
+    def _manipulation_is_possible(self) -> ObjectType:
+        needed = {"Open": self.openable, "Move": self.moveable, "Pickup": self.pickupable, None: True}
+        if not needed[self.manipulation]:
+            msg = f"manipulation {self.manipulation} is not among what can be done with it: {sorted(self.can)}"
+            raise ValueError(msg)
+        if self.question_type and self.manipulation is None:
+            msg = "a question type needs a manipulation"
+            raise ValueError(msg)
+        return self
+
+    @property
+    def singular(self) -> str:
+        """The word for one, such as "garbage can"."""
+        return self.words[0]
+
+    @property
+    def plural(self) -> str:
+        """The word for several, such as "garbage cans"."""
+        return self.words[1]
+
+    @property
+    def openable(self) -> bool:
+        """It opens and closes."""
+        return "openable" in self.can
+
+    @property
+    def pickupable(self) -> bool:
+        """A hand can pick it up."""
+        return "pickupable" in self.can
+
+    @property
+    def moveable(self) -> bool:
+        """It is too big to pick up, but not fixed: it can be pushed aside."""
+        return "moveable" in self.can
+
+    @property
+    def receptacle(self) -> bool:
+        """Things can be on it or in it."""
+        return "receptacle" in self.can
+
+    @property
+    def toggleable(self) -> bool:
+        """It can be switched on and off."""
+        return "toggleable" in self.can
+
+    @property
+    def breakable(self) -> bool:
+        """It can break."""
+        return "breakable" in self.can
+
+    @property
+    def sliceable(self) -> bool:
+        """It can be sliced."""
+        return "sliceable" in self.can
+
+    @property
+    def cookable(self) -> bool:
+        """It can be cooked."""
+        return "cookable" in self.can
+
+    @property
+    def dirtyable(self) -> bool:
+        """It can be dirty or clean."""
+        return "dirtyable" in self.can
+
+    @property
+    def fillable(self) -> bool:
+        """It can be filled with a liquid."""
+        return "fillable" in self.can
+
+    @property
+    def used_up(self) -> bool:
+        """It can be used up."""
+        return "used_up" in self.can
+
+
+def catalog() -> Mapping[str, ObjectType]:
+    """All object types by name, sorted; read once, when first asked for.
+
+    Raises
+    ------
+    CatalogError
+        If the file is damaged: names the type and the field.
+    """
+    return _catalog()
+
+
+def object_type(name: str) -> ObjectType:
+    """The object type of a name.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is none; the error gives the nearest names.
+    """
+    types = catalog()
+    if name not in types:
+        raise UnknownNameError("object type", name, types)
+    return types[name]
+
+
+def question_types() -> tuple[str, ...]:
+    """The names of the 60 types that questions use, sorted.
+
+    >>> len(question_types())
+    60
+    """
+    return tuple(name for name, kind in catalog().items() if kind.question_type)
+
+
+def plural(name: str) -> str:
+    """The words for several objects of a type.
+
+    >>> plural("Bread")
+    'loaves of bread'
+    """
+    return object_type(name).plural
+
+
+def with_article(name: str) -> str:
+    """The words for some object of a type, with "a" or "an".
+
+    >>> with_article("ArmChair"), with_article("CD")
+    ('an armchair', 'a CD')
+    """
+    word = object_type(name).singular
+    article = "an" if word[0] in "aeiou" else "a"  # no type's word breaks the rule, as "hour" would
+    return f"{article} {word}"
+
+
+def read_catalog(text: str) -> Mapping[str, ObjectType]:
+    """Object types from the text of a YAML file like `templates/objects.yaml`.
+
+    Raises
+    ------
+    CatalogError
+        If the text is not YAML, or a type lacks a field, has an unknown one, or one of the wrong type.
+    """
+    try:
+        rows = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise CatalogError(f"{SOURCE} is not YAML: {' '.join(str(error).split())}") from error
+    if not isinstance(rows, dict):
+        raise CatalogError(f"{SOURCE}: expected one entry for each object type, found {type(rows).__name__}")
+    return MappingProxyType({name: _read_type(name, rows[name]) for name in sorted(rows, key=str)})
+
+
+def _read_type(name: object, row: object) -> ObjectType:
+    if not isinstance(row, dict):
+        raise CatalogError(f"{SOURCE}: {name}: expected fields, found {row!r}")
+    fields: dict[str, Any] = {str(key): value for key, value in row.items()}
+    if "name" in fields:
+        raise CatalogError(f"{SOURCE}: {name}.name: the name is the key, leave this field out")
+    try:
+        return ObjectType(name=name, **fields)  # type: ignore[arg-type]
+    except ValidationError as error:
+        problems = "; ".join(
+            f"{'.'.join([str(name), *map(str, problem['loc'])])}: {problem['msg']}" for problem in error.errors()
+        )
+        raise CatalogError(f"{SOURCE}: {problems}") from error
+
+
+@lru_cache(maxsize=1)
+def _catalog() -> Mapping[str, ObjectType]:
+    return read_catalog((resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8"))

@@ -1,0 +1,96 @@
+"""The command `remqa-data`: look at objects and rooms.
+
+An error on purpose (`RemqaError`) or a file that cannot be read or written becomes one line on stderr and exit code 2.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from remqa_data.errors import RemqaError
+from remqa_data.version import __version__
+
+
+class _OneLineErrors(TyperGroup):
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except (RemqaError, OSError) as error:
+            typer.echo(f"remqa-data: {' '.join(str(error).split())}", err=True)
+            raise typer.Exit(2) from error
+
+
+app = typer.Typer(
+    cls=_OneLineErrors,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"remqa-data {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version and stop.", callback=_print_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Rooms for remote embodied manipulation question answering."""
+
+
+@app.command()
+def assets(
+    sheet: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the sheets, one PNG for each type.")],
+    types: Annotated[list[str] | None, typer.Argument(metavar="[TYPE]...", help="Object types; all if none.")] = None,
+    columns: Annotated[int, typer.Option(min=1, help="Variants side by side.")] = 4,
+) -> None:
+    """Write contact sheets of object types: their variants, closed and open."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from remqa_data.assets import TYPES
+    from remqa_data.assets.sheet import write_sheets
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("sheets", total=len(types or TYPES))
+
+        def on_type(name: str) -> None:
+            bar.update(task, description=name, advance=1)
+
+        written = write_sheets(sheet, types or (), columns, progress=on_type)
+    typer.echo(f"{len(written)} {'sheet' if len(written) == 1 else 'sheets'} in {sheet}")
+
+
+@app.command()
+def preview(
+    scene: Annotated[str, typer.Argument(help="A floor plan, such as FloorPlan1.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")] = Path(
+        "preview.png"
+    ),
+    size: Annotated[int, typer.Option(min=32, max=2048, help="Width and height of each view in pixels.")] = 300,
+) -> None:
+    """Draw a room: a map with walls, objects and reachable cells, and eight views."""
+    from remqa_data.generators.preview import write_preview
+
+    write_preview(scene, output, size_px=size)
+    typer.echo(str(output))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,125 @@
+"""What a camera sees of a world: one renderer part for each moving link, kept in step with the world's poses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.assets import primitives
+from remqa_data.assets.builder import with_uv
+from remqa_data.assets.model import Material, Surface
+from remqa_data.scene import Scene, StructureBox
+from remqa_data.sim.camera import AnyCamera
+from remqa_data.sim.renderer import Part, Renderer
+from remqa_data.sim.world import World
+
+if TYPE_CHECKING:
+    from remqa_data.sim.renderer import Frame
+
+I32 = npt.NDArray[np.int32]
+
+STRUCTURE = -1
+"""Object index of walls, ceiling and built-in furniture."""
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A frame with what its instances mean.
+
+    Attributes
+    ----------
+    rgb : (h, w, 3) uint8
+    depth : (h, w) float32, metres along the camera's forward axis, 0 where nothing is seen.
+    objects : (h, w) int32, index into the scene's objects, -1 for the building and for nothing.
+    links : (h, w) int32, index of the object's link (0 is its base), -1 for the building and for nothing.
+    """
+
+    rgb: npt.NDArray[np.uint8]
+    depth: npt.NDArray[np.float32]
+    objects: I32
+    links: I32
+
+
+class WorldView:
+    """Draws a world.
+
+    Parameters
+    ----------
+    world : World
+        What to draw; later changes of the world are followed by `render`.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        parts = [Part(surfaces, i) for i, surfaces in enumerate(structure_surfaces(world.scene))]
+        self._first_object_part = len(parts)
+        object_of, link_of = [STRUCTURE] * len(parts), [STRUCTURE] * len(parts)
+        self._parts_of: dict[str, range] = {}
+        for index, object_id in enumerate(world.ids):
+            links = world.assets[object_id].links
+            self._parts_of[object_id] = range(len(parts), len(parts) + len(links))
+            for i, link in enumerate(links):
+                parts.append(Part(link.surfaces, len(parts)))
+                object_of.append(index)
+                link_of.append(i)
+        # The last entry answers for instance -1, where nothing is seen.
+        self._object_of = np.array([*object_of, STRUCTURE], dtype=np.int32)
+        self._link_of = np.array([*link_of, STRUCTURE], dtype=np.int32)
+        poses = np.tile(np.eye(4), (len(parts), 1, 1))
+        for object_id, rows in self._parts_of.items():
+            poses[rows.start : rows.stop] = world.link_poses(object_id)
+        self._shown = {object_id: world.state(object_id) for object_id in world.ids}
+        self.renderer = Renderer(parts, poses, lights=world.scene.lights)
+
+    def sync(self) -> None:
+        """Follow the world's poses; `render` does it by itself."""
+        for object_id, rows in self._parts_of.items():
+            state = self.world.state(object_id)
+            if state is not self._shown[object_id]:
+                self._shown[object_id] = state
+                self.renderer.set_poses(np.arange(rows.start, rows.stop), self.world.link_poses(object_id))
+
+    def hide(self, object_id: str, hidden: bool = True) -> None:
+        """Leave an object out of the pictures, or show it again."""
+        for part in self._parts_of[object_id]:
+            self.renderer.set_visible(part, not hidden)
+
+    def render(self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True) -> Observation:
+        """Draw the world as it is now."""
+        self.sync()
+        frame: Frame = self.renderer.render(camera, shadows=shadows, antialias=antialias)
+        return Observation(
+            frame.rgb, frame.depth, self._object_of[frame.instances], self._link_of[frame.instances]
+        )
+
+
+def structure_surfaces(scene: Scene) -> list[tuple[Surface, ...]]:
+    """Surfaces of the building in groups that are culled together: each wall panel, the rest by kind and finish."""
+    groups: dict[tuple[object, ...], list[StructureBox]] = {}
+    for index, part in enumerate(scene.structure):
+        key = (part.kind, index) if part.kind in ("wall", "outside", "ceiling") else (part.kind, part.finish)
+        groups.setdefault(key, []).append(part)
+    return [(_boxes(parts),) for parts in groups.values()]
+
+
+def _boxes(parts: list[StructureBox]) -> Surface:
+    material: Material = parts[0].finish
+    meshes = []
+    for part in parts:
+        low, high = np.asarray(part.box[:3]), np.asarray(part.box[3:])
+        mesh = primitives.box(tuple(high - low)).moved((low + high) / 2)
+        meshes.append(with_uv(mesh, material, None))
+    return _surface(primitives.joined(meshes), material)
+
+
+def _surface(mesh: primitives.Mesh, material: Material) -> Surface:
+    assert mesh.uv is not None
+    single: list[npt.NDArray[np.float32]] = [
+        np.ascontiguousarray(a, dtype=np.float32) for a in (mesh.vertices, mesh.normals, mesh.uv)
+    ]
+    return Surface(single[0], single[1], single[2], np.ascontiguousarray(mesh.faces, dtype=np.int32), material)
+
+

@@ -1,0 +1,1 @@
+"""Object types, relations and question templates: words and facts, no code."""

@@ -1,0 +1,140 @@
+"""What holds for every object type: it fills its box, its variants differ, it is lit from outside and can be simulated."""
+
+from collections import defaultdict
+
+import numpy as np
+import pytest
+
+from remqa_data.assets import TYPES, Asset, AssetSpec, build, variant_count
+from remqa_data.assets.sizes import typical_size
+from remqa_data.catalog import catalog, object_type
+from remqa_data.generators.floorplans.table import recorded_objects, scene_names
+
+FILL_M = 1e-3
+MAX_TRIANGLES = 3000
+SIZES_PER_TYPE = 12
+
+
+@pytest.fixture(scope="module")
+def sizes() -> dict[str, list[tuple[float, float, float]]]:
+    """Recorded sizes of each type: the extremes along each axis and a spread in between."""
+    recorded: dict[str, list[np.ndarray]] = defaultdict(list)
+    for scene in scene_names():
+        for o in recorded_objects(scene):
+            if o.size.min() > 0.004 or o.pickupable:
+                recorded[o.type].append(o.size)
+    chosen = {}
+    for type_, found in recorded.items():
+        array = np.array(found)
+        rows = {int(f(array[:, axis])) for axis in range(3) for f in (np.argmin, np.argmax)}
+        rows |= set(np.linspace(0, len(array) - 1, SIZES_PER_TYPE).astype(int).tolist())
+        chosen[type_] = [tuple(map(float, array[row])) for row in sorted(rows)]
+    # A laptop and a box are recorded open; closed they are flat, and as wide and deep as recorded.
+    chosen["Laptop"] = [(w, d, 0.055 * w) for w, d, _ in chosen["Laptop"]]
+    return chosen
+
+
+def test_every_recorded_type_is_drawn() -> None:
+    assert set(TYPES) == set(catalog())
+
+
+@pytest.mark.parametrize("type_", TYPES)
+def test_fills_its_box_in_all_sizes_and_variants(type_: str, sizes: dict[str, list[tuple[float, float, float]]]) -> None:
+    for size in sizes[type_]:
+        for variant in range(variant_count(type_)):
+            asset = build(AssetSpec(type_, size, variant, seed=variant))
+            low, high = asset.bounds()
+            half = np.array(size) / 2
+            assert np.abs(high - half).max() < FILL_M, (size, variant)
+            assert np.abs(low + half).max() < FILL_M, (size, variant)
+
+
+def typical(type_: str, variant: int, seed: int = 0) -> Asset:
+    return build(AssetSpec(type_, typical_size(type_), variant, seed))
+
+
+@pytest.mark.parametrize("type_", TYPES)
+def test_has_four_different_variants(type_: str) -> None:
+    count = variant_count(type_)
+    assert count >= 4
+    looks = set()
+    for variant in range(count):
+        asset = typical(type_, variant)
+        surfaces = [s for link in asset.links for s in link.surfaces]
+        looks.add(tuple(sorted((repr(s.material), len(s.faces)) for s in surfaces)))
+    assert len(looks) == count
+
+
+@pytest.mark.parametrize("type_", TYPES)
+def test_meshes_are_sound(type_: str) -> None:
+    for variant in range(variant_count(type_)):
+        asset = typical(type_, variant)
+        assert asset.triangle_count <= MAX_TRIANGLES
+        for link in asset.links:
+            for surface in link.surfaces:
+                assert np.isfinite(surface.vertices).all()
+                assert np.isfinite(surface.uv).all()
+                lengths = np.linalg.norm(surface.normals, axis=1)
+                assert np.abs(lengths - 1).max() < 1e-3, surface.material
+                assert surface.faces.min() >= 0
+                assert surface.faces.max() < len(surface.vertices)
+
+
+@pytest.mark.parametrize("type_", TYPES)
+def test_joints_follow_the_catalog(type_: str) -> None:
+    for variant in range(variant_count(type_)):
+        asset = typical(type_, variant)
+        assert asset.is_openable == object_type(type_).openable
+        if asset.is_openable:
+            moved = np.abs(asset.link_poses(1.0) - asset.link_poses(0.0)).max()
+            assert moved > 0.01
+            assert np.array_equal(asset.link_poses(0.0), np.tile(np.eye(4), (len(asset.links), 1, 1)))
+
+
+@pytest.mark.parametrize("type_", TYPES)
+def test_receptacles_have_room_inside_their_box(type_: str) -> None:
+    if not object_type(type_).receptacle:
+        return
+    for variant in range(variant_count(type_)):
+        asset = typical(type_, variant)
+        assert asset.spaces, variant
+        half = np.array(asset.spec.size) / 2 + 1e-6
+        for space in asset.spaces:
+            assert np.all(np.array(space.box[:2]) >= -half[:2] - 0.01), space
+            assert np.all(np.array(space.box[3:5]) <= half[:2] + 0.01), space
+            assert space.box[2] >= -half[2] - 1e-3, space
+            assert np.all(np.array(space.box[3:]) > np.array(space.box[:3])), space
+
+
+@pytest.mark.parametrize("type_", TYPES)
+def test_collision_boxes_stay_in_the_box_and_reach_the_ground(type_: str) -> None:
+    if not object_type(type_).pickupable:
+        return
+    for variant in range(variant_count(type_)):
+        asset = typical(type_, variant)
+        half = np.array(asset.spec.size) / 2
+        lowest = np.inf
+        for link in asset.links:
+            for box in link.boxes:
+                reach = np.array(box.size) / 2
+                if box.quaternion == (0.0, 0.0, 0.0, 1.0):
+                    assert np.all(np.abs(box.centre) + reach <= half * 1.02 + 2e-3), (variant, box)
+                    lowest = min(lowest, box.centre[2] - reach[2])
+        assert lowest == pytest.approx(-half[2], abs=2e-3), variant
+
+
+def test_words_come_with_every_asset() -> None:
+    for type_ in TYPES:
+        asset = typical(type_, 0)
+        assert asset.color
+        assert asset.substance
+
+
+def test_the_same_spec_gives_the_same_mesh() -> None:
+    for type_ in ("Sofa", "HousePlant", "Drawer"):
+        spec = AssetSpec(type_, typical_size(type_), 1, 7)
+        first, again = build(spec), build.__wrapped__(spec)
+        for a, b in zip(first.links, again.links, strict=True):
+            for s, t in zip(a.surfaces, b.surfaces, strict=True):
+                assert np.array_equal(s.vertices, t.vertices)
+                assert s.material == t.material

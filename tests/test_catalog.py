@@ -1,0 +1,199 @@
+import json
+from importlib import resources
+
+import pandas as pd
+import pytest
+import yaml
+
+from remqa_data.catalog import (
+    ObjectType,
+    catalog,
+    object_type,
+    plural,
+    question_types,
+    read_catalog,
+    with_article,
+)
+from remqa_data.errors import CatalogError, RemqaError, UnknownNameError
+
+OPENABLE = {  # as the iTHOR documentation lists them
+    "Blinds", "Book", "Box", "Cabinet", "Drawer", "Fridge", "Kettle", "Laptop", "LaundryHamper", "Microwave", "Safe",
+    "ShowerCurtain", "ShowerDoor", "Toilet",
+}  # fmt: skip
+A_MUG = {
+    "words": ["mug", "mugs"],
+    "can": ["pickupable", "receptacle"],
+    "manipulation": "Pickup",
+    "mass_kg": 1.0,
+    "materials": ["Ceramic"],
+    "rooms": ["kitchen"],
+}
+
+
+@pytest.fixture(scope="module")
+def floor_plans() -> pd.DataFrame:
+    with resources.as_file(resources.files("remqa_data.templates") / "ithor_floorplans.parquet") as path:
+        return pd.read_parquet(path)
+
+
+def test_the_types_are_exactly_those_of_the_floor_plans(floor_plans):
+    assert len(catalog()) == 118
+    assert set(catalog()) == set(floor_plans["objectType"])
+    assert list(catalog()) == sorted(catalog())
+
+
+@pytest.mark.parametrize("flag", ["openable", "pickupable", "moveable", "receptacle", "toggleable", "breakable"])
+def test_a_flag_is_what_the_majority_of_recorded_objects_says(floor_plans, flag):
+    share = floor_plans.groupby("objectType")[flag].mean()
+    assert {name for name, kind in catalog().items() if getattr(kind, flag)} == set(share.index[share >= 0.5])
+
+
+def test_the_openable_types_are_the_documented_fourteen():
+    assert {name for name, kind in catalog().items() if kind.openable} == OPENABLE
+
+
+def test_masses_are_the_recorded_ones(floor_plans):
+    share = floor_plans[floor_plans["pickupable"] | floor_plans["moveable"]]
+    recorded = share.groupby("objectType")["mass"].median()
+    given = {name: kind.mass_kg for name, kind in catalog().items() if kind.mass_kg is not None}
+    assert set(given) == set(recorded.index)
+    assert {name: round(mass, 3) for name, mass in given.items()} == {
+        name: pytest.approx(mass, rel=0.02, abs=1e-3) for name, mass in recorded.items()
+    }
+
+
+def test_rooms_are_those_in_which_the_type_occurs(floor_plans):
+    recorded = floor_plans.groupby("objectType")["room"].agg(set)
+    assert {name: set(kind.rooms) for name, kind in catalog().items()} == recorded.to_dict()
+
+
+def test_materials_are_among_the_recorded_ones(floor_plans):
+    recorded = floor_plans.groupby("objectType")["salientMaterials"].agg(
+        lambda lists: {m for one in lists for m in one}
+    )
+    for name, kind in catalog().items():
+        assert set(kind.materials) <= recorded[name], name
+
+
+def test_questions_use_sixty_types_each_in_a_quarter_of_the_floor_plans(floor_plans):
+    scenes = floor_plans.groupby("objectType")["scene"].nunique()
+    frequent = {name for name, kind in catalog().items() if kind.manipulation is not None and scenes[name] >= 30}
+    assert len(frequent) == 62
+    assert len(question_types()) == 60
+    assert frequent - set(question_types()) == {"Blinds", "FloorLamp"}
+
+
+def test_the_two_types_left_out_hold_nothing_and_lie_in_nothing(floor_plans):
+    type_of = dict(zip(floor_plans["scene"] + floor_plans["objectId"], floor_plans["objectType"], strict=True))
+    for row in floor_plans.itertuples():
+        parents = {type_of.get(row.scene + parent) for parent in row.parentReceptacles}
+        assert not parents & {"Blinds", "FloorLamp"}
+        if row.objectType in ("Blinds", "FloorLamp"):
+            assert parents <= {"Floor"}
+
+
+@pytest.mark.parametrize(
+    ("name", "manipulation"),
+    [("Drawer", "Open"), ("Box", "Open"), ("Microwave", "Open"), ("Book", "Pickup"), ("Laptop", "Pickup"),
+     ("Chair", "Move"), ("Floor", None)],
+)  # fmt: skip
+def test_the_manipulation_is_the_one_that_reveals_something(name, manipulation):
+    assert object_type(name).manipulation == manipulation
+
+
+def test_every_type_that_can_be_handled_has_a_manipulation_mass_and_material():
+    for name, kind in catalog().items():
+        assert (kind.manipulation is None) != (kind.openable or kind.pickupable or kind.moveable), name
+        assert (kind.mass_kg is not None) == bool(kind.materials) == (kind.pickupable or kind.moveable), name
+
+
+def test_singular_and_plural_differ():
+    assert [name for name, kind in catalog().items() if kind.singular == kind.plural] == []
+
+
+def test_no_word_stands_for_two_types():
+    words = [word for kind in catalog().values() for word in {*kind.words, *kind.synonyms}]
+    assert len(words) == len(set(words))
+
+
+def test_words_are_plain_lower_case_except_abbreviations():
+    for kind in catalog().values():
+        for word in (*kind.words, *kind.synonyms):
+            letters = word.replace("TV", "").replace("CDs", "").replace("CD", "").replace(" ", "")
+            assert letters == "" or (letters.isalpha() and letters.islower()), word
+
+
+@pytest.mark.parametrize(
+    ("name", "several"),
+    [("GarbageCan", "garbage cans"), ("Knife", "knives"), ("Shelf", "shelves"), ("Tomato", "tomatoes"),
+     ("Watch", "watches"), ("Bread", "loaves of bread"), ("CD", "CDs")],
+)  # fmt: skip
+def test_plurals(name, several):
+    assert plural(name) == several
+
+
+@pytest.mark.parametrize(
+    ("name", "one"), [("Egg", "an egg"), ("Mug", "a mug"), ("AlarmClock", "an alarm clock"), ("TVStand", "a TV stand")]
+)
+def test_articles(name, one):
+    assert with_article(name) == one
+
+
+def test_an_unknown_type_is_answered_with_the_nearest_names():
+    with pytest.raises(UnknownNameError, match=r"unknown object type 'garbagecan'; did you mean 'GarbageCan'"):
+        object_type("garbagecan")
+    with pytest.raises(UnknownNameError, match=r"^unknown object type 'xyzzy'$"):
+        plural("xyzzy")
+
+
+def test_an_object_type_survives_json_and_yaml():
+    for name, kind in catalog().items():
+        assert ObjectType.model_validate_json(kind.model_dump_json()) == kind
+        row = json.loads(kind.model_dump_json(exclude={"name"}))
+        assert read_catalog(yaml.safe_dump({name: row}))[name] == kind
+
+
+def test_the_catalog_cannot_be_changed():
+    with pytest.raises(TypeError):
+        catalog()["Mug"] = None  # type: ignore[index]
+    with pytest.raises(ValueError, match="frozen"):
+        object_type("Mug").mass_kg = 2.0
+    assert catalog() is catalog()
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"words": None}, "Mug.words"),
+        ({"words": ["mug"]}, "Mug.words"),
+        ({"words": [1, 2]}, "Mug.words.0"),
+        ({"mass_kg": "heavy"}, "Mug.mass_kg"),
+        ({"mass_kg": -1.0}, "Mug.mass_kg"),
+        ({"can": ["pickupable", "edible"]}, "Mug.can"),
+        ({"can": "pickupable"}, "Mug.can"),
+        ({"manipulation": "Push"}, "Mug.manipulation"),
+        ({"manipulation": "Open"}, "Mug: .*manipulation Open"),
+        ({"rooms": []}, "Mug.rooms"),
+        ({"rooms": ["garage"]}, "Mug.rooms"),
+        ({"question_type": "perhaps"}, "Mug.question_type"),
+        ({"colour": "red"}, "Mug.colour"),
+        ({"name": "Cup"}, "Mug.name"),
+    ],
+)
+def test_a_damaged_entry_is_refused_with_its_type_and_field(change, field):
+    with pytest.raises(CatalogError, match=field) as caught:
+        read_catalog(yaml.safe_dump({"Mug": {**A_MUG, **change}}))
+    assert isinstance(caught.value, RemqaError)
+
+
+@pytest.mark.parametrize("field", ["words", "can", "manipulation", "rooms"])
+def test_a_missing_field_is_named(field):
+    row = {key: value for key, value in A_MUG.items() if key != field}
+    with pytest.raises(CatalogError, match=rf"Mug\.{field}: .*required"):
+        read_catalog(yaml.safe_dump({"Mug": row}))
+
+
+@pytest.mark.parametrize("text", ["Mug: {words: [mug", "- Mug", "Mug: mug", "12: {words: [mug, mugs]}", ""])
+def test_what_is_not_a_catalog_is_refused(text):
+    with pytest.raises(CatalogError, match=r"objects\.yaml"):
+        read_catalog(text)

@@ -1,0 +1,102 @@
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from remqa_data import __version__
+from remqa_data.cli import app
+from remqa_data.errors import FloorPlanError, UnknownNameError
+
+
+def invoke(*arguments: str) -> Result:
+    return CliRunner().invoke(app, list(arguments))
+
+
+@pytest.fixture
+def drawn(monkeypatch) -> list[tuple[str, Path, int]]:
+    """Stands in for the drawing of rooms: knows FloorPlan1 only, and notes what it is asked for."""
+    calls: list[tuple[str, Path, int]] = []
+
+    def write_preview(scene: str, path: Path, size_px: int) -> None:
+        if scene != "FloorPlan1":
+            raise UnknownNameError("scene", scene, ["FloorPlan1"])
+        calls.append((scene, path, size_px))
+
+    module = ModuleType("remqa_data.generators.preview")
+    module.write_preview = write_preview  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    return calls
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["assets", "--help"], ["preview", "-h"]])
+def test_help(arguments):
+    result = invoke(*arguments)
+    assert result.exit_code == 0
+    assert "Usage" in result.output
+
+
+def test_version():
+    result = invoke("--version")
+    assert (result.exit_code, result.output) == (0, f"remqa-data {__version__}\n")
+
+
+def test_assets_writes_one_sheet_for_each_type(tmp_path):
+    result = invoke("assets", "--sheet", str(tmp_path / "sheets"), "Mug", "Drawer")
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in (tmp_path / "sheets").iterdir()) == ["Drawer.png", "Mug.png"]
+    assert "2 sheets" in result.output
+
+
+def test_an_unknown_type_is_one_line_with_the_nearest_names_and_writes_nothing(tmp_path):
+    result = invoke("assets", "--sheet", str(tmp_path / "sheets"), "Mug", "Drawr")
+    assert result.exit_code == 2
+    assert result.stderr == "remqa-data: unknown object type 'Drawr'; did you mean 'Drawer'?\n"
+    assert result.stdout == ""
+    assert not (tmp_path / "sheets").exists()
+
+
+def test_preview_passes_scene_path_and_size(drawn):
+    result = invoke("preview", "FloorPlan1", "-o", "room.png", "--size", "64")
+    assert (result.exit_code, result.output) == (0, "room.png\n")
+    assert drawn == [("FloorPlan1", Path("room.png"), 64)]
+
+
+def test_an_unknown_scene_is_one_line_with_the_nearest_names(drawn):
+    result = invoke("preview", "floorplan1")
+    assert result.exit_code == 2
+    assert result.stderr == "remqa-data: unknown scene 'floorplan1'; did you mean 'FloorPlan1'?\n"
+    assert drawn == []
+
+
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (FloorPlanError("row 3:\n  aabb_sx is negative"), "remqa-data: row 3: aabb_sx is negative\n"),
+        (
+            PermissionError(13, "Permission denied", "room.png"),
+            "remqa-data: [Errno 13] Permission denied: 'room.png'\n",
+        ),
+    ],
+)
+def test_an_error_on_purpose_is_one_line(error, line, drawn, monkeypatch):
+    def fail(scene: str, path: Path, size_px: int) -> None:
+        raise error
+
+    monkeypatch.setattr(sys.modules["remqa_data.generators.preview"], "write_preview", fail)
+    result = invoke("preview", "FloorPlan1")
+    assert (result.exit_code, result.stderr) == (2, line)
+
+
+def test_a_bug_is_not_hidden(drawn, monkeypatch):
+    def fail(scene: str, path: Path, size_px: int) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(sys.modules["remqa_data.generators.preview"], "write_preview", fail)
+    assert isinstance(invoke("preview", "FloorPlan1").exception, ZeroDivisionError)
+
+
+@pytest.mark.parametrize("arguments", [["preview"], ["preview", "FloorPlan1", "--size", "0"], ["assets"], ["show"]])
+def test_wrong_usage_exits_with_2(arguments):
+    assert invoke(*arguments).exit_code == 2
