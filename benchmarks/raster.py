@@ -170,8 +170,7 @@ def synthetic_scene(objects: int = 90, seed: int = 0) -> BenchmarkScene:
     rng = np.random.default_rng(seed)
     width, depth, height = 5.0, 4.0, 2.6
     wood = Material("wooden", "brown", (0.72, 0.5, 0.32), "planks", 1.5, 0.2)
-    wall = Material("plaster", "white", (0.9, 0.88, 0.82), "plaster", 1.0)
-    parts = [Part((_shell(width, depth, height, wood, wall),), 0)]
+    parts = [Part((_shell(width, depth, height, wood),), 0)]
     poses = [np.eye(4)]
     for instance in range(1, objects + 1):
         rgb: Vec3 = (float(rng.uniform(0.2, 0.95)), float(rng.uniform(0.2, 0.95)), float(rng.uniform(0.2, 0.95)))
@@ -214,7 +213,7 @@ def _surface(mesh: trimesh.Trimesh, material: Material) -> Surface:
     )
 
 
-def _shell(width: float, depth: float, height: float, floor: Material, wall: Material) -> Surface:
+def _shell(width: float, depth: float, height: float, material: Material) -> Surface:
     """Floor, ceiling and walls seen from inside."""
     box = trimesh.creation.box(extents=(width, depth, height))
     box.apply_translation((width / 2, depth / 2, height / 2))
@@ -222,13 +221,12 @@ def _shell(width: float, depth: float, height: float, floor: Material, wall: Mat
     normals = np.repeat(-box.face_normals, 3, axis=0)
     flat = np.abs(normals).argmax(axis=1)
     uv = np.stack([corners[np.arange(len(corners)), (flat + k) % 3] for k in (1, 2)], axis=1)
-    del wall
     return Surface(
         corners.astype(np.float32),
         normals.astype(np.float32),
         uv.astype(np.float32),
         np.arange(len(corners), dtype=np.int32).reshape(-1, 3),
-        floor,
+        material,
     )
 
 

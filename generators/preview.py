@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -14,6 +15,7 @@ from remqa_data.scene import Scene
 from remqa_data.sim.camera import Camera, TopDownCamera
 from remqa_data.sim.navigation import CAMERA_HEIGHT_M, GRID_M, ReachableGrid, reachable_grid
 from remqa_data.sim.view import WorldView
+from remqa_data.sim.viewpoints import pixels_per_object
 from remqa_data.sim.world import World
 
 U8 = npt.NDArray[np.uint8]
@@ -21,7 +23,9 @@ U8 = npt.NDArray[np.uint8]
 MAP_CUT_M = 1.95
 """The map shows what is below this height."""
 VIEWS = 8
-HORIZON_DEG = 18.0
+HORIZON_DEG = 15.0
+SCOUT_PX, SCOUT_MIN_PX = 60, 6
+"""Size of the images by which views are chosen, and pixels that count as seeing an object."""
 CELL_COLOR, START_COLOR, WALL_COLOR, TEXT_COLOR = (60, 160, 60), (220, 60, 40), (70, 70, 75), (30, 30, 30)
 
 
@@ -39,7 +43,7 @@ def preview(scene: Scene, size_px: int = 300) -> U8:
         view = WorldView(world)
         grid = reachable_grid(world)
         plan = room_map(scene, view, grid, 2 * size_px)
-        cameras = spread_views(scene, grid, size_px)
+        cameras = spread_views(view, grid, size_px)
         pictures = [view.render(camera).rgb for camera in cameras]
     for number, camera in enumerate(cameras):
         _mark_camera(plan, scene, camera, number + 1)
@@ -69,23 +73,24 @@ def room_map(scene: Scene, view: WorldView, grid: ReachableGrid, size_px: int) -
     return image
 
 
-def spread_views(scene: Scene, grid: ReachableGrid, size_px: int, count: int = VIEWS) -> list[Camera]:
-    """Cameras spread over the reachable cells, each looking to where the room is deepest."""
+def spread_views(view: WorldView, grid: ReachableGrid, size_px: int, count: int = VIEWS) -> list[Camera]:
+    """Cameras spread over the reachable cells, each turned to where most objects are seen that no earlier one saw."""
     positions = grid.positions()
-    x0, y0, x1, y1 = scene.bounds
-    middle = np.array([(x0 + x1) / 2, (y0 + y1) / 2])
-    chosen = [int(np.argmax(np.linalg.norm(positions - middle, axis=1)))]
-    while len(chosen) < min(count, len(positions)):
+    x0, y0, x1, y1 = view.world.scene.bounds
+    chosen = [int(np.argmax(np.linalg.norm(positions - [(x0 + x1) / 2, (y0 + y1) / 2], axis=1)))]
+    while len(chosen) < count:
         gaps = np.min([np.linalg.norm(positions - positions[i], axis=1) for i in chosen], axis=0)
         chosen.append(int(np.argmax(gaps)))
+    seen = np.zeros(len(view.world.ids), dtype=np.int64)
     cameras = []
-    for n in range(count):
-        x, y = positions[chosen[n % len(chosen)]]
-        towards = middle - (x, y)
-        yaw = np.degrees(np.arctan2(towards[1], towards[0])) + (0 if n < len(chosen) else 180)
-        yaw += (0, 50, -50, 90, 0, -90, 30, -30)[n % 8] * min(1.0, 1.5 * float(n % 8 > 0))
-        eye = (float(x), float(y), scene.floor_z + CAMERA_HEIGHT_M)
-        cameras.append(Camera(eye, float(yaw), HORIZON_DEG, width=size_px, height=size_px))
+    for index in chosen:
+        x, y = positions[index]
+        eye = (float(x), float(y), grid.floor_z + CAMERA_HEIGHT_M)
+        options = [Camera(eye, yaw, HORIZON_DEG, width=SCOUT_PX, height=SCOUT_PX) for yaw in range(0, 360, 30)]
+        shown = [pixels_per_object(view, option) >= SCOUT_MIN_PX for option in options]
+        best = max(range(len(options)), key=lambda i: float(np.sum(shown[i] / (1.0 + 2.0 * seen))))
+        seen += shown[best]
+        cameras.append(replace(options[best], width=size_px, height=size_px))
     return cameras
 
 

@@ -50,8 +50,56 @@ class SceneFormatError(RemqaError, ValueError):
     """A stored scene description that cannot be read: says where and why."""
 
 
+class SceneGraphError(RemqaError, ValueError):
+    """Graph updates that cannot be read, or that do not fit together: says which node or field and why."""
+
+
 class ActionError(RemqaError):
     """An action that the simulated world refuses, with the reason."""
+
+
+class SchemaError(RemqaError, ValueError):
+    """A row that does not fit its table: says which table, row and field, and what was expected."""
+
+
+class ImageFormatError(RemqaError, ValueError):
+    """An array that cannot be stored as an image, or bytes that are not one."""
+
+
+class DatasetError(RemqaError):
+    """A folder that is not a dataset that can be read, or not one that can be written to: says why and what to do."""
+
+
+class DamagedShardError(DatasetError):
+    """A file of a dataset that is not as it was written.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    reason : str
+        What is wrong.
+    row_group : int, optional
+        Where in the file, counted from 0; None for the file as a whole.
+    column : str, optional
+        The damaged column, such as "rgb.bytes".
+    """
+
+    def __init__(self, path: object, reason: str, row_group: int | None = None, column: str | None = None) -> None:
+        self.path, self.reason, self.row_group, self.column = path, reason, row_group, column
+        where = f"{path}" if row_group is None else f"{path}, row group {row_group}, column {column}"
+        super().__init__(f"damaged shard: {where}: {reason}; fetch or generate this file again")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.path, self.reason, self.row_group, self.column)  # whole again after a worker process
+
+
+class VoxelError(RemqaError, ValueError):
+    """A frame or stored voxels that do not fit the voxel map: says which and why."""
+
+
+class NoPathError(RemqaError):
+    """There is no way between two places, or one of them is not a place where the agent can be."""
 
 
 class MissingExtraError(RemqaError, ImportError):

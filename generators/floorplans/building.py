@@ -42,7 +42,9 @@ def building(objects: Sequence[RecordedObject], shell: RoomShell, rng: np.random
     floor = next(o for o in objects if o.type == "Floor")
     parts += [
         StructureBox("floor", box, _SCREED)
-        for box in solid_around((x0, y0, bottom - 0.1, x1, y1, shell.floor_z - 0.001), [_box((*floor.low, *floor.high))])
+        for box in solid_around(
+            (x0, y0, bottom - 0.1, x1, y1, shell.floor_z - 0.001), [_box((*floor.low, *floor.high))]
+        )
         if min(box[3] - box[0], box[4] - box[1]) > 0.002
     ]
     for side, inward in SIDES.items():
@@ -93,7 +95,9 @@ def _through(hole: F64, axis: int) -> Box:
     return _box(cut.ravel())
 
 
-def _skirting(side: str, objects: Sequence[RecordedObject], holes: Sequence[Box], shell: RoomShell) -> list[StructureBox]:
+def _skirting(
+    side: str, objects: Sequence[RecordedObject], holes: Sequence[Box], shell: RoomShell
+) -> list[StructureBox]:
     x0, y0, x1, y1 = shell.bounds
     inward = SIDES[side]
     axis = int(np.abs(inward).argmax())

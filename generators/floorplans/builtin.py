@@ -29,19 +29,27 @@ ISLAND_M = 1.3
 MIN_HOLE_M = 0.35
 KICK_HEIGHT_M, KICK_INSET_M, OVERHANG_M = 0.10, 0.07, 0.025
 GAP_M = 0.003
+DEEP_OVERHANG_M = 0.05
+FRONT_M = 0.03
+"""A carcass ends this far behind the fronts of its doors and drawers, handles included."""
+WAY_OUT_M = 0.6
 
 BASE_TYPES = frozenset({"Cabinet", "Drawer", "Sink", "SinkBasin"})
 
 
-def counter_plan(counter: RecordedObject, objects: Sequence[RecordedObject], shell: RoomShell) -> list[Rect]:
-    """Rectangles (x0, y0, x1, y1) in the room that make up a worktop's plan.
+def counter_plan(
+    counter: RecordedObject, objects: Sequence[RecordedObject], shell: RoomShell, *, trimmed: bool = True
+) -> list[Rect]:
+    """Rectangles (x0, y0, x1, y1) in the room that make up a worktop's plan, if wanted without its deep overhangs.
 
     A box deeper than a worktop is the bounding box of an L or a U: kept are the strips along walls that cabinets, sinks
     or things on the worktop back, and whatever stands on or under it elsewhere.
     """
-    low, high = counter.low[:2], counter.high[:2]
+    whole: Rect = (*map(float, counter.low[:2]), *map(float, counter.high[:2]))  # type: ignore[assignment]
+    if trimmed:
+        whole = _trimmed(counter, objects, shell)
+    low, high = np.array(whole[:2]), np.array(whole[2:])
     extent = high - low
-    whole: Rect = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
     at_wall = [side for side in SIDES if abs(shell.gap(side, counter.low, counter.high)) < 0.30]
     if extent.min() <= STRAIGHT_COUNTER_M or (not at_wall and extent.min() <= ISLAND_M):
         return [whole]
@@ -72,6 +80,24 @@ def counter_plan(counter: RecordedObject, objects: Sequence[RecordedObject], she
     ]
     cut = solid_around((whole[0], whole[1], 0.0, whole[2], whole[3], 0.5), [_box(p) for p in pockets])
     return [(x0, y0, x1, y1) for x0, y0, _, x1, y1, _ in cut] or [whole]
+
+
+def _trimmed(counter: RecordedObject, objects: Sequence[RecordedObject], shell: RoomShell) -> Rect:
+    """A worktop's plan without a deep overhang, which would hide the drawers under it; what lies on it keeps its place."""
+    low, high = counter.low[:2].copy(), counter.high[:2].copy()
+    on_top = [o for o in objects if counter.id in o.parents]
+    for side, inward in SIDES.items():
+        axis = int(np.abs(inward).argmax())
+        edge, outward = (low if inward[axis] > 0 else high), -inward
+        rect = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+        fronts = [_front_face(o, axis) for o in objects if _opens_on(o, rect, outward) and o.low[2] < counter.low[2]]
+        if not fronts or shell.gap(side, counter.low, counter.high) < 0.3:
+            continue
+        reach = [face * outward[axis] + OVERHANG_M for face in fronts]
+        reach += [float((o.high if outward[axis] > 0 else o.low)[axis] * outward[axis]) for o in on_top]
+        if edge[axis] * outward[axis] - max(reach) > DEEP_OVERHANG_M:
+            edge[axis] = max(reach) * outward[axis]
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
 def _uses(o: RecordedObject, counter: RecordedObject) -> bool:
@@ -140,16 +166,25 @@ def under_counter(
             (shell.floor_z, shell.floor_z + KICK_HEIGHT_M, KICK_INSET_M, materials.SHADOW_GAP),
             (shell.floor_z + KICK_HEIGHT_M, bottom, OVERHANG_M, finish),
         ):
-            box = _inset((x0, y0, x1, y1), z0, z1, inset, plan, shell)
+            box = _inset((x0, y0, x1, y1), z0, z1, inset, plan, shell, objects)
             if box is not None:
                 parts += [StructureBox("fixture", part, material) for part in _usable(solid_around(box, pockets))]
     return parts
 
 
 def _inset(
-    rect: Rect, z0: float, z1: float, inset: float, plan: Sequence[Rect], shell: RoomShell
+    rect: Rect,
+    z0: float,
+    z1: float,
+    inset: float,
+    plan: Sequence[Rect],
+    shell: RoomShell,
+    objects: Sequence[RecordedObject],
 ) -> Box | None:
-    """A rectangle drawn in on the sides that are open: not at a wall and not joined to another rectangle of the plan."""
+    """A rectangle drawn in on the sides that are open: not at a wall and not joined to another rectangle of the plan.
+
+    On a side with doors or drawers it is drawn in to just behind their fronts.
+    """
     x0, y0, x1, y1 = rect
     low, high = np.array([x0, y0, z0]), np.array([x1, y1, z1])
     for side, inward in SIDES.items():
@@ -157,10 +192,23 @@ def _inset(
         edge = (low if inward[axis] > 0 else high)[axis]
         joined = any(other is not rect and _touches(rect, other, axis, edge) for other in plan)
         if not joined and shell.gap(side, low, high) > 0.1:
-            (low if inward[axis] > 0 else high)[axis] += inset * inward[axis]
+            fronts = [_front_face(o, axis) for o in objects if _opens_on(o, rect, -inward)]
+            behind = min((abs(face - edge) + FRONT_M for face in fronts), default=OVERHANG_M)
+            (low if inward[axis] > 0 else high)[axis] += (inset - OVERHANG_M + behind) * inward[axis]
     if np.any(high - low < 0.02):
         return None
     return _box((*low, *high))
+
+
+def _opens_on(o: RecordedObject, rect: Rect, front: F64) -> bool:
+    """Whether a door or drawer under a rectangle of a worktop faces a side."""
+    middle = (o.low + o.high) / 2
+    under = rect[0] < middle[0] < rect[2] and rect[1] < middle[1] < rect[3]
+    return o.type in ("Cabinet", "Drawer") and under and float(o.front @ front) > 0.9
+
+
+def _front_face(o: RecordedObject, axis: int) -> float:
+    return float((o.high if o.front[axis] > 0 else o.low)[axis])
 
 
 def _touches(rect: Rect, other: Rect, axis: int, edge: float) -> bool:
@@ -292,11 +340,16 @@ def _groups(objects: Sequence[RecordedObject], reach: float = 0.75) -> list[list
 def _places(objects: Sequence[RecordedObject], skip: set[str], below: float) -> list[Box]:
     """Boxes that built-in furniture must leave to recorded objects, a little larger than recorded."""
     flat = {"Floor", "StoveKnob", "Window", "Curtains", "Blinds", "CounterTop"}
-    return [
-        _box((*(o.low - GAP_M), *(o.high + GAP_M)))
-        for o in objects
-        if o.type not in flat and o.id not in skip and not o.pickupable and o.low[2] < below
-    ]
+    kept = [o for o in objects if o.type not in flat and o.id not in skip and not o.pickupable and o.low[2] < below]
+    return [_with_way_out(o) for o in kept]
+
+
+def _with_way_out(o: RecordedObject) -> Box:
+    """An object's place; before a door or a drawer also the room that it opens into."""
+    low, high = o.low - GAP_M, o.high + GAP_M
+    if o.type in ("Cabinet", "Drawer"):
+        low, high = np.minimum(low, low + WAY_OUT_M * o.front), np.maximum(high, high + WAY_OUT_M * o.front)
+    return _box((*low, *high))
 
 
 def _usable(boxes: Sequence[Box], least: float = 0.012) -> list[Box]:

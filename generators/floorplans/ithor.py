@@ -18,9 +18,9 @@ from remqa_data.assets.builder import quaternion_of
 from remqa_data.assets.electronics import closed_laptop_size
 from remqa_data.assets.fronts import FINISHES
 from remqa_data.assets.model import F64, Box, Rect, Vec3
-from remqa_data.generators.floorplans.builtin import counter_plan, drawer_housings, stoves, under_counter
 from remqa_data.generators.floorplans.building import building
-from remqa_data.generators.floorplans.plan import HOSTS, RoomShell, facing_right, fit_shell, flat_on_walls
+from remqa_data.generators.floorplans.builtin import counter_plan, drawer_housings, stoves, under_counter
+from remqa_data.generators.floorplans.plan import HOSTS, RoomShell, facing_right, fit_shell, flat_on_walls, host_of
 from remqa_data.generators.floorplans.support import supported
 from remqa_data.generators.floorplans.table import RecordedObject, axes_facing, recorded_objects, scene_names
 from remqa_data.scene import Scene, SceneObject, StructureBox
@@ -35,12 +35,61 @@ CORNER_DESK_M = 1.25
 OPEN_TYPES = frozenset({"Laptop", "Box"})
 """Types that are recorded open, so that their recorded box is that of the open object."""
 SUITES = frozenset(
-    "Bathtub BathtubBasin Blinds Cabinet Chair CoffeeTable Curtains Desk DiningTable Drawer Dresser HandTowel "
-    "HandTowelHolder LightSwitch Shelf ShelvingUnit ShowerDoor ShowerGlass SideTable Sink SinkBasin Sofa ArmChair Stool "
-    "StoveBurner StoveKnob Towel TowelHolder TVStand Window".split()
+    [
+        "Bathtub",
+        "BathtubBasin",
+        "Blinds",
+        "Cabinet",
+        "Chair",
+        "CoffeeTable",
+        "Curtains",
+        "Desk",
+        "DiningTable",
+        "Drawer",
+        "Dresser",
+        "HandTowel",
+        "HandTowelHolder",
+        "LightSwitch",
+        "Shelf",
+        "ShelvingUnit",
+        "ShowerDoor",
+        "ShowerGlass",
+        "SideTable",
+        "Sink",
+        "SinkBasin",
+        "Sofa",
+        "ArmChair",
+        "Stool",
+        "StoveBurner",
+        "StoveKnob",
+        "Towel",
+        "TowelHolder",
+        "TVStand",
+        "Window",
+    ]
 )
 """Types whose pieces in one room share a variant and a seed."""
-ONE_FINISH = frozenset("Cabinet Drawer Dresser Desk SideTable TVStand CoffeeTable Shelf ShelvingUnit CounterTop".split())
+SUITE_OF = {
+    "SinkBasin": "Sink",
+    "BathtubBasin": "Bathtub",
+    "HandTowelHolder": "TowelHolder",
+    "HandTowel": "Towel",
+} | dict.fromkeys(("Dresser", "Desk", "SideTable", "TVStand"), "Drawer")
+"""Types whose looks go together: what is let into what, and furniture with the drawers in it."""
+ONE_FINISH = frozenset(
+    [
+        "Cabinet",
+        "Drawer",
+        "Dresser",
+        "Desk",
+        "SideTable",
+        "TVStand",
+        "CoffeeTable",
+        "Shelf",
+        "ShelvingUnit",
+        "CounterTop",
+    ]
+)
 """Types that share one seed in a room, and with it one wood or paint."""
 HANGING = frozenset({"Towel", "HandTowel"})
 HOLDERS = ("ToiletPaperHanger|", "HandTowelHolder|", "TowelHolder|")
@@ -70,7 +119,10 @@ def scene_from(rows: Sequence[RecordedObject]) -> Scene:
     name, room_type = rows[0].scene, rows[0].room
     rows = flat_on_walls(rows)
     shell = fit_shell(rows)
-    objects = facing_right([_upright(row) for row in rows], shell)
+    upright = [_upright(row) for row in rows]
+    tops = [o for o in upright if o.type == "CounterTop"]
+    worktops = [rect for top in tops for rect in counter_plan(top, upright, shell, trimmed=False)]
+    objects = facing_right(upright, shell, worktops)
     objects = [_at_floor_level(o, shell.floor_z) if o.type == "Floor" else o for o in objects]
     style = _Style(name)
     finish = FINISHES[style.suite_seed % len(FINISHES)]
@@ -82,13 +134,12 @@ def scene_from(rows: Sequence[RecordedObject]) -> Scene:
     structure += stoves(objects, worktops, structure, shell)
     structure += drawer_housings(objects, structure, shell, finish)
     structure += building(objects, shell, style.rng)
+    objects = [_with_plan(o, plans[o.id]) if o.type == "CounterTop" else o for o in objects]
     placed = [_place(o, objects, plans.get(o.id, []), shell, style) for o in objects]
     x0, y0, x1, y1 = shell.bounds
     ceiling = shell.floor_z + shell.height
     lamp = ((x0 + x1) / 2, (y0 + y1) / 2, ceiling - 0.15)
-    scene = Scene(
-        name, room_type, shell.bounds, shell.floor_z, shell.height, (lamp,), tuple(structure), tuple(placed)
-    )
+    scene = Scene(name, room_type, shell.bounds, shell.floor_z, shell.height, (lamp,), tuple(structure), tuple(placed))
     return supported(scene, shell, finish)
 
 
@@ -105,12 +156,14 @@ class _Style:
         self.rng = np.random.default_rng([zlib.crc32(scene.encode()), 1])
         self.suite_seed = int(self.rng.integers(1 << 16))
 
-    def choose(self, o: RecordedObject) -> tuple[int, int]:
-        """Variant and seed of an object."""
-        key = o.type if o.type in SUITES else o.id
+    def choose(self, o: RecordedObject, *, is_built_in: bool) -> tuple[int, int]:
+        """Variant and seed of an object; what is built into a piece of furniture is plain."""
+        key = SUITE_OF.get(o.type, o.type) if o.type in SUITES else o.id
         rng = np.random.default_rng([zlib.crc32(self.scene.encode()), zlib.crc32(key.encode())])
         variant = int(rng.integers(variant_count(o.type)))
         seed = int(rng.integers(1 << 16))
+        if o.type == "Shelf" and is_built_in:
+            variant = 0
         if o.type == "Cabinet":  # even variants hinge left, odd ones right; the recorded pivot is the hinge
             right = float((o.pivot - o.centre) @ o.rotation[:, 0]) > 0
             variant = variant - variant % 2 + int(right)
@@ -138,6 +191,14 @@ def _replaced(o: RecordedObject, centre: F64, size: F64, rotation: F64) -> Recor
     return replace(o, centre=centre, size=size, rotation=rotation)
 
 
+def _with_plan(counter: RecordedObject, plan: Sequence[Rect]) -> RecordedObject:
+    """A worktop with the box of its true plan."""
+    low, high = counter.low.copy(), counter.high.copy()
+    low[:2], high[:2] = np.min([rect[:2] for rect in plan], axis=0), np.max([rect[2:] for rect in plan], axis=0)
+    size = np.abs(counter.rotation.T) @ (high - low)
+    return replace(counter, low=low, high=high, centre=(low + high) / 2, size=size)
+
+
 def _at_floor_level(floor: RecordedObject, floor_z: float) -> RecordedObject:
     """The floor with its surface where things stand; in some rooms its recorded box ends a little above or below."""
     high = floor.high.copy()
@@ -150,7 +211,7 @@ def _at_floor_level(floor: RecordedObject, floor_z: float) -> RecordedObject:
 def _place(
     o: RecordedObject, objects: Sequence[RecordedObject], plan: Sequence[Rect], shell: RoomShell, style: _Style
 ) -> SceneObject:
-    variant, seed = style.choose(o)
+    variant, seed = style.choose(o, is_built_in=host_of(o, objects) is not None)
     size = np.maximum(o.size, MIN_SIZE_M) if o.size.min() < FLAT_M and not o.pickupable else o.size
     guests = [_in_frame(guest, o) for guest in _guests(o, objects)]
     spec = AssetSpec(

@@ -11,15 +11,43 @@ from remqa_data.assets.model import F64, Rect
 from remqa_data.generators.floorplans.table import RecordedObject, axes_facing
 
 ON_WALLS = frozenset(
-    "Blinds Curtains HandTowel HandTowelHolder LightSwitch Mirror Painting Poster Towel TowelHolder "
-    "ToiletPaperHanger Window".split()
+    [
+        "Blinds",
+        "Curtains",
+        "HandTowel",
+        "HandTowelHolder",
+        "LightSwitch",
+        "Mirror",
+        "Painting",
+        "Poster",
+        "Towel",
+        "TowelHolder",
+        "ToiletPaperHanger",
+        "Window",
+    ]
 )
 """Types that hang on a wall: their back is the wall."""
 IN_WALLS = frozenset({"Window", "Curtains", "Blinds"})
 """Types whose recorded box reaches into or through the wall."""
 BACKED = frozenset(
-    "Bed Bathtub BathtubBasin Desk Dresser Faucet Safe Shelf ShelvingUnit ShowerHead SideTable Sink SinkBasin Sofa "
-    "Toilet TVStand".split()
+    [
+        "Bed",
+        "Bathtub",
+        "BathtubBasin",
+        "Desk",
+        "Dresser",
+        "Faucet",
+        "Safe",
+        "Shelf",
+        "ShelvingUnit",
+        "ShowerHead",
+        "SideTable",
+        "Sink",
+        "SinkBasin",
+        "Sofa",
+        "Toilet",
+        "TVStand",
+    ]
 )
 """Furniture that stands with its back to a wall when it stands at one."""
 IN_FURNITURE = ("Drawer", "Cabinet", "Shelf")
@@ -114,8 +142,8 @@ def _hangs_at(o: RecordedObject, axis: int, sign: int, reach: float) -> bool:
     return o.type in ON_WALLS and flat and reach - sign * _outer_face(o, axis, sign) < 0.20
 
 
-def facing_right(objects: Sequence[RecordedObject], shell: RoomShell) -> list[RecordedObject]:
-    """The same objects, each facing the way that the room makes plain.
+def facing_right(objects: Sequence[RecordedObject], shell: RoomShell, worktops: Sequence[Rect]) -> list[RecordedObject]:
+    """The same objects, each facing the way that the room makes plain; `worktops` are the plans of the counters.
 
     Things on walls face away from the wall, beds have their head where the recording has its foot, furniture at a wall
     does not face the wall, and doors of cabinets and fronts of drawers face free floor.
@@ -129,7 +157,7 @@ def facing_right(objects: Sequence[RecordedObject], shell: RoomShell) -> list[Re
         elif o.type == "Bed":
             front = -front
         elif o.type in ("Cabinet", "Drawer"):
-            front = _towards_free_floor(o, blockers, shell)
+            front = _towards_free_floor(o, blockers, shell, worktops)
         elif o.type in BACKED:
             front = _not_into_wall(o, shell)
         turned.append(_turned(o, front))
@@ -168,19 +196,29 @@ def _not_into_wall(o: RecordedObject, shell: RoomShell) -> F64:
     return o.front
 
 
-def _towards_free_floor(o: RecordedObject, blockers: Sequence[RecordedObject], shell: RoomShell) -> F64:
-    """Front of a cabinet or drawer: free floor before it, a wall or other furniture behind, its hinge at that side."""
-    host = _host(o, blockers)
+def _towards_free_floor(
+    o: RecordedObject, blockers: Sequence[RecordedObject], shell: RoomShell, worktops: Sequence[Rect]
+) -> F64:
+    """Front of a cabinet or drawer: room to open it, floor to stand on before it, a wall or furniture behind it.
+
+    The recorded yaw, the hinge (which is at the front, at one end of it), the front of the piece of furniture that it is
+    built into and the longer side count too.
+    """
+    host = host_of(o, blockers)
     half = (o.high - o.low) / 2
     middle = (o.high + o.low) / 2
+    on_floor = o.low[2] < shell.floor_z + 1.2
     score: dict[str, float] = {}
     for side, inward in SIDES.items():
         axis = int(np.abs(inward).argmax())
-        total = 1.5 * _freedom(o, inward, 0.45, blockers, host, shell)
-        total += 0.5 * (1 - _freedom(o, -inward, 0.15, blockers, host, shell))
+        free = _freedom(o, inward, (0.05, 0.45), blockers, host, shell)
+        total = 1.5 * free
+        total += 0.5 * (1 - _freedom(o, -inward, (0.02, 0.15), blockers, host, shell))
         total += 0.4 * float(o.front @ inward > 0.9)
-        if half[axis] > 1e-6:  # the pivot of a door is at the front, at one end of it
-            total += 0.5 * float(np.clip((o.pivot - middle)[axis] / half[axis] * inward[axis], -1, 1))
+        total += 0.3 * float(half[1 - axis] > 1.3 * half[axis])
+        total += 0.5 * float(np.clip((o.pivot - middle)[axis] / max(half[axis], 1e-6) * inward[axis], -1, 1))
+        if on_floor:
+            total += 1.5 * _freedom(o, inward, (0.30, 0.80), blockers, host, shell, worktops)
         if host is not None:
             edge = (host.high if inward[axis] > 0 else host.low)[axis]
             face = (o.high if inward[axis] > 0 else o.low)[axis]
@@ -189,7 +227,7 @@ def _towards_free_floor(o: RecordedObject, blockers: Sequence[RecordedObject], s
     return SIDES[max(score, key=lambda side: score[side])]
 
 
-def _host(o: RecordedObject, blockers: Sequence[RecordedObject]) -> RecordedObject | None:
+def host_of(o: RecordedObject, blockers: Sequence[RecordedObject]) -> RecordedObject | None:
     """The piece of furniture whose box contains an object's centre, if any."""
     middle = (o.low + o.high) / 2
     hosts = [
@@ -204,36 +242,40 @@ def _host(o: RecordedObject, blockers: Sequence[RecordedObject]) -> RecordedObje
     return min(hosts, key=lambda b: float(np.prod(b.high - b.low)), default=None)
 
 
-HOSTS = frozenset("Desk Dresser SideTable TVStand CoffeeTable DiningTable ShelvingUnit Bed Cabinet".split())
+HOSTS = frozenset(
+    ["Desk", "Dresser", "SideTable", "TVStand", "CoffeeTable", "DiningTable", "ShelvingUnit", "Bed", "Cabinet"]
+)
 """Furniture that may contain drawers, shelves and cabinets recorded as objects of their own."""
 
 
 def _freedom(
     o: RecordedObject,
     direction: F64,
-    reach: float,
+    reach: tuple[float, float],
     blockers: Sequence[RecordedObject],
     host: RecordedObject | None,
     shell: RoomShell,
+    worktops: Sequence[Rect] = (),
 ) -> float:
-    """Share of the room before one side of a box, up to a distance, that is neither wall nor furniture."""
+    """Share of the room before one side of a box, between two distances, that is neither wall, furniture nor worktop."""
     axis = int(np.abs(direction).argmax())
     across = 1 - axis
     x0, y0, x1, y1 = shell.bounds
     face = (o.high if direction[axis] > 0 else o.low)[axis]
     free = 0
-    samples = [(a, b) for a in (0.2, 0.5, 0.8) for b in (0.15, 0.4, 0.65, 0.9)]
+    samples = [(a, b) for a in (0.2, 0.5, 0.8) for b in np.linspace(*reach, 4)]
     for a, b in samples:
         point = np.zeros(3)
-        point[axis] = face + direction[axis] * b * reach
+        point[axis] = face + direction[axis] * b
         point[across] = o.low[across] + a * (o.high - o.low)[across]
+        point[2] = (o.low[2] + o.high[2]) / 2
         if not (x0 < point[0] < x1 and y0 < point[1] < y1):
             continue
-        point[2] = (o.low[2] + o.high[2]) / 2
-        hit = any(
+        if any(r[0] < point[0] < r[2] and r[1] < point[1] < r[3] for r in worktops):
+            continue
+        free += not any(
             np.all(point > other.low) and np.all(point < other.high)
             for other in blockers
             if other is not o and other is not host and other.type != "CounterTop"
         )
-        free += not hit
     return free / len(samples)

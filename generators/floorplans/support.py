@@ -1,5 +1,6 @@
 """Sees to it that everything loose rests on something: recorded heights are off by millimetres, and some rooms' mantels
-and ledges were not recorded at all."""
+and ledges were not recorded at all.
+"""
 
 from __future__ import annotations
 

@@ -62,6 +62,10 @@ def wine_bottle(b: Builder) -> None:
     side = [(0.985 * r, 0.02 * h), *rounded(_scaled(shoulder, r, h)), (shoulder[-1][0] * r, top[0][1])]
     turned(b, [(glass, [(0.0, 0.0), (0.92 * r, 0.0), *side]), (foil, top)], sections=18)
     _paper_label(b, side, low * h, high * h, share=0.45)
+    if b.variant == 1:
+        _paper_label(b, side, 0.62 * h, 0.67 * h, share=0.35)
+    elif b.variant == 2:
+        sticker(b, foil, [(radius_at(side, z * h), z * h) for z in (0.40, 0.42)], share=1.0, sections=18)
     _bottle_solids(b, r, h, 0.65)
     b.looks_like(glass)
 

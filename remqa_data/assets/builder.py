@@ -246,9 +246,7 @@ class Builder:
                     height / 2,
                 )
                 if round_:
-                    self.cylinder(
-                        thickness / 2 * taper, height, at, material, top_radius=thickness / 2, sections=10
-                    )
+                    self.cylinder(thickness / 2 * taper, height, at, material, top_radius=thickness / 2, sections=10)
                 elif taper == 1.0:
                     self.box((thickness, thickness, height), at, material)
                 else:
@@ -258,17 +256,38 @@ class Builder:
                     self.add(_frustum(foot * root2, top * root2, height), material, at, solid=True, grain="z")
 
     def handle(
-        self, at: Vec3, length: float, material: Material, *, axis: Axis = "x", reach: float = 0.028, radius: float = 0.005
+        self,
+        at: Vec3,
+        length: float,
+        material: Material,
+        *,
+        axis: Axis = "x",
+        reach: float = 0.028,
+        radius: float = 0.005,
     ) -> None:
         """Draw a bar handle on a front that faces -y: the point is on the front's surface."""
         along = primitives.AXES[axis] * length / 2
         out = np.array([0.0, -(reach - radius), 0.0])
-        path = [-along, -along * 0.98 + out * 0.8, -along * 0.9 + out, along * 0.9 + out, along * 0.98 + out * 0.8, along]
+        path = [
+            -along,
+            -along * 0.98 + out * 0.8,
+            -along * 0.9 + out,
+            along * 0.9 + out,
+            along * 0.98 + out * 0.8,
+            along,
+        ]
         self.add(primitives.tube(np.array(path), radius, 6), material, at)
 
     def knob(self, at: Vec3, radius: float, material: Material, *, reach: float = 0.025) -> None:
         """Draw a round knob on a front that faces -y: the point is on the front's surface."""
-        profile = [(0, 0), (radius * 0.45, 0), (radius * 0.4, reach * 0.45), (radius, reach * 0.65), (radius * 0.8, reach), (0, reach)]
+        profile = [
+            (0, 0),
+            (radius * 0.45, 0),
+            (radius * 0.4, reach * 0.45),
+            (radius, reach * 0.65),
+            (radius * 0.8, reach),
+            (0, reach),
+        ]
         self.add(primitives.revolve(profile, 10).pointed("-y"), material, at)
 
     def vessel(

@@ -9,22 +9,13 @@ from remqa_data.assets.builder import Builder
 from remqa_data.assets.kind import Kind
 from remqa_data.assets.materials import paint
 from remqa_data.assets.model import F64, Material, Vec3
+from remqa_data.assets.tableware import ENAMELS
 from remqa_data.assets.turnery import Piece, Profile, loop, radius_at, rod, rounded, turned, turned_vessel
 
 NONSTICK = Material("metal", "black", (0.12, 0.12, 0.13), gloss=0.3)
 CAST_IRON = Material("metal", "black", (0.19, 0.19, 0.20), gloss=0.15)
 ALUMINIUM = Material("metal", "gray", (0.80, 0.80, 0.81), gloss=0.5)
 INSIDE = Material("metal", "gray", (0.36, 0.37, 0.39), gloss=0.2)
-ENAMELS = tuple(
-    Material("metal", color, rgb, gloss=0.55)
-    for color, rgb in (
-        ("red", (0.72, 0.16, 0.14)),
-        ("blue", (0.18, 0.34, 0.55)),
-        ("green", (0.30, 0.50, 0.42)),
-        ("orange", (0.88, 0.45, 0.15)),
-        ("white", (0.93, 0.93, 0.90)),
-    )
-)
 BAKELITE = paint("black", gloss=0.35)
 
 
@@ -85,8 +76,9 @@ def pan(b: Builder) -> None:
                 (enamel, materials.tinted(NONSTICK, 1.7), b.pick((materials.OAK, materials.WALNUT))),
             )
         )
-        diagonal = b.w > 0.8 * b.d
-        r = 0.36 * min(b.w, b.d) if diagonal else min(b.w, b.d - b.by_variant((0.15, 0.15, 0.11, 0.15))) / 2
+        straight = b.d - b.by_variant((0.15, 0.15, 0.11, 0.15))
+        diagonal = straight < 0.85 * b.w
+        r = 0.36 * b.w if diagonal else min(b.w, straight) / 2
         x, y = (b.w / 2 - r, b.d / 2 - r) if diagonal else (0.0, b.d / 2 - r)
         depth = b.h * b.by_variant((0.75, 0.8, 0.94, 0.8))
         foot, wall = b.by_variant(((0.66, 0.004), (0.76, 0.003), (0.92, 0.007), (0.78, 0.004)))
@@ -127,8 +119,8 @@ def kettle(b: Builder) -> None:
     grip = b.by_variant((materials.WALNUT, BAKELITE, BAKELITE, b.pick((BAKELITE, materials.OAK))))
     bow = b.variant in (0, 2)
     r = min(b.w, b.d) * b.by_variant((0.43, 0.42, 0.43, 0.38))
-    top = b.h * (0.60 if bow else 0.88)
-    mouth = min(0.5 * (b.h - top) - 0.004, 0.5 * r) if bow else 0.62 * r
+    top = b.h * (0.58 if bow else 0.88)
+    mouth = min(0.42 * (b.h - top) - 0.004, 0.5 * r) if bow else 0.62 * r  # the open lid passes under the bow
     shape = b.by_variant(
         (
             [(0.80, 0.0), (0.98, 0.10), (1.0, 0.40), (0.95, 0.70), (0.70, 0.95)],
@@ -148,7 +140,7 @@ def kettle(b: Builder) -> None:
     _kettle_body(b, (x, y, 0), side, mouth, top, metal)
     _spout(b, (x, y, 0), side, forward, reach, top, metal)
     if bow:
-        _bow(b, (x, y, 0), side, forward, top, grip)
+        _bow(b, (x, y, 0), side, top, grip)
     else:
         _kettle_handle(b, (x, y, 0), side, -forward, float(np.linalg.norm(corner + at)) - 0.004, top, grip)
     _kettle_lid(b, (x, y, top), mouth, min(0.6 * (b.h - top), 0.03) if bow else b.h - top, metal, grip)
@@ -219,10 +211,10 @@ def _kettle_body(b: Builder, at: Vec3, side: Profile, mouth: float, top: float, 
     b.space("inside", (width, width, top - floor), (at[0], at[1], (top + floor) / 2), enclosed=True)
 
 
-def _bow(b: Builder, at: Vec3, side: Profile, forward: F64, top: float, grip: Material) -> None:
-    """A handle that arches over the lid of a kettle, in line with the spout, up to the top of the box."""
+def _bow(b: Builder, at: Vec3, side: Profile, top: float, grip: Material) -> None:
+    """A handle that arches over the lid of a kettle, along the lid's hinge, up to the top of the box."""
     wide, foot = 0.80 * radius_at(side, 0.8 * top), 0.86 * top
-    start, end = ((*(forward * wide * s), foot) for s in (-1, 1))
+    start, end = ((wide * s, 0.0, foot) for s in (-1, 1))
     arch = loop(start, end, (0, 0, b.h - 0.006 - foot), power=b.by_variant((2.4, 2.0, 4.0, 2.0)), count=11)
     b.add(primitives.tube(arch[:4], 0.004, 6), materials.CHROME, at)
     b.add(primitives.tube(arch[-4:], 0.004, 6), materials.CHROME, at)

@@ -103,8 +103,8 @@ def _arc(b: Builder, metal: Material, pipe: float, y: float) -> None:
             sections=12,
             solid=False,
         )
-        for z in np.linspace(0.36 * b.h, b.h - pipe - rise, 9):
-            b.cylinder(1.35 * pipe, 0.006, (0, y, float(z)), metal, sections=10, solid=False)
+        for z in np.linspace(0.36 * b.h, b.h - pipe - rise, 7):
+            b.cylinder(1.35 * pipe, 0.006, (0, y, float(z)), metal, sections=8, solid=False)
     else:
         b.cylinder(1.35 * pipe, 0.02, (0, tip, end + 0.008), metal, sections=12, solid=False)
 

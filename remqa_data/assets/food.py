@@ -109,9 +109,10 @@ def tomato(b: Builder) -> None:
         ]
     ribs, count = b.by_variant(((0.01, 5), (0.09, 7), (0.03, 6), (0.012, 5)))
     p.add(_lobed(rounded(shape), (p.w / 2, p.d / 2, top), ribs, count), skin)
-    for i in range(6):
+    sepals = b.by_variant((6, 7, 5, 5))
+    for i in range(sepals):
         leaf = _leaf_blade(0.26 * p.w, 0.075 * p.w, -0.02 * p.w).turned(primitives.turn("y", 8))
-        p.add(leaf.turned(primitives.turn("z", 60 * i + 10)), LEAF, (0.0, 0.0, 0.955 * top + 0.002))
+        p.add(leaf.turned(primitives.turn("z", 360 / sepals * i + 10)), LEAF, (0.0, 0.0, 0.955 * top + 0.002))
     p.add(primitives.tube([(0, 0, 0.88 * top), (0, 0, top), (0.03 * p.w, 0, p.h)], [0.003, 0.002, 0.0028], 5), LEAF)
     if b.variant == 3:  # a piece of the vine
         p.add(
@@ -126,7 +127,7 @@ def egg(b: Builder) -> None:
     """An egg, lying: common; pointed; roundish; speckled."""
     p = Posed(b)
     white, brown, beige = EGGS
-    shell = b.pick(b.by_variant(((white,), (brown,), (beige, brown), (white, beige))))
+    shell = b.pick(b.by_variant(((white,), (brown,), (beige,), (white, beige))))
     blunt = b.by_variant((0.12, 0.22, 0.05, 0.14))
     t = np.linspace(-np.pi / 2, np.pi / 2, 11)
     profile = np.column_stack([np.cos(t) * (1 - blunt * np.sin(t)), np.sin(t)])
@@ -154,7 +155,7 @@ def potato(b: Builder) -> None:
     points = ((points - low) / (high - low) - 0.5) * [p.w, p.d, p.h]
     mesh = _smooth(Mesh(points, ball.normals, ball.faces))
     p.add(mesh, skin, (0, 0, p.h / 2))
-    _dots(b, p, mesh, materials.tinted(skin, 0.62), (0.009, 0.004, 0.0016), 10)
+    _dots(b, p, mesh, materials.tinted(skin, 0.62), (0.009, 0.004, 0.0016), b.by_variant((7, 9, 11, 14)))
     p.rest()
     b.looks_like(skin)
 
@@ -314,7 +315,7 @@ def _leaf_blade(length: float, width: float, lift: float) -> Mesh:
     """A pointed leaf along +x that rises (or droops) towards its tip."""
     t = np.linspace(0, 1, 5)
     u, v = np.meshgrid(t, np.array([-1.0, 0.0, 1.0]), indexing="ij")
-    half = np.sin(np.pi * u**0.8) * width / 2
+    half = np.maximum(np.sin(np.pi * u**0.8), 0.08) * width / 2
     return _open_sheet(u * length, v * half, lift * u**1.5 + 0.15 * np.abs(v) * half)
 
 

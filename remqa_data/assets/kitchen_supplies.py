@@ -186,8 +186,8 @@ def _shaker(
         full = [point for point in fine if point[1] < level]
         rest = [point for point in fine if point[1] >= level]
         at_level = (radius_at(fine, level), level)
-        turned(b, [(body, [(0, 0), *full, at_level]), (glass, rest)], sections=18, power=power)
-        turned(b, [(cap, [rest[-1], *lid])], sections=18)
+        turned(b, [(body, [(0, 0), *full, at_level]), (glass, [*rest, (0.0, rest[-1][1])])], sections=18, power=power)
+        turned(b, [(cap, lid if b.variant == 3 else [rest[-1], *lid])], sections=18)
     elif b.variant == 1:
         turned(b, [(body, [(0, 0), *fine]), (cap, lid)], sections=18)
     else:
@@ -197,16 +197,19 @@ def _shaker(
         for i in range(5):
             x, y = 0.22 * r * np.cos(1.26 * i), 0.22 * r * np.sin(1.26 * i)
             b.cylinder(0.0014, 0.002, (x, y, h - 0.0006), materials.SHADOW_GAP, sections=6, solid=False)
-    size, z = b.by_variant(((0.62, 0.28), (0.74, 0.30), (0.60, 0.12), (0.80, 0.30)))
+    size, z = b.by_variant(((0.62, 0.28), (0.74, 0.30), (0.50, 0.14), (0.80, 0.30)))
     size = min(size * r, 0.22 * h)
     for stroke in letter:
+        corners = np.array(stroke)
+        dense = np.linspace(0, len(corners) - 1, 2 * len(corners) - 1)
         path = []
-        for u, v in stroke:
+        for t in dense:
+            u, v = (float(np.interp(t, np.arange(len(corners)), corners[:, i])) for i in (0, 1))
             px, pz = u * size, z * h + v * size * 1.2
             radius = radius_at(fine, pz) * (1.0 if power == 2.0 else 1.05)
             py = -np.sqrt(max(radius**2 - px**2, 0.0)) if power == 2.0 else -radius / 1.05 + 0.001
             path.append((px, py, pz))
-        b.add(primitives.tube(path, 0.085 * size + 0.0004, 5), ink)
+        b.add(primitives.tube(path, 0.085 * size + 0.0004, 4), ink)
     b.solid((1.5 * r, 1.5 * r, h), (0, 0, h / 2))
     b.looks_like(body)
 

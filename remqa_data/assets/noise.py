@@ -62,7 +62,8 @@ def shift(image: F64, dx: F64, dy: F64) -> F64:
     size = len(image)
     columns = np.floor((X + dx) * size).astype(np.int64) % size
     rows = np.floor((Y + dy) * size).astype(np.int64) % size
-    return image[rows, columns]
+    moved: F64 = image[rows, columns]
+    return moved
 
 
 def smoothstep(low: float, high: float, value: F64) -> F64:

@@ -194,9 +194,7 @@ def revolve(profile: Points2, sections: int = 20, crease_deg: float = 40.0) -> M
         ):
             rings_v.append(np.column_stack([r * around, np.full(count, z)]))
             rings_n.append(np.column_stack([nr * around, np.full(count, nz)]))
-            rings_uv.append(
-                np.column_stack([angles / (2 * np.pi), np.full(count, 1 - at / max(length[-1], 1e-9))])
-            )
+            rings_uv.append(np.column_stack([angles / (2 * np.pi), np.full(count, 1 - at / max(length[-1], 1e-9))]))
         base = 2 * i * count
         j = np.arange(sections)
         a, b = base + j, base + j + 1

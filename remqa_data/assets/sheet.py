@@ -68,9 +68,7 @@ def sheet(type_: str, columns: int = 4) -> U8:
     """The contact sheet of one type: columns are variants, rows closed and (if it opens) half open and open."""
     count = variant_count(type_)
     size = typical_size(type_)
-    assets = [
-        build(AssetSpec(type_, _varied(size, i, type_), i % count, seed=i)) for i in range(max(columns, count))
-    ]
+    assets = [build(AssetSpec(type_, _varied(size, i, type_), i % count, seed=i)) for i in range(max(columns, count))]
     rows = [[picture(asset, openness) for asset in assets] for openness in _opennesses(assets[0])]
     body = np.vstack([np.hstack(row) for row in rows])
     title = np.full((28, body.shape[1], 3), 255, np.uint8)
@@ -85,7 +83,7 @@ def picture(asset: Asset, openness: float = 0.0, size_px: int = TILE_PX) -> U8:
     from remqa_data.sim.camera import Camera
     from remqa_data.sim.renderer import Part, Renderer
 
-    closed, opened = asset.bounds(), asset.bounds(openness)
+    closed, opened = asset.bounds(), asset.bounds(1.0)  # one frame for all openings, so that what moves is seen to move
     low, high = np.minimum(closed[0], opened[0]), np.maximum(closed[1], opened[1])
     centre, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
     yaw, pitch = np.radians(FRONT_YAW_DEG), np.radians(DOWN_DEG)

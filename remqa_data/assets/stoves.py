@@ -108,18 +108,12 @@ def _coil(b: Builder, radius: float, stretch: tuple[float, float, float]) -> Non
         (0.8 * radius, 0.12 * b.h),
         (0, 0.1 * b.h),
     ]
-    b.add(primitives.revolve(pan, 24).scaled(stretch), materials.CHROME)
+    b.add(primitives.revolve(pan, 20).scaled(stretch), materials.CHROME)
     t = 0.095 * radius
     for at in (0.86, 0.58, 0.3):
         r = at * radius
-        turn = [
-            (r - t, 0.6 * b.h),
-            (r - t * 0.6, 0.45 * b.h),
-            (r + t * 0.6, 0.45 * b.h),
-            (r + t, 0.6 * b.h),
-            (r + t, 0.9 * b.h),
-        ]
-        b.add(primitives.revolve([*turn, (r, b.h), (r - t, 0.9 * b.h), turn[0]], 20).scaled(stretch), CAST_IRON)
+        turn = [(r - t, 0.5 * b.h), (r + t, 0.5 * b.h), (r + t, 0.85 * b.h), (r, b.h), (r - t, 0.85 * b.h)]
+        b.add(primitives.revolve([*turn, turn[0]], 18).scaled(stretch), CAST_IRON)
     for sign in (-1, 1):
         b.box(
             (1.8 * radius, 0.004, 0.2 * b.h),

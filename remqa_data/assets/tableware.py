@@ -57,16 +57,21 @@ def plate(b: Builder) -> None:
     )
     rim = b.by_variant((color, color, materials.tinted(body, 0.65), materials.tinted(body, 0.85)))
     well, slope_to, line = b.by_variant(
-        ((0.60, 0.68, 0.93), (0.58, 0.65, 0.72), (0.86, 0.94, 0.955), (0.66, 0.74, 0.96))
+        ((0.60, 0.68, 0.93), (0.58, 0.65, 0.72), (0.86, 0.94, 0.955), (0.66, 0.74, 0.965))
     )
     floor = min(0.006, 0.35 * h)
-    slope_z = floor + (h - floor) * b.by_variant((0.5, 0.5, 0.5, 0.5))
-    line_z = float(np.interp(line, (slope_to, 1.0), (slope_z, h)))
+    slope_z = (floor + h) / 2
+    edge, edge_z, line_z = 0.975, *(float(np.interp(t, (slope_to, 1.0), (slope_z, h))) for t in (0.975, line))
     below: Profile = [(0.0, 0.0), (0.58 * r, 0.0), (0.62 * r, 0.002), (0.985 * r, h - 0.004), (r, h - 0.002)]
     above: Profile = [(slope_to * r, slope_z), (well * r, floor), (0.0, floor)]
     turned(
         b,
-        [(body, below), (rim, [(0.995 * r, h), (line * r, line_z)]), (body, above)],
+        [
+            (body, below),
+            (body if b.variant == 1 else rim, [(0.995 * r, h), (edge * r, edge_z)]),
+            (rim, [(line * r, line_z)]),
+            (body, above),
+        ],
         sections=28,
         power=b.by_variant((2, 2, 2, 5)),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import groupby
 
 import numpy as np
@@ -166,8 +165,3 @@ def rod(stations: Sequence[Station], sides: int = 8, power: float = 2.0) -> Mesh
         for y, width, thickness, z in stations
     ]
     return primitives.loft(rings)
-
-
-def glossy(material: Material, gloss: float) -> Material:
-    """The same material with another gloss."""
-    return replace(material, gloss=gloss)

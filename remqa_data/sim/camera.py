@@ -40,7 +40,8 @@ class View(NamedTuple):
     @classmethod
     def of(cls, eye: npt.ArrayLike, axes: F64, *, pinhole: bool, width: int, height: int) -> View:
         """A view with its inverse."""
-        return cls(np.array(eye, dtype=np.float64), axes, np.linalg.inv(axes), pinhole, width, height)
+        inverse = np.linalg.inv(axes).astype(np.float64)
+        return cls(np.array(eye, dtype=np.float64), axes, inverse, pinhole, width, height)
 
 
 class AnyCamera(Protocol):

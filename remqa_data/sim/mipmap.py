@@ -39,8 +39,8 @@ CLAMPED = 1 << 12
 def pack(textures: Sequence[U8]) -> I32:
     """Join (256, 256, 3) pictures, whose first row is their top, v = 0, in the form `apply_textures` reads.
 
-    Texels are packed red | green << 8 | blue << 16. The pictures get the numbers 1, 2, ...; number 0 is plain white, for
-    surfaces without a texture.
+    Texels are packed red | green << 8 | blue << 16. The pictures get the numbers 1, 2, ...; number 0 is plain white,
+    for surfaces without a texture.
     """
     white = np.full((1 << SIZE_BITS, 1 << SIZE_BITS, 3), 255, dtype=np.uint8)
     return np.concatenate([_levels(texture) for texture in (white, *textures)])
@@ -80,10 +80,10 @@ def apply_textures(texels: I32, sheet: F32, fetches: I32, count: int) -> None:
         How many pixels.
     """
     _find_texels(sheet, fetches, count)
-    for corner in range(8):
-        row = corner * BLOCK_PX
-        for i in range(count):
-            fetches[row + i] = texels[np.uint32(fetches[row + i])]
+    for i in range(min(count, BLOCK_PX)):
+        for corner in range(8):
+            at = ADDRESS + corner * BLOCK_PX + i
+            fetches[at] = texels[np.uint32(fetches[at])]
     _blend_texels(sheet, fetches, count)
 
 
@@ -91,7 +91,7 @@ def apply_textures(texels: I32, sheet: F32, fetches: I32, count: int) -> None:
 def _find_texels(sheet: F32, fetches: I32, count: int) -> None:
     sheet_bits = sheet.view(np.int32)
     one, byte = np.int32(1), np.int32(255)
-    for i in range(count):
+    for i in range(min(count, BLOCK_PX)):
         # A float's bits are 2 ** 23 times its base-2 logarithm, nearly; half of that undoes the square.
         log_stretch = np.float32(sheet_bits[STRETCH + i]) * np.float32(0.5 / (1 << 23))
         level = log_stretch + np.float32(SIZE_BITS + _BIAS - 0.5 * 127)
@@ -114,9 +114,9 @@ def _find_texels(sheet: F32, fetches: I32, count: int) -> None:
             fetches[ALONG + step * BLOCK_PX + i] = y & byte
             x, y = np.int32(x >> np.int32(8)), np.int32(y >> np.int32(8))
             start = np.int32(base + np.int32(one << np.int32(bits + bits)))
+            x0, x1 = np.int32(x & mask), np.int32(np.int32(x + one) & mask)
             row0 = np.int32(start + np.int32(np.int32(y & mask) << bits))
             row1 = np.int32(start + np.int32(np.int32(np.int32(y + one) & mask) << bits))
-            x0, x1 = np.int32(x & mask), np.int32(np.int32(x + one) & mask)
             first = ADDRESS + 4 * step * BLOCK_PX + i
             fetches[first] = row0 + x0
             fetches[first + BLOCK_PX] = row0 + x1
@@ -136,7 +136,7 @@ def _blend_texels(sheet: F32, fetches: I32, count: int) -> None:
     eight, byte, whole = np.int32(8), np.int32(255), np.int32(256)
     pair = np.int32(0x00FF00FF)
     unit = np.float32(1.0 / 255.0)
-    for i in range(count):
+    for i in range(min(count, BLOCK_PX)):
         rb = np.int32(0)
         g = np.int32(0)
         far = fetches[COARSE + i]

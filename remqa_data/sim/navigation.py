@@ -32,6 +32,8 @@ SHOULDER_AHEAD_M = 0.15
 """The shoulder slides up and down a column (metres above the floor) that stands this far ahead of the agent's middle, so
 that the base, 0.20 m in radius, does not eat up the arm's reach; the agent turns to face what it reaches for."""
 CAMERA_HEIGHT_M = 1.576
+CROUCHED_CAMERA_HEIGHT_M = 0.901
+"""AI2-THOR's agent lowers its camera by 0.675 m when it crouches."""
 
 Cell = tuple[int, int]
 
@@ -92,11 +94,8 @@ def reachable_grid(world: World) -> ReachableGrid:
 
 def _part_nearest_to_most(world: World, parts: list[list[Cell]]) -> list[Cell]:
     """The part that is nearest to the largest number of objects; the largest such part."""
-    things = np.array([world.state(object_id).position[:2] for object_id in world.ids])
-    gaps = [
-        np.linalg.norm(things[:, None] - np.array(part)[None] * GRID_M, axis=2).min(axis=1)
-        for part in parts
-    ]
+    things = np.array([world.state(object_id).position[:2] for object_id in world.ids]).reshape(-1, 2)
+    gaps = [np.linalg.norm(things[:, None] - np.array(part)[None] * GRID_M, axis=2).min(axis=1) for part in parts]
     votes = np.bincount(np.argmin(gaps, axis=0), minlength=len(parts))
     return parts[int(votes.argmax())]
 

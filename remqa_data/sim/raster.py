@@ -26,12 +26,14 @@ FAR_M = 128.0
 """Greatest depth that a parallel projection shows."""
 _SLACK_PX = 1e-3
 """Bounding boxes are this much wider than their float32 corners say, so that rounding loses no pixel."""
+_SIDE_SLACK = 1e-9
+_FAR_AWAY = 1e30
 _SMALL_PX = 24
 """Bounding boxes up to this many pixels are tested pixel by pixel; larger ones row by row."""
 
 
 class Geometry(NamedTuple):
-    """All parts of a scene in flat arrays. Parts own ranges of vertices and of surfaces, surfaces own ranges of faces."""
+    """All parts of a scene in flat arrays. Parts own ranges of vertices and surfaces, surfaces own ranges of faces."""
 
     vertices: F32
     """(3, n) in the frame of the part."""
@@ -233,10 +235,10 @@ def _draw_faces(
         a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
         skip_back = cull and geometry.face_of_solid[face]
         x_least, x_most, y_least, y_most = face_bounds(image, a, b, c, skip_back, pinhole, half_width, half_height)
-        x_low = int(math.ceil(x_least + half_width - 0.5 - _SLACK_PX))
-        x_high = int(math.floor(x_most + half_width - 0.5 + _SLACK_PX))
-        y_low = int(math.ceil(y_least + half_height - 0.5 - _SLACK_PX))
-        y_high = int(math.floor(y_most + half_height - 0.5 + _SLACK_PX))
+        x_low = math.ceil(x_least + half_width - 0.5 - _SLACK_PX)
+        x_high = math.floor(x_most + half_width - 0.5 + _SLACK_PX)
+        y_low = math.ceil(y_least + half_height - 0.5 - _SLACK_PX)
+        y_high = math.floor(y_most + half_height - 0.5 + _SLACK_PX)
         if x_low > x_high or y_low > y_high:
             continue
         x_low, x_high, y_low, y_high = max(x_low, 0), min(x_high, width - 1), max(y_low, 0), min(y_high, height - 1)
@@ -257,20 +259,26 @@ def _draw_faces(
                             slot[row, column] = count
                             won = True
         else:
-            ia = 1.0 / ax if ax != 0.0 else 0.0
-            ib = 1.0 / bx if bx != 0.0 else 0.0
-            ic = 1.0 / cx if cx != 0.0 else 0.0
+            low_a, low_a_slope, high_a, high_a_slope = side(ax, ay, ac)
+            low_b, low_b_slope, high_b, high_b_slope = side(bx, by, bc)
+            low_c, low_c_slope, high_c, high_c_slope = side(cx, cy, cc)
+            # Sides that are exactly horizontal limit the rows; matters where the box is the whole image.
+            least_a, most_a = rows_of_side(ax, ay, ac)
+            least_b, most_b = rows_of_side(bx, by, bc)
+            least_c, most_c = rows_of_side(cx, cy, cc)
+            y_least, y_most = max(least_a, max(least_b, least_c)), min(most_a, min(most_b, most_c))
+            x_start, x_stop = x_low + 0.5 - half_width, x_high + 0.5 - half_width
             for row in range(y_low, y_high + 1):
                 y = row + 0.5 - half_height
-                low, high = x_low + 0.5 - half_width, x_high + 0.5 - half_width
-                low, high = clip_span(low, high, ax, ia, ay * y + ac)
-                low, high = clip_span(low, high, bx, ib, by * y + bc)
-                low, high = clip_span(low, high, cx, ic, cy * y + cc)
-                if low > high:
+                if y < y_least or y > y_most:
                     continue
+                low = max(max(x_start, low_a + low_a_slope * y), max(low_b + low_b_slope * y, low_c + low_c_slope * y))
+                high = min(
+                    min(x_stop, high_a + high_a_slope * y), min(high_b + high_b_slope * y, high_c + high_c_slope * y)
+                )
                 rk = ky * y + kc
-                first = int(math.ceil(low + half_width - 0.5))
-                last = int(math.floor(high + half_width - 0.5))
+                first = math.ceil(low + half_width - 0.5)
+                last = math.floor(high + half_width - 0.5)
                 for column in range(first, last + 1):
                     value = np.float32(kx * (column + 0.5 - half_width) + rk)
                     if value > key[row, column] and value <= near_key:
@@ -293,13 +301,13 @@ def face_bounds(
 ) -> tuple[float, float, float, float]:
     """Least and greatest x and y of what the image shows of a face, in pixels from the image centre.
 
-    The whole image where the face crosses the near plane; least > greatest where it cannot be seen.
+    Least > greatest where it cannot be seen.
     """
     depth_a, depth_b, depth_c = image[2, a], image[2, b], image[2, c]
     if pinhole and min(depth_a, min(depth_b, depth_c)) < NEAR_M:
         if max(depth_a, max(depth_b, depth_c)) < NEAR_M:
             return 1.0, -1.0, 1.0, -1.0
-        return -half_width, half_width, -half_height, half_height
+        return _clipped_bounds(image, a, b, c, half_width, half_height)
     xa, ya, xb, yb, xc, yc = image[3, a], image[4, a], image[3, b], image[4, b], image[3, c], image[4, c]
     # y points down, so a face that is counter-clockwise to the viewer has a negative area here.
     if skip_back and (xb - xa) * (yc - ya) - (xc - xa) * (yb - ya) >= 0.0:
@@ -309,6 +317,35 @@ def face_bounds(
         min(max(xa, max(xb, xc)), half_width),
         max(min(ya, min(yb, yc)), -half_height),
         min(max(ya, max(yb, yc)), half_height),
+    )
+
+
+@exact
+def _clipped_bounds(
+    image: F32, a: int, b: int, c: int, half_width: float, half_height: float
+) -> tuple[float, float, float, float]:
+    """Bounds of the part of a face that lies behind the near plane, as seen from the eye."""
+    x_least, x_most, y_least, y_most = _FAR_AWAY, -_FAR_AWAY, _FAR_AWAY, -_FAR_AWAY
+    start, end, other = a, b, c
+    for _ in range(3):
+        from_near, to_near = image[2, start] - NEAR_M, image[2, end] - NEAR_M
+        if from_near >= 0.0:
+            x, y = np.float64(image[3, start]), np.float64(image[4, start])
+            x_least, x_most, y_least, y_most = min(x_least, x), max(x_most, x), min(y_least, y), max(y_most, y)
+        if (from_near >= 0.0) != (to_near >= 0.0):
+            t = from_near / (from_near - to_near)
+            x = (image[0, start] + t * (image[0, end] - image[0, start])) / NEAR_M
+            y = (image[1, start] + t * (image[1, end] - image[1, start])) / NEAR_M
+            x_least, x_most, y_least, y_most = min(x_least, x), max(x_most, x), min(y_least, y), max(y_most, y)
+        start, end, other = end, other, start
+    # Rounding grows with the division by the near distance.
+    size = max(max(abs(x_least), abs(x_most)), max(abs(y_least), abs(y_most)))
+    slack = 1e-5 * (half_width + half_height + min(size, 1e6))
+    return (
+        max(x_least - slack, -half_width),
+        min(x_most + slack, half_width),
+        max(y_least - slack, -half_height),
+        min(y_most + slack, half_height),
     )
 
 
@@ -348,12 +385,26 @@ def edge_functions(
 
 
 @exact
-def clip_span(low: float, high: float, slope: float, inverse: float, constant: float) -> tuple[float, float]:
-    """Keep the part of [low, high] where slope * x + constant >= 0, widened by rounding."""
+def side(slope: float, down: float, constant: float) -> tuple[float, float, float, float]:
+    """Where a row meets the half plane slope * x + down * y + constant >= 0.
+
+    Least x and its change with y, then greatest x and its change with y; one of the two is infinite. Widened by more
+    than rounding. For a horizontal side see `rows_of_side`.
+    """
     if slope > 0.0:
-        return max(low, -constant * inverse - 1e-9), high
+        return -constant / slope - _SIDE_SLACK, -down / slope, _FAR_AWAY, 0.0
     if slope < 0.0:
-        return low, min(high, -constant * inverse + 1e-9)
-    if constant < 0.0:
-        return 1.0, 0.0
-    return low, high
+        return -_FAR_AWAY, 0.0, -constant / slope + _SIDE_SLACK, -down / slope
+    return -_FAR_AWAY, 0.0, _FAR_AWAY, 0.0
+
+
+@exact
+def rows_of_side(slope: float, down: float, constant: float) -> tuple[float, float]:
+    """Least and greatest y where the half plane slope * x + down * y + constant >= 0 is met, if it is horizontal."""
+    if slope != 0.0:
+        return -_FAR_AWAY, _FAR_AWAY
+    if down > 0.0:
+        return -constant / down - _SIDE_SLACK, _FAR_AWAY
+    if down < 0.0:
+        return -_FAR_AWAY, -constant / down + _SIDE_SLACK
+    return (-_FAR_AWAY, _FAR_AWAY) if constant >= 0.0 else (_FAR_AWAY, -_FAR_AWAY)

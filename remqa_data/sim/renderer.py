@@ -10,12 +10,12 @@ import numpy.typing as npt
 
 from remqa_data.assets.model import F32, F64, I32, Vec3
 from remqa_data.sim.antialias import smooth_edges
-from remqa_data.sim.camera import AnyCamera
+from remqa_data.sim.camera import AnyCamera, View
 from remqa_data.sim.mipmap import U8
 from remqa_data.sim.raster import Buffers, Placed, place_part, rasterise
 from remqa_data.sim.scene_arrays import Part, build_geometry, build_materials, surface_instances
 from remqa_data.sim.shade import Lights, shade, write_depth_and_instances
-from remqa_data.sim.shadow import empty_shadows, lamp_views, summarise
+from remqa_data.sim.shadow import empty_shadows, lamp_views, mark_faces, summarise
 
 __all__ = ["Frame", "Part", "Renderer"]
 
@@ -72,7 +72,7 @@ class Renderer:
         self._placed = Placed(
             vertices=np.empty((3, vertices), dtype=np.float32),
             normals=np.empty((vertices, 3), dtype=np.float32),
-            corners=np.empty((count, 8, 3)),
+            corners=np.zeros((count, 8, 3)),
             visible=np.ones(count, dtype=np.bool_),
         )
         self._poses = np.full((count, 4, 4), np.nan)
@@ -84,7 +84,7 @@ class Renderer:
         self._shadows = empty_shadows(lamp, shadow_size)
         self._lamp_views = lamp_views(lamp, shadow_size)
         self._shadow_slots = np.empty((shadow_size, shadow_size), dtype=np.int32)
-        self._shadows_are_stale = True
+        self._stale_maps = np.ones(6, dtype=np.bool_)
         self._frame_buffers: dict[tuple[int, int], Buffers] = {}
         self.set_poses(range(count), poses)
 
@@ -94,8 +94,9 @@ class Renderer:
         if np.array_equal(matrix, self._poses[part]):
             return
         self._poses[part] = matrix
+        self._mark_shadows(part)
         place_part(self._geometry, self._placed, part, matrix)
-        self._shadows_are_stale |= bool(self._placed.visible[part])
+        self._mark_shadows(part)
 
     def set_poses(self, indices: Iterable[int], poses: npt.ArrayLike) -> None:
         """Put several parts elsewhere; `poses` is (n, 4, 4)."""
@@ -105,8 +106,9 @@ class Renderer:
     def set_visible(self, part: int, visible: bool) -> None:
         """Show or hide one part. A hidden part is drawn nowhere and casts no shadow."""
         if self._placed.visible[part] != visible:
+            self._placed.visible[part] = True
+            self._mark_shadows(part)
             self._placed.visible[part] = visible
-            self._shadows_are_stale = True
 
     def render(self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True) -> Frame:
         """Draw one frame.
@@ -116,22 +118,15 @@ class Renderer:
         camera : Camera or TopDownCamera
             From where.
         shadows : bool
-            Whether the first lamp casts shadows. The maps are drawn again only when something has moved.
+            Whether the first lamp casts shadows. Of its six maps, those that see a moved part are drawn again.
         antialias : bool
             Whether to smooth the edges in the colour image. Depth and instances are the same either way.
         """
         view = camera.view()
-        if shadows and self._shadows_are_stale:
-            self._draw_shadow_maps()
-        buffers = self._buffers(view.height, view.width)
-        rasterise(self._geometry, self._placed, view, buffers)
-        frame = Frame(
-            rgb=np.empty((view.height, view.width, 3), dtype=np.uint8),
-            depth=np.empty((view.height, view.width), dtype=np.float32),
-            instances=np.empty((view.height, view.width), dtype=np.int32),
-        )
-        write_depth_and_instances(self._geometry, self._instances, buffers, view.pinhole, frame.depth, frame.instances)
-        maps = self._shadows if shadows else _NO_SHADOWS
+        if shadows:
+            self._draw_stale_maps()
+        buffers, depth, instances = self._rasterise(view)
+        rgb = np.empty((view.height, view.width, 3), dtype=np.uint8)
         shade(
             self._geometry,
             self._placed,
@@ -140,19 +135,37 @@ class Renderer:
             self._materials,
             self._texels,
             self._lights,
-            maps,
-            frame.rgb,
+            self._shadows if shadows else _NO_SHADOWS,
+            rgb,
         )
         if antialias:
-            smooth_edges(self._geometry, buffers, view.pinhole, frame.rgb)
-        return frame
+            smooth_edges(self._geometry, buffers, view.pinhole, rgb)
+        return Frame(rgb, depth, instances)
 
-    def _draw_shadow_maps(self) -> None:
-        for face, view in enumerate(self._lamp_views):
-            target = self._shadows.maps[face]
-            rasterise(self._geometry, self._placed, view, self._with_scratch(target, self._shadow_slots))
+    def render_instances(self, camera: AnyCamera) -> tuple[F32, I32]:
+        """Depth and instances of the frame that `render` would draw, several times quicker than with its colours."""
+        _, depth, instances = self._rasterise(camera.view())
+        return depth, instances
+
+    def _rasterise(self, view: View) -> tuple[Buffers, F32, I32]:
+        buffers = self._buffers(view.height, view.width)
+        rasterise(self._geometry, self._placed, view, buffers)
+        depth = np.empty((view.height, view.width), dtype=np.float32)
+        instances = np.empty((view.height, view.width), dtype=np.int32)
+        write_depth_and_instances(self._geometry, self._instances, buffers, view.pinhole, depth, instances)
+        return buffers, depth, instances
+
+    def _mark_shadows(self, part: int) -> None:
+        """Note which shadow maps show a part where it is now."""
+        if self._placed.visible[part]:
+            mark_faces(self._shadows.lamp, self._placed.corners[part], self._stale_maps)
+
+    def _draw_stale_maps(self) -> None:
+        for face in np.flatnonzero(self._stale_maps).tolist():
+            buffers = self._with_scratch(self._shadows.maps[face], self._shadow_slots)
+            rasterise(self._geometry, self._placed, self._lamp_views[face], buffers)
             summarise(self._shadows, face)
-        self._shadows_are_stale = False
+        self._stale_maps[:] = False
 
     def _buffers(self, height: int, width: int) -> Buffers:
         if (height, width) not in self._frame_buffers:

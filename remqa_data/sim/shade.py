@@ -95,7 +95,7 @@ def shade(
             find_shadows(shadows, sheet, fetches, count)
             _light(view, lights, sheet, count)
             _encode(sheet, fetches, count)
-            for i in range(count):
+            for i in range(min(count, px.BLOCK_PX)):
                 for channel in range(3):
                     rgb[y, start + i, channel] = fetches[channel * px.BLOCK_PX + i]
 
@@ -188,7 +188,7 @@ def _place(view: View, line: float, left: float, sheet: F32, count: int) -> None
     lx, ly, lz = ray[0, 1] * np.float32(line), ray[1, 1] * np.float32(line), ray[2, 1] * np.float32(line)
     fx, fy, fz = ray[0, 2], ray[1, 2], ray[2, 2]
     spread = one if view.pinhole else zero
-    for i in range(count):
+    for i in range(min(count, px.BLOCK_PX)):
         column = np.float32(i) + np.float32(left)
         sx, sy, sz = rx * column + lx, ry * column + ly, rz * column + lz
         depth = sheet[px.DEPTH + i]
@@ -211,10 +211,12 @@ def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
     one, zero, tiny = np.float32(1.0), np.float32(0.0), np.float32(1e-12)
     ambient = np.float32(lights.ambient)
     ex, ey, ez = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
-    for i in range(count):
+    for i in range(min(count, px.BLOCK_PX)):
         nx, ny, nz = sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i]
-        # The slight slope in x and y tells the sides of a box apart where no lamp shines.
-        level = ambient * (one + np.float32(0.24) * nz + np.float32(0.07) * nx + np.float32(0.04) * ny)
+        # Brighter from above, and from below by what the floor throws back; the slight slope in x and y tells the sides
+        # of a box apart where no lamp shines.
+        slope = np.float32(0.07) * nx + np.float32(0.04) * ny + np.float32(0.15) * nz + np.float32(0.15) * nz * nz
+        level = ambient * (one + slope)
         sheet[px.LIGHT_RED + i] = level * sheet[px.RED + i]
         sheet[px.LIGHT_GREEN + i] = level * sheet[px.GREEN + i]
         sheet[px.LIGHT_BLUE + i] = level * sheet[px.BLUE + i]
@@ -224,7 +226,7 @@ def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
         at_x, at_y, at_z = np.float32(at_x), np.float32(at_y), np.float32(at_z)
         strength = lights.strength[lamp]
         shadowed = one if lamp == 0 else zero
-        for i in range(count):
+        for i in range(min(count, px.BLOCK_PX)):
             nx, ny, nz = sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i]
             x, y, z = sheet[px.X + i], sheet[px.Y + i], sheet[px.Z + i]
             lx, ly, lz = at_x - x, at_y - y, at_z - z
@@ -256,7 +258,7 @@ def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
 def _encode(sheet: F32, fetches: I32, count: int) -> None:
     """Let glowing pixels show their own colour, and write all as whole numbers 0..255."""
     one = np.float32(1.0)
-    for i in range(count):
+    for i in range(min(count, px.BLOCK_PX)):
         glow = sheet[px.GLOW + i]
         for channel in range(3):
             row = channel * px.BLOCK_PX + i

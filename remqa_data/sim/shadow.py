@@ -13,6 +13,7 @@ from remqa_data.sim.compiled import exact, relaxed
 from remqa_data.sim.pixels import (
     ADDRESS,
     ADDRESS_OF_TILE,
+    BLOCK_PX,
     LIMIT,
     LIT,
     NORMAL_X,
@@ -24,16 +25,19 @@ from remqa_data.sim.pixels import (
     Y,
     Z,
 )
+from remqa_data.sim.raster import Flags
 
 # Right, down and forward of +x, -x, +y, -y, +z, -z: always right-handed, so that back faces can be told.
-_EAST, _NORTH, _UP = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-_DIRECTIONS = (
-    (_NORTH, _UP, _EAST),
-    (_UP, _NORTH, (-1.0, 0.0, 0.0)),
-    (_UP, _EAST, _NORTH),
-    (_EAST, _UP, (0.0, -1.0, 0.0)),
-    (_EAST, _NORTH, _UP),
-    (_NORTH, _EAST, (0.0, 0.0, -1.0)),
+_EAST, _NORTH, _UP = np.eye(3)
+_DIRECTIONS = np.array(
+    [
+        (_NORTH, _UP, _EAST),
+        (_UP, _NORTH, -_EAST),
+        (_UP, _EAST, _NORTH),
+        (_EAST, _UP, -_NORTH),
+        (_EAST, _NORTH, _UP),
+        (_NORTH, _EAST, -_UP),
+    ]
 )
 _OFFSET_TEXELS = 1.6
 """A point is moved this far along its normal before the look-up, so that a surface does not shade itself."""
@@ -69,11 +73,31 @@ def empty_shadows(lamp: npt.ArrayLike, size: int) -> Shadows:
 def lamp_views(lamp: F64, size: int) -> list[View]:
     """Six pinhole views of 90 degrees from a lamp, in the order that `find_shadows` looks them up."""
     views = []
-    for right, down, forward in _DIRECTIONS:
-        axes = np.array([right, down, forward])
+    for directions in _DIRECTIONS:
+        axes = directions.copy()
         axes[:2] *= 0.5 * size
         views.append(View.of(lamp, axes, pinhole=True, width=size, height=size))
     return views
+
+
+@exact
+def mark_faces(lamp: F64, corners: F64, stale: Flags) -> None:
+    """Set those of six flags whose map shows a part of a box; `corners` are its (8, 3) world points."""
+    for face in range(6):
+        behind = left = right = above = below = 0
+        for i in range(8):
+            dx, dy, dz = corners[i, 0] - lamp[0], corners[i, 1] - lamp[1], corners[i, 2] - lamp[2]
+            r, d, f = _DIRECTIONS[face, 0], _DIRECTIONS[face, 1], _DIRECTIONS[face, 2]
+            x = r[0] * dx + r[1] * dy + r[2] * dz
+            y = d[0] * dx + d[1] * dy + d[2] * dz
+            depth = f[0] * dx + f[1] * dy + f[2] * dz
+            behind += depth <= 0.0
+            left += x < -depth
+            right += x > depth
+            above += y < -depth
+            below += y > depth
+        if max(behind, max(max(left, right), max(above, below))) < 8:
+            stale[face] = True
 
 
 @exact
@@ -101,12 +125,12 @@ def find_shadows(shadows: Shadows, sheet: F32, fetches: I32, count: int) -> None
     """Write LIT, how much of the lamp each pixel sees: 0 to 1, smooth over three texels of the map."""
     size = shadows.maps.shape[1]
     if size == 0:
-        for i in range(count):
+        for i in range(min(count, BLOCK_PX)):
             sheet[LIT + i] = 1.0
         return
     _find_windows(shadows.lamp, size, sheet, fetches, count)
     maps, tiles = shadows.maps.ravel(), shadows.tiles.ravel()
-    for i in range(count):
+    for i in range(min(count, BLOCK_PX)):
         limit = sheet[LIMIT + i]
         tile = np.uint32(fetches[ADDRESS_OF_TILE + i])
         if limit < 0.0 or tiles[tile] > limit:
@@ -130,7 +154,7 @@ def _find_windows(lamp: F64, size: int, sheet: F32, fetches: I32, count: int) ->
     last = np.float32(size - 4)
     rows = np.int32(size)
     texels = np.float32(_OFFSET_TEXELS * 2.0 / size)
-    for i in range(count):
+    for i in range(min(count, BLOCK_PX)):
         nx, ny, nz = sheet[NORMAL_X + i], sheet[NORMAL_Y + i], sheet[NORMAL_Z + i]
         x, y, z = sheet[X + i] - at_x, sheet[Y + i] - at_y, sheet[Z + i] - at_z
         facing = nx * x + ny * y + nz * z < np.float32(0.0)
@@ -174,4 +198,4 @@ def _window_mean(maps: F32, address: int, size: int, limit: float, shift_x: floa
         lit += one if maps[start + 2] <= limit else zero
         lit += shift_x if maps[start + 3] <= limit else zero
         total += lit * (one - shift_y if j == 0 else (shift_y if j == 3 else one))
-    return total * np.float32(1.0 / 9.0)
+    return float(total) / 9.0

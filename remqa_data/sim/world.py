@@ -257,9 +257,7 @@ class World:
         object_id, self.held = self.held, None
         self._set_collisions(object_id, True)
         state = self._states[object_id]
-        self._states[object_id] = replace(
-            state, position=_vec3(position), quaternion=quaternion or state.quaternion
-        )
+        self._states[object_id] = replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion)
         self._tell_pose(object_id)
         return object_id
 
@@ -445,9 +443,7 @@ class World:
 
     def _tell_pose(self, object_id: str) -> None:
         body, state = self._bodies[object_id], self._states[object_id]
-        pybullet.resetBasePositionAndOrientation(
-            body, state.position, state.quaternion, physicsClientId=self.client
-        )
+        pybullet.resetBasePositionAndOrientation(body, state.position, state.quaternion, physicsClientId=self.client)
         if not state.is_fixed:
             pybullet.resetBaseVelocity(body, (0, 0, 0), (0, 0, 0), physicsClientId=self.client)
         for i, link in enumerate(self.assets[object_id].links[1:]):
@@ -484,6 +480,7 @@ class World:
 
 
 _JOINT_TYPES = {"revolute": pybullet.JOINT_REVOLUTE, "prismatic": pybullet.JOINT_PRISMATIC}
+
 
 @dataclass(frozen=True)
 class _BodyLink:

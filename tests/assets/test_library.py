@@ -39,7 +39,9 @@ def test_every_recorded_type_is_drawn() -> None:
 
 
 @pytest.mark.parametrize("type_", TYPES)
-def test_fills_its_box_in_all_sizes_and_variants(type_: str, sizes: dict[str, list[tuple[float, float, float]]]) -> None:
+def test_fills_its_box_in_all_sizes_and_variants(
+    type_: str, sizes: dict[str, list[tuple[float, float, float]]]
+) -> None:
     for size in sizes[type_]:
         for variant in range(variant_count(type_)):
             asset = build(AssetSpec(type_, size, variant, seed=variant))

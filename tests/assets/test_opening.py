@@ -12,6 +12,10 @@ SIZES: dict[str, tuple[Vec3, ...]] = {
     "Box": ((0.43, 0.42, 0.29), (0.69, 0.26, 0.17), (0.28, 0.55, 0.47)),
     "Safe": ((0.50, 0.56, 0.51), (0.30, 0.34, 0.30)),
     "LaundryHamper": ((0.45, 0.35, 0.60), (0.68, 0.51, 0.90)),
+    "Fridge": ((1.0, 0.72, 1.87), (0.77, 0.65, 1.55)),
+    "Microwave": ((0.61, 0.36, 0.35), (0.70, 0.40, 0.40)),
+    "Toilet": ((0.53, 0.97, 1.04),),
+    "ShowerDoor": ((0.81, 0.07, 1.96),),
 }
 CASES = [(type_, size, variant) for type_, sizes in SIZES.items() for size in sizes for variant in range(4)]
 TOLERANCE_M = 0.0012

@@ -52,7 +52,10 @@ def test_normals_agree_with_the_winding(name: str) -> None:
         (primitives.cylinder(1, 2, sections=256), 2 * np.pi),
         (primitives.cylinder(2, 3, 1, sections=256), np.pi * 3 / 3 * (4 + 2 + 1)),
         (primitives.ellipsoid((2, 4, 6), sections=128, rings=64), 4 / 3 * np.pi * 1 * 2 * 3),
-        (primitives.prism([(0, 0), (2, 0), (2, 2), (0, 2)], 1, [[(0.5, 0.5), (1.5, 0.5), (1.5, 1.5), (0.5, 1.5)]]), 3.0),
+        (
+            primitives.prism([(0, 0), (2, 0), (2, 2), (0, 2)], 1, [[(0.5, 0.5), (1.5, 0.5), (1.5, 1.5), (0.5, 1.5)]]),
+            3.0,
+        ),
     ],
 )
 def test_volumes_are_those_of_geometry_books(mesh: Mesh, volume: float) -> None:

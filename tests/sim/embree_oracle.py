@@ -1,4 +1,4 @@
-"""Depth and instance images from Intel Embree, a ray tracer that shares no code with ours: the oracle of these tests."""
+"""Depth and instance images from Intel Embree, a ray tracer: the oracle of these tests."""
 
 from __future__ import annotations
 

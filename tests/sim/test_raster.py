@@ -109,30 +109,29 @@ def test_antialiasing_changes_colours_at_edges_only_and_no_depth_or_instance(cam
     assert 0.005 < changed.mean() < 0.3
 
 
+def test_instances_alone_are_those_of_the_whole_frame():
+    parts, poses = furnished_room(1)
+    renderer = Renderer(parts, poses)
+    camera = Camera((0.4, 0.4, 1.5), 45, 25)
+    depth, instances = renderer.render_instances(camera)
+    frame = renderer.render(camera)
+    np.testing.assert_array_equal(depth, frame.depth)
+    np.testing.assert_array_equal(instances, frame.instances)
+
+
 def test_antialiased_edge_is_as_bright_as_the_share_of_the_pixel_that_it_covers():
-    # Left of the line through the image centre that is 0.37 pixels wide per row, all is white.
+    # White right of a line that passes through the middle of the image and moves 0.37 pixels a row.
     slope = 0.37
-    half_plane = quad((1.0, 10 + slope * 10, -10), (0, -2 * slope * 10, 20), (0, 30, 0), GLOWING)
-    frame = render([half_plane], Camera((0, 0, 0), 0))
+    half_plane = quad((1.0, 10 * slope, -10), (0, -30, 0), (0, -20 * slope, 20), GLOWING)
+    frame = render([half_plane], Camera((0, 0, 0), 0, width=100, height=100))
     light = (frame.rgb[..., 0] / 255.0) ** 2
-    fine = (np.arange(300 * 32) + 0.5) / 32
-    inside = render_half_plane(fine, half_plane)
-    coverage = inside.reshape(300, 32, 300, 32).mean(axis=(1, 3))
-    assert np.abs(light - coverage).max() < 0.13
-    assert np.abs(light - coverage).mean() < 0.001
-
-
-def render_half_plane(fine, plane):
-    """Which points of a fine grid of pixel positions the plane covers, by its corners as the camera sees them."""
-    corners = Camera((0, 0, 0), 0).project(plane.vertices)[:, :2]
-    x, y = np.meshgrid(fine, fine)
-    inside = np.ones(x.shape, dtype=bool)
-    sides = []
-    for (xa, ya), (xb, yb) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        sides.append((xb - xa) * (y - ya) - (yb - ya) * (x - xa) > 0)
-    for side in sides:
-        inside &= side == sides[0][0, 0]
-    return inside if inside.any() else np.logical_and.reduce([~side for side in sides])
+    # At 1 m depth a metre is 50 pixels; y is to the left and z up, so the line is x - 50 = -0.37 (y - 50).
+    x, y = np.meshgrid((np.arange(1600) + 0.5) / 16, (np.arange(1600) + 0.5) / 16)
+    covered = x - 50 > -slope * (y - 50)
+    coverage = covered.reshape(100, 16, 100, 16).mean(axis=(1, 3))
+    # Four samples, and cut corners that no neighbour's centre tells of.
+    assert np.abs(light - coverage).max() < 0.25
+    assert abs((light - coverage).mean()) < 2e-4
 
 
 def test_far_checker_board_fades_to_its_mean_instead_of_flickering(monkeypatch):

@@ -1,0 +1,249 @@
+"""The walk that takes the frames of a configuration: breadth-first over the reachable grid from where the agent starts.
+
+The cells, in the order in which the walk reaches them, are split into as many runs as frames are wanted, and each run
+gives one pose: so the frames are spread over the room and come in breadth-first order. Which pose of a run is decided
+on small instance images, which cost a fraction of a picture: again and again the pose, of all runs that have none yet,
+that shows the most objects which few of the chosen poses show.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.errors import NoPathError
+from remqa_data.metadata import AgentState, FrameMetadata, frame_metadata, object_metadata, scaled_min_pixels
+from remqa_data.sim.camera import Camera
+from remqa_data.sim.navigation import STEP_OVER_M, Cell, ReachableGrid
+from remqa_data.sim.paths import path_length_m, pose_after, shortest_actions
+from remqa_data.sim.view import Observation, WorldView
+from remqa_data.sim.viewpoints import FRAME_PX, HEADINGS_DEG, AgentPose
+
+__all__ = [
+    "WalkFrame",
+    "WalkSettings",
+    "breadth_first",
+    "path_length_m",
+    "plan_walk",
+    "pose_after",
+    "shortest_actions",
+    "walk",
+]
+
+Flags = npt.NDArray[np.bool_]
+
+GROUND_WORTH = 0.1
+"""What seeing the ground of one more cell is worth, when a new object is worth 1."""
+LATER_VIEW_WORTH = 0.1
+"""What a view of something seen n times before is worth, times 1 / (1 + n)."""
+GROUND_VIEW_M = 3.0
+"""Farther away, the rows of a 300 x 300 frame are more than a voxel apart on the ground."""
+
+
+@dataclass(frozen=True)
+class WalkSettings:
+    """How the frames of a configuration are taken.
+
+    Attributes
+    ----------
+    frames : int
+        How many are wanted. A room where fewer poses are worth a frame gives fewer.
+    headings_deg, horizons_deg : tuple of int
+        The views at each cell: degrees counter-clockwise from +x, and degrees downwards.
+    min_objects : int
+        Poses that see fewer objects, not counting the floor, are skipped.
+    stride : int or None
+        Only every so many-th cell of the walk is tried; None tries about `cells_per_frame` cells for each frame.
+    cells_per_frame : int
+        See `stride`.
+    size_px : int
+        Side of a frame.
+    scout_px : int
+        Side of the images by which poses are chosen.
+    """
+
+    frames: int = 24
+    headings_deg: tuple[int, ...] = HEADINGS_DEG
+    horizons_deg: tuple[int, ...] = (0, 30)
+    min_objects: int = 3
+    stride: int | None = None
+    cells_per_frame: int = 3
+    size_px: int = FRAME_PX
+    scout_px: int = 75
+
+
+@dataclass(frozen=True, eq=False)
+class WalkFrame:
+    """One frame of a walk.
+
+    Attributes
+    ----------
+    pose : AgentPose
+        Where the agent stood and looked.
+    steps : int
+        Cells on the shortest way from the start; never fewer than those of the frame before.
+    camera : Camera
+        What drew the frame.
+    observation : Observation
+        RGB, depth, object and link images.
+    metadata : FrameMetadata
+        The agent, and the visible objects.
+    """
+
+    pose: AgentPose
+    steps: int
+    camera: Camera
+    observation: Observation
+    metadata: FrameMetadata
+
+
+def walk(
+    view: WorldView, grid: ReachableGrid, start: Cell, settings: WalkSettings, rng: np.random.Generator
+) -> Iterator[WalkFrame]:
+    """Take the frames of a configuration, breadth-first from a cell.
+
+    Parameters
+    ----------
+    view : WorldView
+        The room; it must not change before the last frame is taken.
+    grid : ReachableGrid
+        Where the agent can stand in it.
+    start : Cell
+        Where the walk begins.
+    settings : WalkSettings
+        Which frames to take.
+    rng : numpy.random.Generator
+        Decides which neighbours the walk visits first; the same state gives the same frames.
+
+    Yields
+    ------
+    WalkFrame
+        At most `settings.frames`, in the order of the walk.
+
+    Raises
+    ------
+    NoPathError
+        If the start is not in the grid.
+    """
+    steps = dict(breadth_first(grid, start))
+    known = object_metadata(view.world)
+    for pose in plan_walk(view, grid, start, settings, rng):
+        camera = pose.camera(grid, settings.size_px)
+        observation = view.render(camera)
+        x, y = grid.position(pose.cell)
+        agent = AgentState((x, y, grid.floor_z), float(pose.yaw_deg), float(pose.horizon_deg))
+        metadata = frame_metadata(view.world, observation, agent, camera, known=known)
+        yield WalkFrame(pose, steps[pose.cell], camera, observation, metadata)
+
+
+def plan_walk(
+    view: WorldView, grid: ReachableGrid, start: Cell, settings: WalkSettings, rng: np.random.Generator
+) -> list[AgentPose]:
+    """The poses at which `walk` takes its frames, in the order of the walk; see there."""
+    cells = [cell for cell, _ in breadth_first(grid, start, rng)]
+    stride = settings.stride or math.ceil(len(cells) / (settings.frames * settings.cells_per_frame))
+    tried = cells[::stride]
+    poses = [
+        AgentPose(cell, heading, horizon)
+        for cell in tried
+        for heading in settings.headings_deg
+        for horizon in settings.horizons_deg
+    ]
+    views = len(poses) // len(tried)
+    runs = np.repeat(np.arange(len(tried)) * settings.frames // len(tried), views)
+    scout = _Scout(view, grid)
+    return [poses[i] for i in sorted(_choose(scout, settings, poses, runs))]
+
+
+def breadth_first(
+    grid: ReachableGrid, start: Cell, rng: np.random.Generator | None = None
+) -> Iterator[tuple[Cell, int]]:
+    """Every cell of the grid with its distance from a start in steps, nearest first.
+
+    Parameters
+    ----------
+    grid : ReachableGrid
+        The cells.
+    start : Cell
+        One of them.
+    rng : numpy.random.Generator, optional
+        Draws the order of the four directions in which neighbours are visited; +x, +y, -x, -y without it.
+
+    Raises
+    ------
+    NoPathError
+        If the start is not in the grid.
+    """
+    if start not in grid.graph:
+        raise NoPathError(f"a walk cannot start at {start}: it is not among the {len(grid.cells)} reachable cells")
+    directions = [_DIRECTIONS[i] for i in (rng.permutation(4) if rng is not None else range(4))]
+    steps = {start: 0}
+    queue = deque([start])
+    while queue:
+        cell = queue.popleft()
+        yield cell, steps[cell]
+        for dx, dy in directions:
+            neighbour = (cell[0] + dx, cell[1] + dy)
+            if neighbour in grid.graph.adj[cell] and neighbour not in steps:
+                steps[neighbour] = steps[cell] + 1
+                queue.append(neighbour)
+
+
+_DIRECTIONS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+
+
+def _choose(scout: _Scout, settings: WalkSettings, poses: list[AgentPose], runs: npt.NDArray[np.int64]) -> list[int]:
+    """Indices of the chosen poses, at most one of each run.
+
+    The small images only say which pose to try next; whether it sees enough, and what, is counted at full size.
+    """
+    guesses = np.array([scout.sees(pose, settings.scout_px) for pose in poses], dtype=np.float64)
+    seen = np.zeros(guesses.shape[1])
+    is_open = np.ones(len(poses), dtype=np.bool_)
+    chosen: list[int] = []
+    while is_open.any():
+        worth = np.where(seen == 0, scout.first_view_worth, LATER_VIEW_WORTH / (1.0 + seen))
+        best = int(np.argmax(np.where(is_open, guesses @ worth, -1.0)))
+        sees = scout.sees(poses[best], settings.size_px)
+        is_open[best] = False
+        if np.count_nonzero(sees[: scout.objects]) >= settings.min_objects:
+            chosen.append(best)
+            seen += sees
+            is_open &= runs != runs[best]
+    return chosen
+
+
+class _Scout:
+    """Looks from poses for what is worth seeing: the objects but for the floor, and the ground of each cell.
+
+    Seeing an object for the first time is worth 1; ground makes the agent's map complete and is worth less.
+    """
+
+    def __init__(self, view: WorldView, grid: ReachableGrid) -> None:
+        self._view, self._grid = view, grid
+        world = view.world
+        self.objects = len(world.ids)
+        self._is_thing = np.array([world.type_of(object_id) != "Floor" for object_id in world.ids], dtype=np.bool_)
+        tops = [world.box(object_id)[1, 2] for object_id in world.ids]
+        # The last entry answers for the structure, -1.
+        self._is_ground = np.array([*(top < grid.floor_z + STEP_OVER_M for top in tops), False], dtype=np.bool_)
+        self._ground = np.column_stack([grid.positions(), np.full(len(grid.cells), grid.floor_z)])
+        self.first_view_worth = np.repeat([1.0, GROUND_WORTH], [self.objects, len(grid.cells)])
+
+    def sees(self, pose: AgentPose, size_px: int) -> Flags:
+        """(objects + cells,) whether each object is visible, and the ground of each cell of the grid."""
+        camera = pose.camera(self._grid, size_px)
+        image = self._view.instances(camera)
+        counts = np.bincount(image.ravel() + 1, minlength=self.objects + 1)[1:]
+        is_seen = (counts >= scaled_min_pixels(image.shape)) & self._is_thing
+        x, y, depth = camera.project(self._ground).T
+        is_near = (depth > 0.0) & (depth < GROUND_VIEW_M) & (abs(x - size_px / 2) < size_px / 2)
+        in_view = np.flatnonzero(is_near & (abs(y - size_px / 2) < size_px / 2))
+        is_ground_seen = np.zeros(len(self._ground), dtype=np.bool_)
+        is_ground_seen[in_view] = self._is_ground[image[y[in_view].astype(int), x[in_view].astype(int)]]
+        return np.concatenate([is_seen, is_ground_seen])

@@ -1,0 +1,147 @@
+"""The thresholds that decide relations and the words for them; the numbers are in `templates/relations.yaml`."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from importlib import resources
+from typing import Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field
+
+Relation = Literal["in", "on", "under", "above", "below", "next to"]
+
+SOURCE = "relations.yaml"
+
+
+class _Rules(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class SupportRules(_Rules):
+    """When an object is held by a space of another; metres. The file says what each number means."""
+
+    side_margin_m: float = Field(ge=0)
+    sunk_m: float = Field(ge=0)
+    overhang_m: float = Field(ge=0)
+    contact_m: float = Field(ge=0)
+    pile_m: float = Field(ge=0)
+
+
+class PartRules(_Rules):
+    """When a drawer is in a dresser."""
+
+    min_share: float = Field(gt=0, le=1)
+    parts: dict[str, frozenset[str]]
+
+
+class UnderRules(_Rules):
+    """When a thing is under another: beneath what can be lifted, or beneath furniture on legs."""
+
+    min_plan_share: float = Field(gt=0, le=1)
+    max_contact_gap_m: float = Field(ge=0)
+    max_sunk_m: float = Field(ge=0)
+    max_area_ratio: float = Field(gt=0)
+    min_head_room_m: float = Field(ge=0)
+    legs: frozenset[str]
+
+
+class StackedRules(_Rules):
+    """When a thing is above or below another."""
+
+    min_side_share: float = Field(gt=0, le=1)
+    flat_m: float = Field(ge=0)
+    flat_depth_m: float = Field(ge=0)
+    max_gap_m: float = Field(ge=0)
+    max_sunk_m: float = Field(ge=0)
+    max_sunk_share: float = Field(ge=0, le=1)
+    max_distance_m: float = Field(gt=0)
+    max_iou: float = Field(ge=0, le=1)
+    never: frozenset[str]
+
+
+class NextToRules(_Rules):
+    """When a thing is next to another."""
+
+    max_gap_m: float = Field(ge=0)
+    gap_per_size: float = Field(gt=0)
+    min_height_share: float = Field(gt=0, le=1)
+    max_distance_m: float = Field(gt=0)
+    max_iou: float = Field(ge=0, le=1)
+    max_shared_volume: float = Field(gt=0, le=1)
+    never: frozenset[str]
+
+
+class RelationRules(_Rules):
+    """All of `relations.yaml`.
+
+    Attributes
+    ----------
+    support : SupportRules
+        When an object is held by another.
+    vessels : mapping of str to tuple of str
+        By type, the first words of the names of its spaces that have walls around them but are not closed.
+    words : mapping of relation to str
+        What stands between the two nouns of a phrase.
+    inverses : mapping of relation to relation or None
+        What the second object is to the first.
+    part, under, stacked, next_to
+        Thresholds of the relations.
+    near_miss_factor : float
+        How much `loosened` loosens.
+    """
+
+    support: SupportRules
+    vessels: dict[str, tuple[str, ...]]
+    words: dict[Relation, str]
+    inverses: dict[Relation, Relation | None]
+    part: PartRules
+    under: UnderRules
+    stacked: StackedRules
+    next_to: NextToRules
+    near_miss_factor: float = Field(ge=1)
+
+    def loosened(self) -> RelationRules:
+        """Rules under which more pairs are related: limits times the factor, shares to be reached divided by it."""
+        more = self.near_miss_factor
+        part, under, stacked, beside = self.part, self.under, self.stacked, self.next_to
+        return self.model_copy(
+            update={
+                "part": part.model_copy(update={"min_share": part.min_share / more}),
+                "under": under.model_copy(
+                    update={
+                        "min_plan_share": under.min_plan_share / more,
+                        "max_contact_gap_m": under.max_contact_gap_m * more,
+                        "max_sunk_m": under.max_sunk_m * more,
+                        "max_area_ratio": under.max_area_ratio * more,
+                        "min_head_room_m": under.min_head_room_m / more,
+                    }
+                ),
+                "stacked": stacked.model_copy(
+                    update={
+                        "min_side_share": stacked.min_side_share / more,
+                        "max_gap_m": stacked.max_gap_m * more,
+                        "max_sunk_m": stacked.max_sunk_m * more,
+                        "max_distance_m": stacked.max_distance_m * more,
+                        "max_iou": min(stacked.max_iou * more, 1.0),
+                    }
+                ),
+                "next_to": beside.model_copy(
+                    update={
+                        "max_gap_m": beside.max_gap_m * more,
+                        "gap_per_size": beside.gap_per_size * more,
+                        "min_height_share": beside.min_height_share / more,
+                        "max_distance_m": beside.max_distance_m * more,
+                        "max_iou": min(beside.max_iou * more, 1.0),
+                        "max_shared_volume": min(beside.max_shared_volume * more, 1.0),
+                    }
+                ),
+            }
+        )
+
+
+@lru_cache(maxsize=1)
+def relation_rules() -> RelationRules:
+    """The rules that come with the package, read once."""
+    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
+    return RelationRules.model_validate(yaml.safe_load(text))

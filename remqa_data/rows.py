@@ -1,0 +1,222 @@
+"""The rows of the four tables, as typed records with the documentation of every field.
+
+`remqa_data.schema` derives the Arrow types from these classes, and the dataset card its field tables, so a field is
+described once: here, as the `Column` in its annotation. The order of the fields is the order of the columns.
+
+World frame: right-handed, z up, metres; yaw in degrees counter-clockwise from +x. Image frame: pixels, x to the right
+and y down from the top left corner; boxes are [x1, y1, x2, y2), half open.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.assets.model import Vec3
+from remqa_data.fields import Column
+from remqa_data.images import StoredImage
+from remqa_data.metadata import AgentState, Box2D, ObjectMetadata, VisibleObject
+
+Split = Literal["train", "val", "test"]
+QuestionKind = Literal["EXISTENCE", "COUNTING", "SPATIAL"]
+Manipulation = Literal["Open", "Move", "Pickup"]
+
+
+class GridCell(NamedTuple):
+    """A cell of the navigation grid."""
+
+    i: Annotated[int, Column("Cell along x: the cell's centre is at i * step_m.", frame="grid")]
+    j: Annotated[int, Column("Cell along y: the cell's centre is at j * step_m.", frame="grid")]
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A relation between two objects of the scene graph."""
+
+    source: Annotated[str, Column("Id of the object that is in, on, under or next to the other.")]
+    target: Annotated[str, Column("Id of the other object.")]
+    relation: Annotated[str, Column("Relation of the source to the target, such as in, on, under, next to.")]
+    distance_m: Annotated[float, Column("Distance between the centres of the two 3D boxes.", "m")]
+    iou: Annotated[float, Column("Intersection over union of the two 3D boxes, 0 to 1.")]
+
+
+@dataclass(frozen=True)
+class Embodiment:
+    """The agent's body and eye."""
+
+    camera_height_m: Annotated[float, Column("Camera above the floor.", "m")]
+    fov_deg: Annotated[float, Column("Vertical field of view.", "deg")]
+    step_m: Annotated[float, Column("Length of one step, the spacing of the navigation grid.", "m")]
+    reach_m: Annotated[float, Column("How far the arm reaches from its shoulder.", "m")]
+
+
+@dataclass(frozen=True, eq=False)
+class SparseVoxels:
+    """The semantic map: which voxels of the room hold an object of which type."""
+
+    origin: Annotated[Vec3, Column("Low corner of voxel (0, 0, 0): x, y, z.", "m", "world")]
+    voxel_m: Annotated[float, Column("Edge of a voxel.", "m")]
+    labels: Annotated[tuple[str, ...], Column("Object types that voxels are labelled with.")]
+    voxels: Annotated[
+        npt.NDArray[np.int16],
+        Column(
+            "Occupied voxels: x, y, z in voxels from the origin, and an index into labels.",
+            frame="voxels",
+            columns=("x", "y", "z", "label"),
+        ),
+    ]
+    """(n, 4)."""
+
+    def __eq__(self, other: object) -> bool:
+        """Equal origins, sizes, labels and voxels."""
+        return isinstance(other, SparseVoxels) and (
+            (self.origin, self.voxel_m, self.labels) == (other.origin, other.voxel_m, other.labels)
+            and np.array_equal(self.voxels, other.voxels)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True)
+class SceneRow:
+    """One configuration of one room: everything the simulator needs, and what a walk through it has shown."""
+
+    scene: Annotated[str, Column("Name of the room, such as FloorPlan1.")]
+    room_type: Annotated[str, Column("kitchen, living_room, bedroom or bathroom.")]
+    split: Annotated[Split, Column("Split of the room's questions and frames.")]
+    configuration: Annotated[int, Column("Which arrangement of the room's things, from 0.")]
+    seed: Annotated[int, Column("Seed of the dataset that this configuration was drawn with.", arrow="int64")]
+    scene_json: Annotated[
+        str, Column("The room as JSON: remqa_data.scene.Scene.from_json loads it.", arrow="large_string")
+    ]
+    objects: Annotated[tuple[ObjectMetadata, ...], Column("Ground truth of every object.")]
+    graph_nodes: Annotated[tuple[str, ...], Column("Ids of the objects in the scene graph, as the walk found them.")]
+    graph_edges: Annotated[tuple[Edge, ...], Column("Edges of the scene graph after the walk.")]
+    semantic_map: Annotated[SparseVoxels, Column("Voxels that the walk has seen, by object type.")]
+    map_2d: Annotated[
+        StoredImage,
+        Column(
+            "The semantic map from above, 16-bit PNG: index into semantic_map.labels + 1, 0 where nothing is known; "
+            "one pixel per voxel column, image right is +x and image up is +y.",
+            frame="voxels",
+        ),
+    ]
+    navigation_cells: Annotated[tuple[GridCell, ...], Column("Cells that the agent can stand on.", frame="grid")]
+    start_cell: Annotated[GridCell, Column("Cell where the walk starts.", frame="grid")]
+    embodiment: Annotated[Embodiment, Column("The agent's body and eye.")]
+
+
+@dataclass(frozen=True)
+class FrameRow:
+    """One frame of a walk through a configuration."""
+
+    frame_id: Annotated[str, Column("Unique name of the frame.")]
+    scene: Annotated[str, Column("Name of the room.")]
+    configuration: Annotated[int, Column("Configuration of the room.")]
+    split: Annotated[Split, Column("Split of the room's questions and frames.")]
+    index: Annotated[int, Column("Place in the walk, from 0.")]
+    rgb: Annotated[StoredImage, Column("What the camera sees, 8-bit RGB.")]
+    depth: Annotated[
+        StoredImage,
+        Column("Depth along the camera's forward axis, 16-bit PNG, 0 where nothing is seen.", "mm"),
+    ]
+    instances: Annotated[StoredImage, Column("16-bit PNG: index into objects + 1, 0 where no such object is seen.")]
+    agent: Annotated[AgentState, Column("Where the agent is.")]
+    objects: Annotated[tuple[VisibleObject, ...], Column("The visible objects, in the scene's order.")]
+    added_nodes: Annotated[tuple[str, ...], Column("Ids of objects that this frame adds to the scene graph.")]
+    added_edges: Annotated[tuple[Edge, ...], Column("Edges that this frame adds to the scene graph.")]
+
+
+@dataclass(frozen=True)
+class ExpressionRow:
+    """One referring expression, tied to a frame in which its target is visible."""
+
+    expression_id: Annotated[str, Column("Unique name of the row.")]
+    scene: Annotated[str, Column("Name of the room.")]
+    configuration: Annotated[int, Column("Configuration of the room.")]
+    split: Annotated[Split, Column("Split by room.")]
+    frame_id: Annotated[str, Column("The frame, in the table frames.")]
+    text: Annotated[str, Column("The expression, such as: the mug on the table.")]
+    kind: Annotated[str, Column("How it is built: from a relation, or from attributes too (an extension).")]
+    target_id: Annotated[str, Column("Id of the one object that it means.")]
+    target_type: Annotated[str, Column("Type of that object.")]
+    anchor_id: Annotated[str | None, Column("Id of the object that it is told by, if there is one.")]
+    relation: Annotated[str | None, Column("Relation of the target to that object, if there is one.")]
+    box_2d: Annotated[Box2D, Column("Box of the target's pixels in the frame, [x1, y1, x2, y2).", "px", "image")]
+    program: Annotated[str, Column("JSON: the functional program that finds the target.")]
+
+
+@dataclass(frozen=True)
+class QuestionRow:
+    """One task: a question that is answered by walking to something, manipulating it and looking."""
+
+    question_id: Annotated[str, Column("Unique name of the question.")]
+    kind: Annotated[QuestionKind, Column("EXISTENCE, COUNTING or SPATIAL.")]
+    question: Annotated[str, Column("The question.")]
+    expression: Annotated[str, Column("The referring expression in it.")]
+    answer: Annotated[str, Column("yes or no; a number in digits for COUNTING.")]
+    program: Annotated[str, Column("JSON: the functional program whose execution on the ground truth is the answer.")]
+    scene: Annotated[str, Column("Name of the room.")]
+    room_type: Annotated[str, Column("kitchen, living_room, bedroom or bathroom.")]
+    configuration: Annotated[int, Column("Configuration of the room.")]
+    split: Annotated[Split, Column("train or test, by room.")]
+    group: Annotated[str, Column("Same for the same question about other configurations of the room.")]
+    start: Annotated[AgentState, Column("Where the agent starts.")]
+    goal_poses: Annotated[
+        tuple[AgentState, ...],
+        Column("Poses that see the target and from which the arm reaches it; the stored frames are from the first."),
+    ]
+    target_id: Annotated[str, Column("Id of the object to manipulate first, the one the expression means.")]
+    target_type: Annotated[str, Column("Type of that object.")]
+    target_box_2d: Annotated[
+        Box2D | None, Column("Box of the target's pixels in the start frame, [x1, y1, x2, y2).", "px", "image")
+    ]
+    answer_type: Annotated[str, Column("Type of the objects asked for.")]
+    answer_ids: Annotated[tuple[str, ...], Column("Ids of the objects that make the answer; empty for no and 0.")]
+    manipulation: Annotated[Manipulation, Column("What must be done: Open, Move or Pickup.")]
+    manipulation_object_id: Annotated[str, Column("Id of the object that it must be done to.")]
+    path_length_m: Annotated[float, Column("Length of the shortest path from start to the nearest goal pose.", "m")]
+    path_steps: Annotated[int, Column("Number of moves and turns on that path.")]
+    actions: Annotated[tuple[str, ...], Column("Oracle actions from the start pose to the end frame.")]
+    start_rgb: Annotated[StoredImage, Column("View from the goal pose before the manipulation, 8-bit RGB.")]
+    start_depth: Annotated[StoredImage, Column("Its depth along the forward axis, 16-bit PNG, 0 for nothing.", "mm")]
+    start_instances: Annotated[StoredImage, Column("Its objects, 16-bit PNG: index into object_ids + 1, 0 for none.")]
+    end_rgb: Annotated[StoredImage, Column("View from the goal pose after the manipulation, 8-bit RGB.")]
+    end_depth: Annotated[StoredImage, Column("Its depth along the forward axis, 16-bit PNG, 0 for nothing.", "mm")]
+    end_instances: Annotated[StoredImage, Column("Its objects, 16-bit PNG: index into object_ids + 1, 0 for none.")]
+    object_ids: Annotated[tuple[str, ...], Column("What the instance values 1, 2, ... of both frames mean.")]
+
+
+Row = SceneRow | FrameRow | ExpressionRow | QuestionRow
+
+SHARED_FIELDS: dict[type, dict[str, Column]] = {
+    StoredImage: {
+        "bytes": Column("A whole JPEG or PNG file."),
+        "path": Column("A file name for it; the image is not there."),
+    },
+    AgentState: {
+        "position": Column("Middle of the agent's base: x, y, z.", "m", "world"),
+        "yaw_deg": Column("Heading, counter-clockwise from +x.", "deg", "world"),
+        "horizon_deg": Column("Tilt of the camera, positive looks down.", "deg"),
+    },
+    ObjectMetadata: {
+        "id": Column("Id of the object, unique in the room."),
+        "type": Column("Object type, such as Mug."),
+        "color": Column("Word for its colour."),
+        "substance": Column("Word for what it is made of."),
+        "box": Column("Axis-aligned 3D box: x0, y0, z0, x1, y1, z1.", "m", "world"),
+        "openness": Column("0 (closed) to 1 (open)."),
+        "is_picked_up": Column("Whether the agent holds it."),
+        "support": Column("Id of the receptacle that holds it, if there is one."),
+        "support_kind": Column("Whether it is in or on that receptacle."),
+    },
+    VisibleObject: {
+        "box_2d": Column("Box of its pixels, [x1, y1, x2, y2).", "px", "image"),
+        "pixels": Column("Number of its pixels.", "px"),
+        "distance_m": Column("From the camera to the nearest point of its 3D box.", "m"),
+    },
+}
+"""Fields of records that are defined elsewhere; a class has those of its bases too."""
