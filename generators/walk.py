@@ -1,9 +1,9 @@
 """The walk that takes the frames of a configuration: breadth-first over the reachable grid from where the agent starts.
 
-The cells, in the order in which the walk reaches them, are split into as many runs as frames are wanted, and each run
-gives one pose: so the frames are spread over the room and come in breadth-first order. Which pose of a run is decided
-on small instance images, which cost a fraction of a picture: again and again the pose, of all runs that have none yet,
-that shows the most objects which few of the chosen poses show.
+The poses, in the order in which the walk reaches them, are split into as many runs as frames are wanted, and each run
+gives one frame: so the frames are spread over the room and come in breadth-first order. Which pose of a run it is, is
+decided on small instance images, which cost a fraction of a picture: again and again the pose, of all runs that have
+none yet, that shows the most objects, and the most ground, that no chosen pose shows.
 """
 
 from __future__ import annotations
@@ -37,10 +37,6 @@ __all__ = [
 
 Flags = npt.NDArray[np.bool_]
 
-GROUND_WORTH = 0.1
-"""What seeing the ground of one more cell is worth, when a new object is worth 1."""
-LATER_VIEW_WORTH = 0.1
-"""What a view of something seen n times before is worth, times 1 / (1 + n)."""
 GROUND_VIEW_M = 3.0
 """Farther away, the rows of a 300 x 300 frame are more than a voxel apart on the ground."""
 
@@ -58,9 +54,14 @@ class WalkSettings:
     min_objects : int
         Poses that see fewer objects, not counting the floor, are skipped.
     stride : int or None
-        Only every so many-th cell of the walk is tried; None tries about `cells_per_frame` cells for each frame.
-    cells_per_frame : int
-        See `stride`.
+        Only every so many-th cell of the walk is tried; None spreads `cells_per_frame` cells for each frame evenly.
+    cells_per_frame : float
+        See `stride`. More cells see more from fewer frames, and take longer.
+    ground_worth : float
+        What it is worth to see the ground of a cell for the first time, which makes the semantic map complete; an
+        object is worth 1.
+    repeat_worth : float
+        A further view of something of which there are n is worth this share of the first, times 1 / (1 + n).
     size_px : int
         Side of a frame.
     scout_px : int
@@ -72,7 +73,9 @@ class WalkSettings:
     horizons_deg: tuple[int, ...] = (0, 30)
     min_objects: int = 3
     stride: int | None = None
-    cells_per_frame: int = 3
+    cells_per_frame: float = 1.0
+    ground_worth: float = 0.1
+    repeat_worth: float = 0.1
     size_px: int = FRAME_PX
     scout_px: int = 75
 
@@ -146,18 +149,13 @@ def plan_walk(
 ) -> list[AgentPose]:
     """The poses at which `walk` takes its frames, in the order of the walk; see there."""
     cells = [cell for cell, _ in breadth_first(grid, start, rng)]
-    stride = settings.stride or math.ceil(len(cells) / (settings.frames * settings.cells_per_frame))
-    tried = cells[::stride]
     poses = [
         AgentPose(cell, heading, horizon)
-        for cell in tried
+        for cell in _spread(cells, settings)
         for heading in settings.headings_deg
         for horizon in settings.horizons_deg
     ]
-    views = len(poses) // len(tried)
-    runs = np.repeat(np.arange(len(tried)) * settings.frames // len(tried), views)
-    scout = _Scout(view, grid)
-    return [poses[i] for i in sorted(_choose(scout, settings, poses, runs))]
+    return [poses[i] for i in sorted(_choose(_Scout(view, grid), settings, poses))]
 
 
 def breadth_first(
@@ -197,43 +195,53 @@ def breadth_first(
 _DIRECTIONS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
-def _choose(scout: _Scout, settings: WalkSettings, poses: list[AgentPose], runs: npt.NDArray[np.int64]) -> list[int]:
-    """Indices of the chosen poses, at most one of each run.
+def _spread(cells: list[Cell], settings: WalkSettings) -> list[Cell]:
+    """The cells whose poses are tried."""
+    if settings.stride is not None:
+        return cells[:: settings.stride]
+    count = min(len(cells), math.ceil(settings.frames * settings.cells_per_frame))
+    return [cells[i * len(cells) // count] for i in range(count)]
+
+
+def _choose(scout: _Scout, settings: WalkSettings, poses: list[AgentPose]) -> list[int]:
+    """Indices of the chosen poses: one of each run, and more where a run has none that is worth a frame.
 
     The small images only say which pose to try next; whether it sees enough, and what, is counted at full size.
     """
+    first_worth = np.repeat([1.0, settings.ground_worth], [scout.objects, scout.cells])
+    runs = np.arange(len(poses)) * settings.frames // len(poses)
     guesses = np.array([scout.sees(pose, settings.scout_px) for pose in poses], dtype=np.float64)
     seen = np.zeros(guesses.shape[1])
-    is_open = np.ones(len(poses), dtype=np.bool_)
+    is_untried = np.ones(len(poses), dtype=np.bool_)
+    is_without = np.ones(settings.frames, dtype=np.bool_)
     chosen: list[int] = []
-    while is_open.any():
-        worth = np.where(seen == 0, scout.first_view_worth, LATER_VIEW_WORTH / (1.0 + seen))
+    while len(chosen) < settings.frames and is_untried.any():
+        is_open = is_untried & is_without[runs]
+        if not is_open.any():
+            is_open = is_untried
+        worth = np.where(seen == 0, 1.0, settings.repeat_worth / (1.0 + seen)) * first_worth
         best = int(np.argmax(np.where(is_open, guesses @ worth, -1.0)))
+        is_untried[best] = False
         sees = scout.sees(poses[best], settings.size_px)
-        is_open[best] = False
         if np.count_nonzero(sees[: scout.objects]) >= settings.min_objects:
             chosen.append(best)
             seen += sees
-            is_open &= runs != runs[best]
+            is_without[runs[best]] = False
     return chosen
 
 
 class _Scout:
-    """Looks from poses for what is worth seeing: the objects but for the floor, and the ground of each cell.
-
-    Seeing an object for the first time is worth 1; ground makes the agent's map complete and is worth less.
-    """
+    """Looks from poses for what is worth seeing: the objects but for the floor, and the ground of each cell."""
 
     def __init__(self, view: WorldView, grid: ReachableGrid) -> None:
         self._view, self._grid = view, grid
         world = view.world
-        self.objects = len(world.ids)
+        self.objects, self.cells = len(world.ids), len(grid.cells)
         self._is_thing = np.array([world.type_of(object_id) != "Floor" for object_id in world.ids], dtype=np.bool_)
         tops = [world.box(object_id)[1, 2] for object_id in world.ids]
         # The last entry answers for the structure, -1.
         self._is_ground = np.array([*(top < grid.floor_z + STEP_OVER_M for top in tops), False], dtype=np.bool_)
         self._ground = np.column_stack([grid.positions(), np.full(len(grid.cells), grid.floor_z)])
-        self.first_view_worth = np.repeat([1.0, GROUND_WORTH], [self.objects, len(grid.cells)])
 
     def sees(self, pose: AgentPose, size_px: int) -> Flags:
         """(objects + cells,) whether each object is visible, and the ground of each cell of the grid."""
@@ -241,7 +249,8 @@ class _Scout:
         image = self._view.instances(camera)
         counts = np.bincount(image.ravel() + 1, minlength=self.objects + 1)[1:]
         is_seen = (counts >= scaled_min_pixels(image.shape)) & self._is_thing
-        x, y, depth = camera.project(self._ground).T
+        with np.errstate(divide="ignore", invalid="ignore"):  # points beside the camera have depth 0
+            x, y, depth = camera.project(self._ground).T
         is_near = (depth > 0.0) & (depth < GROUND_VIEW_M) & (abs(x - size_px / 2) < size_px / 2)
         in_view = np.flatnonzero(is_near & (abs(y - size_px / 2) < size_px / 2))
         is_ground_seen = np.zeros(len(self._ground), dtype=np.bool_)

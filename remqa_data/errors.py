@@ -54,6 +54,10 @@ class SceneGraphError(RemqaError, ValueError):
     """Graph updates that cannot be read, or that do not fit together: says which node or field and why."""
 
 
+class ProgramError(RemqaError, ValueError):
+    """A referring expression or its program that cannot be read or executed: says which step or word and why."""
+
+
 class ActionError(RemqaError):
     """An action that the simulated world refuses, with the reason."""
 

@@ -161,7 +161,7 @@ def _above(a: _Side, b: _Side, rules: RelationRules, measured: _Measured) -> Tab
     """A is over b with air or a worktop between them, both built in, hanging or standing."""
     stacked = rules.stacked
     between = geometry.vertical_gap(a.boxes, b.boxes)
-    wide_a, wide_b = _thickened(a.boxes, stacked), _thickened(b.boxes, stacked)
+    wide_a, wide_b = _thickened(a, stacked), _thickened(b, stacked)
     over = np.ones_like(between, dtype=np.bool_)
     for axis in (0, 1):
         over &= geometry.overlap_share(wide_a, wide_b, axes=(axis,)) >= stacked.min_side_share
@@ -198,10 +198,12 @@ _TINY = 1e-12
 """Stands in for the volume or the area of a box that has none: nothing is a share of it."""
 
 
-def _thickened(boxes: F64, stacked: StackedRules) -> F64:
-    """Boxes of which no side is flat, about the same centres: a window or a mirror reaches into the room."""
-    low, high = boxes[:, :3], boxes[:, 3:]
-    side = high - low
-    more = np.where(side < stacked.flat_m, np.maximum(stacked.flat_depth_m - side, 0.0) / 2, 0.0)
-    more[:, 2] = 0.0
+def _thickened(side: _Side, stacked: StackedRules) -> F64:
+    """(n, 6) boxes, of which those of things on a wall reach into the room as far as what stands at the wall."""
+    low, high = side.boxes[:, :3], side.boxes[:, 3:]
+    length = high - low
+    thin = np.zeros_like(length, dtype=np.bool_)
+    thin[np.arange(len(length)), length[:, :2].argmin(axis=1)] = True
+    thin &= side.are(stacked.on_walls)[:, None]
+    more = np.where(thin, np.maximum(stacked.wall_depth_m - length, 0.0) / 2, 0.0)
     return np.concatenate([low - more, high + more], axis=1)

@@ -1,7 +1,7 @@
 """From scenes that are generated anywhere, in any order, to the shards of one dataset.
 
-A finished scene is a folder in `.parts`, which appears when it is whole; `assemble` merges these folders in a fixed order.
-So the shards are the same bytes whatever the workers, and a run that was cut off goes on where it stopped.
+A finished scene is a folder in `.parts`, which appears when it is whole; `assemble` merges these folders in a fixed
+order. So the shards are the same bytes whatever the workers, and a run that was cut off goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import pyarrow.parquet as pq
 
 from remqa_data.errors import DatasetError
 from remqa_data.files import atomic_path
-from remqa_data.manifest import MANIFEST, FileInfo
+from remqa_data.manifest import MANIFEST, FileInfo, Manifest, write_manifest
 from remqa_data.rows import Row
 from remqa_data.schema import TABLES
 from remqa_data.shards import Shard, ShardWriter, file_info
@@ -108,10 +108,10 @@ def read_report(root: Path, scene: str) -> dict[str, Any]:
 
 
 def assemble(root: Path, order: Sequence[str], shards_per_split: int | Mapping[str, int]) -> tuple[FileInfo, ...]:
-    """Merge the parts of all scenes into the final shards, then remove them.
+    """Merge the parts of all scenes into the final shards.
 
     The old manifest is removed first, so that the folder does not look finished meanwhile, and shards of an older
-    dataset last. Call `make_manifest` and `write_manifest` with what this returns.
+    dataset last. The parts stay until `finish`, so that whatever fails in between, nothing is generated twice.
 
     Parameters
     ----------
@@ -146,8 +146,13 @@ def assemble(root: Path, order: Sequence[str], shards_per_split: int | Mapping[s
         for path in (root / table).glob("*.parquet"):
             if path not in kept:
                 path.unlink()
-    shutil.rmtree(root / PARTS)
     return tuple(files)
+
+
+def finish(root: Path, manifest: Manifest) -> None:
+    """Write the manifest, which makes the folder a finished dataset, then remove the parts."""
+    write_manifest(Path(root), manifest)
+    shutil.rmtree(Path(root) / PARTS, ignore_errors=True)
 
 
 def count_questions(root: Path, files: Sequence[FileInfo]) -> dict[str, dict[str, int]]:

@@ -50,8 +50,8 @@ class StackedRules(_Rules):
     """When a thing is above or below another."""
 
     min_side_share: float = Field(gt=0, le=1)
-    flat_m: float = Field(ge=0)
-    flat_depth_m: float = Field(ge=0)
+    wall_depth_m: float = Field(ge=0)
+    on_walls: frozenset[str]
     max_gap_m: float = Field(ge=0)
     max_sunk_m: float = Field(ge=0)
     max_sunk_share: float = Field(ge=0, le=1)

@@ -1,5 +1,6 @@
-"""Sees to it that everything loose rests on something: recorded heights are off by millimetres, and some rooms' mantels
-and ledges were not recorded at all.
+"""Sees to it that everything loose rests on something, and that nothing is stuck in anything.
+
+Recorded heights are off by millimetres, and the mantels and ledges of some rooms were not recorded at all.
 """
 
 from __future__ import annotations
@@ -25,6 +26,9 @@ LEVEL_M = 0.012
 """Hits this close in height belong to one surface."""
 OFF_CENTRE = 0.2
 """A surface carries a thing if it reaches at least this near to below its middle, as a share of its half width."""
+STUCK_M, TOUCH_M = 0.012, 0.004
+ASIDE_M = (0.015, 0.03, 0.045)
+"""What is stuck deeper than the first is moved aside by one of these until it touches by no more than the second."""
 LEDGE_MARGIN_M, LEDGE_M = 0.04, 0.02
 TO_WALL_M = 0.45
 
@@ -50,9 +54,33 @@ def supported(scene: Scene, shell: RoomShell, finish: Material) -> Scene:
                 x, y, z = o.position
                 moved[o.id] = replace(o, position=(x, y, z + lift))
                 world.move_alone(o.id, moved[o.id].position)
+        for o in loose:
+            freed = _freed(world, moved.get(o.id, o))
+            if freed is not None:
+                moved[o.id] = freed
     ledges = [StructureBox("fixture", ledge, finish) for ledge in _ledges(bare, shell)]
     objects = tuple(moved.get(o.id, o) for o in scene.objects)
     return replace(scene, objects=objects, structure=scene.structure + tuple(ledges))
+
+
+def _freed(world: World, o: SceneObject) -> SceneObject | None:
+    """A thing that is stuck in another, moved aside a little; where there is no room, held so that physics leaves it."""
+    if _depth(world, o.id) < STUCK_M:
+        return None
+    x, y, z = o.position
+    for radius in ASIDE_M:
+        for angle in np.arange(8) * np.pi / 4:
+            aside = (x + radius * float(np.cos(angle)), y + radius * float(np.sin(angle)), z)
+            world.move_alone(o.id, aside)
+            if _depth(world, o.id) < TOUCH_M:
+                return replace(o, position=aside)
+    world.move_alone(o.id, o.position)
+    return replace(o, is_fixed=True)
+
+
+def _depth(world: World, object_id: str) -> float:
+    """How deep an object is in anything else, metres."""
+    return max((-distance for _, distance in world.overlapping(object_id)), default=0.0)
 
 
 class _Probe:

@@ -120,8 +120,8 @@ def _sample_faces(
 ) -> None:
     """Find the nearest face at each sample of the edge pixels, among a range of faces and those found before.
 
-    Four sample lines cross a row of pixels, and every pixel has one sample on each: a face is drawn as if the image were
-    four times as high, with every line shifted sideways.
+    Four sample lines cross a row of pixels, and every pixel has one sample on each: a face is drawn as if the image
+    were four times as high, with every line shifted sideways.
     """
     height, width = len(first_edge), first_edge.shape[1] - 1
     half_width, half_height = 0.5 * width, 0.5 * height

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,9 +60,7 @@ def facing_poses(
                 yield AgentPose(cell, heading, horizon, is_standing)
 
 
-def pose_that_sees_and_reaches(
-    view: WorldView, grid: ReachableGrid, object_id: str, points: Sequence[F64] | F64
-) -> AgentPose | None:
+def pose_that_sees_and_reaches(view: WorldView, grid: ReachableGrid, object_id: str, points: F64) -> AgentPose | None:
     """The nearest pose that sees an object and from which the arm reaches one of some points of it, or None.
 
     A standing pose is preferred; low drawers under a deep worktop are only seen by an agent that crouches.

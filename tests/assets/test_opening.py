@@ -18,6 +18,8 @@ SIZES: dict[str, tuple[Vec3, ...]] = {
     "ShowerDoor": ((0.81, 0.07, 1.96),),
 }
 CASES = [(type_, size, variant) for type_, sizes in SIZES.items() for size in sizes for variant in range(4)]
+HOLLOW = ("Cabinet", "Box", "Safe", "LaundryHamper")
+"""Types of which most is inside."""
 TOLERANCE_M = 0.0012
 """Parts may touch; the thinnest collision box, a cardboard flap, is 4 mm thick, so 2 mm is as deep as one can get."""
 PER_TRIANGLE = 60
@@ -73,7 +75,7 @@ def handle_slack(size: Vec3, openness: float) -> float:
     return 0.03 if openness > 0.1 else 0.0
 
 
-@pytest.mark.parametrize(("type_", "size", "variant"), CASES)
+@pytest.mark.parametrize(("type_", "size", "variant"), [case for case in CASES if case[0] in HOLLOW])
 def test_the_inside_is_hollow_for_physics(type_: str, size: Vec3, variant: int) -> None:
     asset = build(AssetSpec(type_, size, variant))
     for space in asset.spaces:

@@ -44,7 +44,7 @@ def test_rugs_and_wall_cabinets_do_not_block(z: tuple[float, float]) -> None:
 
 def test_a_wall_cuts_off_what_is_behind_it() -> None:
     mug = SceneObject("Mug|1", AssetSpec("Mug", (0.1, 0.1, 0.1)), (-1.5, 0.0, 0.05))
-    scene = empty_room((0.48, -2.0, 0.0, 0.55, 2.0, 2.5), objects=(mug,))
+    scene = empty_room((0.48, -2.0, 0.0, 0.52, 2.0, 2.5), objects=(mug,))
     with World(scene) as world:
         grid = reachable_grid(world)
     assert max(i for i, _ in grid.cells) == 1  # 0.25 m: the mug is on the smaller x side

@@ -1,0 +1,78 @@
+"""Which words referring expressions use and what may be mistaken for what; read from `templates/expressions.yaml`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from importlib import resources
+from typing import Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict
+
+from remqa_data.catalog import catalog
+from remqa_data.relations import Relation
+
+SOURCE = "expressions.yaml"
+StackPlace = Literal["highest", "lowest", "middle"]
+
+
+class ExpressionRules(BaseModel):
+    """All of `templates/expressions.yaml`, which says what each field means."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    patterns: dict[str, str]
+    landmarks: tuple[tuple[str, ...], ...]
+    only_for: dict[str, tuple[Relation, ...]]
+    relation_order: tuple[Relation, ...]
+    stack_words: dict[str, StackPlace]
+    stack_types: frozenset[str]
+    same_height_m: float
+    column_min_share: float
+    closest_word: str
+    closest_tie_m: float
+    closest_max_m: float
+    closest_margin_m: float
+    closest_margin_factor: float
+    closest_landmark_groups: int
+    never_targets: frozenset[str]
+    substances: frozenset[str]
+    similar_words: tuple[frozenset[str], ...]
+    may_mean: dict[str, frozenset[str]]
+
+
+@lru_cache(maxsize=1)
+def expression_rules() -> ExpressionRules:
+    """The rules that come with the package, read once."""
+    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
+    return ExpressionRules.model_validate(yaml.safe_load(text))
+
+
+def may_be_called(type_name: str) -> frozenset[str]:
+    """The types that a person may mean by the word for one type, itself among them.
+
+    >>> sorted(may_be_called("Knife")), sorted(may_be_called("Box"))
+    (['ButterKnife', 'Knife'], ['Box', 'TissueBox'])
+    """
+    return _confusable()[type_name]
+
+
+def similar_words(word: str) -> frozenset[str]:
+    """The words that look like a colour or a substance in a picture, itself among them."""
+    return frozenset({word}.union(*(group for group in expression_rules().similar_words if word in group)))
+
+
+@lru_cache(maxsize=1)
+def _confusable() -> Mapping[str, frozenset[str]]:
+    table: dict[str, frozenset[str]] = {}
+    for name, kind in catalog().items():
+        word = kind.singular
+        others = {
+            other
+            for other, candidate in catalog().items()
+            for called in (candidate.singular, *candidate.synonyms)
+            if called == word or called.endswith(f" {word}") or called.startswith(f"{word} of ")
+        }
+        table[name] = frozenset(others | {name} | expression_rules().may_mean.get(name, frozenset()))
+    return table
