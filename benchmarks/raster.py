@@ -7,11 +7,10 @@ Embree traces depth and instances only; the others also draw colours. Run it alo
 from __future__ import annotations
 
 import json
-import math
 import platform
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +20,17 @@ import trimesh
 from rich.console import Console
 from rich.table import Table
 
-from remqa_data.assets.model import F64, Material, Surface, Vec3
+from remqa_data.assets.model import F64, Surface, Vec3
+from remqa_data.generators.floorplans.ithor import load_scene
 from remqa_data.sim.camera import NEAR_M, Camera
+from remqa_data.sim.navigation import reachable_grid
 from remqa_data.sim.renderer import Part, Renderer
+from remqa_data.sim.view import world_parts
+from remqa_data.sim.viewpoints import HEADINGS_DEG, AgentPose
+from remqa_data.sim.world import World
 
 OUTPUT = Path("out/benchmarks/raster.json")
-POSES = 50
+ROOM, POSES = "FloorPlan1", 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +60,8 @@ class Timing:
 
 
 def main() -> None:
-    """Measure the synthetic room, print a table and store the figures."""
-    report(synthetic_scene(), OUTPUT)
+    """Measure a kitchen, print a table and store the figures."""
+    report(room(ROOM), OUTPUT)
 
 
 def report(scene: BenchmarkScene, output: Path) -> list[Timing]:
@@ -97,7 +101,7 @@ def our_timings(scene: BenchmarkScene) -> list[Timing]:
 
 def bullet_timings(scene: BenchmarkScene) -> list[Timing]:
     """PyBullet's software renderer, without and with shadows."""
-    import pybullet
+    from remqa_data.sim.bullet import pybullet
 
     client = pybullet.connect(pybullet.DIRECT)
     for part, pose in zip(scene.parts, scene.poses, strict=True):
@@ -165,69 +169,18 @@ def time_frames(name: str, draw: Callable[[Camera], object], cameras: Sequence[C
     return Timing(name, float(np.median(times)), min(times), max(times))
 
 
-def synthetic_scene(objects: int = 90, seed: int = 0) -> BenchmarkScene:
-    """A furnished room of about 80,000 triangles."""
+def room(name: str, seed: int = 0) -> BenchmarkScene:
+    """One of the 120 rooms, settled, from poses of the agent spread over its reachable cells."""
+    scene = load_scene(name)
+    with World(scene) as world:
+        world.settle()
+        grid = reachable_grid(world)
+        parts, poses = world_parts(world)
     rng = np.random.default_rng(seed)
-    width, depth, height = 5.0, 4.0, 2.6
-    wood = Material("wooden", "brown", (0.72, 0.5, 0.32), "planks", 1.5, 0.2)
-    parts = [Part((_shell(width, depth, height, wood),), 0)]
-    poses = [np.eye(4)]
-    for instance in range(1, objects + 1):
-        rgb: Vec3 = (float(rng.uniform(0.2, 0.95)), float(rng.uniform(0.2, 0.95)), float(rng.uniform(0.2, 0.95)))
-        material = replace(wood, rgb=rgb, gloss=0.4, texture="wood" if instance % 2 else None)
-        x, y = rng.uniform(0.4, width - 0.4), rng.uniform(0.4, depth - 0.4)
-        if instance <= 12:
-            size = rng.uniform((0.4, 0.4, 0.4), (1.0, 0.7, 1.3))
-            mesh, z = trimesh.creation.box(extents=size), size[2] / 2 + 0.001
-        elif instance % 3 == 0:
-            mesh, z = trimesh.creation.icosphere(3, rng.uniform(0.04, 0.12)), rng.uniform(0.1, 1.4)
-        elif instance % 3 == 1:
-            mesh, z = trimesh.creation.cylinder(rng.uniform(0.03, 0.08), 0.15, sections=64), rng.uniform(0.1, 1.4)
-        else:
-            mesh, z = trimesh.creation.torus(0.08, 0.025, 40, 24), rng.uniform(0.1, 1.4)
-        pose = np.eye(4)
-        pose[:3, 3] = x, y, z
-        parts.append(Part((_surface(mesh, material),), instance))
-        poses.append(pose)
-    cameras = [
-        Camera(
-            (float(rng.uniform(0.5, width - 0.5)), float(rng.uniform(0.5, depth - 0.5)), 1.576),
-            yaw_deg=float(rng.integers(4) * 90),
-            horizon_deg=float(rng.choice([0, 30])),
-        )
-        for _ in range(POSES)
-    ]
-    return BenchmarkScene("synthetic room", parts, np.stack(poses), [(width / 2, depth / 2, height - 0.1)], cameras)
-
-
-def _surface(mesh: trimesh.Trimesh, material: Material) -> Surface:
-    """Vertices of a trimesh with smooth normals, and a texture wrapped around its vertical axis."""
-    vertices = np.asarray(mesh.vertices)
-    around = np.arctan2(vertices[:, 1], vertices[:, 0]) / (2 * math.pi)
-    return Surface(
-        vertices.astype(np.float32),
-        np.asarray(mesh.vertex_normals, dtype=np.float32),
-        np.column_stack([around, vertices[:, 2]]).astype(np.float32),
-        np.asarray(mesh.faces, dtype=np.int32),
-        material,
-    )
-
-
-def _shell(width: float, depth: float, height: float, material: Material) -> Surface:
-    """Floor, ceiling and walls seen from inside."""
-    box = trimesh.creation.box(extents=(width, depth, height))
-    box.apply_translation((width / 2, depth / 2, height / 2))
-    corners = box.triangles[:, ::-1].reshape(-1, 3)
-    normals = np.repeat(-box.face_normals, 3, axis=0)
-    flat = np.abs(normals).argmax(axis=1)
-    uv = np.stack([corners[np.arange(len(corners)), (flat + k) % 3] for k in (1, 2)], axis=1)
-    return Surface(
-        corners.astype(np.float32),
-        normals.astype(np.float32),
-        uv.astype(np.float32),
-        np.arange(len(corners), dtype=np.int32).reshape(-1, 3),
-        material,
-    )
+    cells = [grid.cells[int(i)] for i in rng.integers(len(grid.cells), size=POSES)]
+    agents = [AgentPose(cell, int(rng.choice(HEADINGS_DEG)), int(rng.choice((0, 30)))) for cell in cells]
+    cameras = [agent.camera(grid) for agent in agents]
+    return BenchmarkScene(f"{name} ({scene.room_type})", parts, poses, scene.lights, cameras)
 
 
 def _add_to_bullet(pybullet: Any, client: int, surface: Surface, pose: F64) -> None:

@@ -41,8 +41,8 @@ class Expression:
     anchor_id : str or None
         The object that the phrase leans on: of several that fit its words, the one whose centre is nearest.
     kind : {"bare", "relation", "attribute", "superlative"}
-        The last two mark the extension: phrases with a colour or a material; phrases with "closest to" or with a place
-        in a stack ("top", "bottom", "middle").
+        The last two mark the extension: phrases with a colour or a material; phrases with "closest to", or with a place
+        in a stack ("top", "bottom", "middle") or in a row ("left", "right", "leftmost", "rightmost").
     program : tuple
         What `remqa_data.referring.resolve` executes; JSON-able.
     """
@@ -104,8 +104,11 @@ class Expressions:
         closest = [_expression(target, anchor) for anchor in self._closest_anchors(target)]
         yield from closest
         for plain in (bare, *related, *closest):
-            if not self._picked_out(plain):
-                yield from _in_stack(target, plain)
+            if not self._picked_out(plain) and self._leans_on_one(plain):
+                singles = list(_placed(target, plain, doubly=False))
+                yield from singles
+                if not any(self._picked_out(single) == target.id for single in singles):
+                    yield from _placed(target, plain, doubly=True)
         for plain in (bare, *related):
             if not self._picked_out(plain):
                 yield from _described(target, plain)
@@ -116,13 +119,9 @@ class Expressions:
         for _, other, data in self.graph.graph.out_edges(target.id, data=True):
             record, relation = self.graph.node(other), data["relation"]
             rank = _landmark_rank(record.type)
-            if (
-                rank is None
-                or record.type == target.type
-                or relation not in rules.only_for.get(record.type, (relation,))
-            ):
+            if rank is None or relation not in rules.only_for.get(record.type, (relation,)):
                 continue
-            if self._is_hidden(other) or not _stays_as_long(record, target):
+            if record.type == target.type or self._is_hidden(other) or not _suits(record, target):
                 continue
             order = rules.relation_order.index(relation)
             key = (rank, self._count[record.type] > 1, order, data["distance_m"], other)
@@ -143,6 +142,13 @@ class Expressions:
         apart = centre_distance(target.box, [record.box for record in others])[0] if others else ()
         ranked = sorted(zip(apart, others, strict=True), key=lambda pair: (pair[0], pair[1].id))
         return [_Anchor(record.id, record.type, "closest to") for _, record in ranked]
+
+    def _leans_on_one(self, expression: Expression) -> bool:
+        """Whether the landmark is the only one of its type, or seen as one; true without a landmark."""
+        if expression.anchor_id is None:
+            return True
+        anchor_type = self.graph.node(expression.anchor_id).type
+        return self._count[anchor_type] == 1 or anchor_type in expression_rules().seen_as_one
 
     def _is_hidden(self, object_id: str) -> bool:
         """Whether it is in something closed."""
@@ -211,12 +217,21 @@ def _described(target: ObjectMetadata, plain: Expression) -> Iterator[Expression
         yield replace(plain, text=text, kind="attribute", program=(plain.program[0], step, *plain.program[1:]))
 
 
-def _in_stack(target: ObjectMetadata, plain: Expression) -> Iterator[Expression]:
-    """The phrase with each place in a stack."""
-    if target.type in expression_rules().stack_types:
-        for word, place in expression_rules().stack_words.items():
-            program = (*plain.program, ("stack", place))
-            yield replace(plain, text=_with_word(plain, word), kind="superlative", program=program)
+def _placed(target: ObjectMetadata, plain: Expression, *, doubly: bool) -> Iterator[Expression]:
+    """The phrase with each place in a stack or a row; doubly: with one of each, as in "the top left drawer"."""
+    rules = expression_rules()
+    stack = rules.stack_words if target.type in rules.stack_types else {}
+    row = rules.row_words if target.type in rules.row_types else {}
+    places: list[tuple[str, Program]]
+    if doubly:
+        ends = [high for high, place in stack.items() if place != "middle"]
+        sides = list(row)
+        places = [(f"{h} {w}", (("stack", stack[h]), ("row", row[w]))) for h in ends for w in sides]
+    else:
+        places = [(word, (("stack", place),)) for word, place in stack.items()]
+        places += [(word, (("row", place),)) for word, place in row.items()]
+    for words, steps in places:
+        yield replace(plain, text=_with_word(plain, words), kind="superlative", program=(*plain.program, *steps))
 
 
 def _with_word(plain: Expression, word: str) -> str:
@@ -227,9 +242,10 @@ def _with_word(plain: Expression, word: str) -> str:
     return plain.text.replace(head, described, 1)
 
 
-def _stays_as_long(anchor: ObjectMetadata, target: ObjectMetadata) -> bool:
-    """Furniture is not pointed out by what a hand can carry away: phrases outlive an arrangement of the room."""
-    return object_type(target.type).pickupable or not object_type(anchor.type).pickupable
+def _suits(anchor: ObjectMetadata, target: ObjectMetadata) -> bool:
+    """Furniture is not pointed out by what a hand can carry away, as phrases outlive an arrangement; nor by the floor."""
+    carried = object_type(target.type).pickupable
+    return carried or not (object_type(anchor.type).pickupable or anchor.type in expression_rules().not_for_furniture)
 
 
 @lru_cache(maxsize=256)

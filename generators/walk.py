@@ -19,7 +19,7 @@ import numpy.typing as npt
 from remqa_data.errors import NoPathError
 from remqa_data.metadata import AgentState, FrameMetadata, frame_metadata, object_metadata, scaled_min_pixels
 from remqa_data.sim.camera import Camera
-from remqa_data.sim.navigation import STEP_OVER_M, Cell, ReachableGrid
+from remqa_data.sim.navigation import GRID_M, STEP_OVER_M, Cell, ReachableGrid
 from remqa_data.sim.paths import path_length_m, pose_after, shortest_actions
 from remqa_data.sim.view import Observation, WorldView
 from remqa_data.sim.viewpoints import FRAME_PX, HEADINGS_DEG, AgentPose
@@ -61,7 +61,11 @@ class WalkSettings:
         What it is worth to see the ground of a cell for the first time, which makes the semantic map complete; an
         object is worth 1.
     repeat_worth : float
-        A further view of something of which there are n is worth this share of the first, times 1 / (1 + n).
+        A further view of something of which there are n is worth this share of the first, times 1 / (1 + n)^2.
+    similar_worth : float
+        Share of its worth that a pose keeps for each chosen pose that looks the same way from within `similar_m`.
+    similar_m : float
+        See `similar_worth`; metres.
     size_px : int
         Side of a frame.
     scout_px : int
@@ -73,9 +77,11 @@ class WalkSettings:
     horizons_deg: tuple[int, ...] = (0, 30)
     min_objects: int = 3
     stride: int | None = None
-    cells_per_frame: float = 1.0
+    cells_per_frame: float = 2.0
     ground_worth: float = 0.1
     repeat_worth: float = 0.1
+    similar_worth: float = 0.5
+    similar_m: float = 0.5
     size_px: int = FRAME_PX
     scout_px: int = 75
 
@@ -214,20 +220,27 @@ def _choose(scout: _Scout, settings: WalkSettings, poses: list[AgentPose]) -> li
     seen = np.zeros(guesses.shape[1])
     is_untried = np.ones(len(poses), dtype=np.bool_)
     is_without = np.ones(settings.frames, dtype=np.bool_)
+    novelty = np.ones(len(poses))
     chosen: list[int] = []
     while len(chosen) < settings.frames and is_untried.any():
         is_open = is_untried & is_without[runs]
         if not is_open.any():
             is_open = is_untried
-        worth = np.where(seen == 0, 1.0, settings.repeat_worth / (1.0 + seen)) * first_worth
-        best = int(np.argmax(np.where(is_open, guesses @ worth, -1.0)))
+        worth = np.where(seen == 0, 1.0, settings.repeat_worth / (1.0 + seen) ** 2) * first_worth
+        best = int(np.argmax(np.where(is_open, guesses @ worth * novelty, -1.0)))
         is_untried[best] = False
         sees = scout.sees(poses[best], settings.size_px)
         if np.count_nonzero(sees[: scout.objects]) >= settings.min_objects:
             chosen.append(best)
             seen += sees
             is_without[runs[best]] = False
+            novelty[[_are_similar(pose, poses[best], settings) for pose in poses]] *= settings.similar_worth
     return chosen
+
+
+def _are_similar(a: AgentPose, b: AgentPose, settings: WalkSettings) -> bool:
+    is_same_way = (a.yaw_deg, a.horizon_deg) == (b.yaw_deg, b.horizon_deg)
+    return is_same_way and math.dist(a.cell, b.cell) * GRID_M <= settings.similar_m
 
 
 class _Scout:

@@ -25,8 +25,8 @@ ABOUT = (
 PROVENANCE = (
     "Generated with remqa-data on PyBullet. The rooms follow the 120 iTHOR floor plans: names, boxes, poses, "
     "receptacles and flags of their objects are derived from the Apache-2.0 `procthor` 0.0.1.dev2 wheel (Copyright "
-    "Allen Institute for AI). All shapes, textures and pictures are made by this package; no mesh, texture or program of AI2-THOR or "
-    "ProcTHOR is included."
+    "Allen Institute for AI). All shapes, textures and pictures are made by this package; no mesh, texture or program "
+    "of AI2-THOR or ProcTHOR is included."
 )
 FRAMES = (
     "World frame: right-handed, z up, metres; yaw in degrees counter-clockwise from +x, horizon positive downwards. "

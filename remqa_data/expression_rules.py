@@ -15,6 +15,7 @@ from remqa_data.relations import Relation
 
 SOURCE = "expressions.yaml"
 StackPlace = Literal["highest", "lowest", "middle"]
+RowPlace = Literal["left", "right", "leftmost", "rightmost"]
 
 
 class ExpressionRules(BaseModel):
@@ -26,10 +27,17 @@ class ExpressionRules(BaseModel):
     landmarks: tuple[tuple[str, ...], ...]
     only_for: dict[str, tuple[Relation, ...]]
     relation_order: tuple[Relation, ...]
+    not_for_furniture: frozenset[str]
+    seen_as_one: frozenset[str]
     stack_words: dict[str, StackPlace]
     stack_types: frozenset[str]
     same_height_m: float
     column_min_share: float
+    row_words: dict[str, RowPlace]
+    row_types: frozenset[str]
+    row_min_step_m: float
+    row_max_turn_deg: float
+    row_min_height_share: float
     closest_word: str
     closest_tie_m: float
     closest_max_m: float

@@ -58,6 +58,10 @@ class Leaf:
 
     def to_arrow(self, values: Sequence[Any], where: str) -> pa.Array:
         """An Arrow array of the values."""
+        if pa.types.is_integer(self.type):  # Arrow would cut 2.5 down to 2
+            for value in values:
+                if value is not None and not isinstance(value, int | np.integer):
+                    raise SchemaError(f"{where}: expected a whole number, not {value!r:.60}")
         try:
             array = pa.array(values, self.type)
         except (pa.ArrowException, TypeError, ValueError) as error:
@@ -190,8 +194,10 @@ class Struct:
 
     def from_arrow(self, array: pa.Array) -> list[Any]:
         """The records of an Arrow array."""
+        names = [member.name for member in self.members]
         columns = [member.node.from_arrow(array.field(member.name)) for member in self.members]
-        return [self.record(*values) for values in zip(*columns, strict=True)]
+        # By name: a field may be keyword-only.
+        return [self.record(**dict(zip(names, values, strict=True))) for values in zip(*columns, strict=True)]
 
 
 Node = Leaf | Array | ListOf | Struct

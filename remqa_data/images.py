@@ -20,8 +20,7 @@ RgbFormat = Literal["jpeg", "png"]
 
 JPEG_QUALITY = 95
 PNG_COMPRESSION = 1
-"""zlib level, which is asked for by name because without it OpenCV skips PNG's filters: the depth of a room is then six
-times as large and takes twice as long to decode. Higher levels gain a third of 2 KB and take 1.4 times as long."""
+"""zlib level; higher ones gain little and cost time."""
 MAX_DEPTH_MM = 65535
 
 
@@ -115,7 +114,12 @@ def decode_instances(data: bytes | memoryview) -> npt.NDArray[np.uint16]:
     return _decoded_16_bit(data)
 
 
-_PNG_OPTIONS = [cv2.IMWRITE_PNG_COMPRESSION, PNG_COMPRESSION]
+_PNG_OPTIONS = [
+    *(cv2.IMWRITE_PNG_COMPRESSION, PNG_COMPRESSION),
+    # Of all filters the best for rooms: depth takes 11 KB, 0.6 ms to encode and 0.5 ms to decode, as against 27, 0.8 and
+    # 0.9 with OpenCV's default.
+    *(cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_UP),
+]
 _JPEG_OPTIONS = [
     *(cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY),
     # Written down, so that another default of another OpenCV cannot change the bytes.

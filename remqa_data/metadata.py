@@ -5,13 +5,14 @@ World frame: right-handed, z up, metres; yaw in degrees counter-clockwise from +
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.assets.model import Box, Vec3
+from remqa_data.assets.model import F64, Box, Vec3
 from remqa_data.sim.camera import Camera
 from remqa_data.sim.view import Observation
 from remqa_data.sim.viewpoints import FRAME_PX, MIN_PIXELS
@@ -64,6 +65,9 @@ class ObjectMetadata:
         for what rests on nothing that is an object.
     support_kind : {"in", "on"} or None
         How the receptacle holds it: "in" what encloses it or has walls around it, else "on".
+    facing_deg : float or None
+        Where its front looks, degrees counter-clockwise from +x, 0 to 360: who stands before it sees its left on the
+        left. None if not known.
     """
 
     id: str
@@ -75,6 +79,7 @@ class ObjectMetadata:
     is_picked_up: bool
     support: str | None
     support_kind: SupportKind | None
+    facing_deg: float | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -123,6 +128,7 @@ def object_metadata(world: World) -> dict[str, ObjectMetadata]:
             is_picked_up=object_id == world.held,
             support=support.id if support else None,
             support_kind=support.kind if support else None,
+            facing_deg=_facing_deg(world.state(object_id).matrix()),
         )
     return records
 
@@ -164,7 +170,7 @@ def frame_metadata(
         box = np.asarray(record.box)
         visible.append(
             VisibleObject(
-                **{field.name: getattr(record, field.name) for field in fields(ObjectMetadata)},
+                **{name: getattr(record, name) for name in _SHARED},
                 box_2d=_tight_box(image == index),
                 pixels=int(counts[index]),
                 distance_m=float(np.linalg.norm(eye - np.clip(eye, box[:3], box[3:]))),
@@ -180,6 +186,14 @@ def scaled_min_pixels(shape: tuple[int, ...]) -> int:
     (50, 200, 1)
     """
     return max(1, round(MIN_PIXELS * shape[0] * shape[1] / FRAME_PX**2))
+
+
+_SHARED = tuple(f.name for f in fields(ObjectMetadata))
+
+
+def _facing_deg(pose: F64) -> float:
+    """Where the front, which is at -y of the asset, looks in the world."""
+    return round(math.degrees(math.atan2(-pose[1, 1], -pose[0, 1])), 6) % 360.0
 
 
 def _tight_box(mask: npt.NDArray[np.bool_]) -> Box2D:

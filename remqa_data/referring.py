@@ -6,6 +6,7 @@ A program is a pipeline over sets of objects, as in CLEVR: it starts with all ob
 - ``("relate", "above", program)`` keeps what is above at least one of the objects that the inner program gives.
 - ``("closest", program)`` keeps what is closest to the objects that the inner program gives.
 - ``("stack", "highest")``, ``"lowest"`` or ``"middle"`` keeps one of a stack.
+- ``("row", "left")``, ``"right"``, ``"leftmost"`` or ``"rightmost"`` keeps one end of a row.
 
 Programs are tuples of strings and tuples, so they can be compared and hashed; JSON turns them into lists, which are
 understood as well.
@@ -22,7 +23,7 @@ from typing import Any, get_args
 
 from remqa_data.catalog import catalog
 from remqa_data.errors import ProgramError, nearest_names
-from remqa_data.expression_rules import StackPlace, expression_rules
+from remqa_data.expression_rules import RowPlace, StackPlace, expression_rules
 from remqa_data.meaning import Exactly, Roughly
 from remqa_data.relations import Relation, relation_rules
 from remqa_data.scene_graph import SceneGraph
@@ -90,7 +91,7 @@ def program_of(text: str) -> Program:
 
 
 def _noun_program(words: str, text: str, relation: Step | None) -> Program:
-    """Type, colours and materials, then the relation, then the place in the stack of what is left."""
+    """Type, colours and materials, then the relation, then the place in a stack or a row of what is left."""
     article, _, rest = words.partition(" ")
     names = _types_by_word()
     parts = rest.split(" ")
@@ -100,8 +101,8 @@ def _noun_program(words: str, text: str, relation: Step | None) -> Program:
         noun = " ".join(parts[start:])
         if noun in names:
             attributes = [_attribute_step(word, text) for word in parts[:start]]
-            filters = [step for step in attributes if step[0] != "stack"]
-            places = [step for step in attributes if step[0] == "stack"]
+            filters = [step for step in attributes if step[0].startswith("filter")]
+            places = [step for step in attributes if step[0] in ("stack", "row")]
             return (("filter_type", names[noun]), *filters, *([relation] if relation else []), *places)
     hint = "".join(f"; did you mean {near!r}?" for near in nearest_names(rest, names, 1))
     raise ProgramError(f"{text!r}: no object type is called {rest!r}{hint}")
@@ -111,11 +112,13 @@ def _attribute_step(word: str, text: str) -> Step:
     rules = expression_rules()
     if word in rules.stack_words:
         return ("stack", rules.stack_words[word])
+    if word in rules.row_words:
+        return ("row", rules.row_words[word])
     if word in rules.substances:
         return ("filter_substance", word)
     if any(word in group for group in rules.similar_words):
         return ("filter_color", word)
-    raise ProgramError(f"{text!r}: {word!r} is no colour, material or place in a stack that expressions use")
+    raise ProgramError(f"{text!r}: {word!r} is no colour, material or place that expressions use")
 
 
 @lru_cache(maxsize=1)
@@ -142,6 +145,9 @@ def _execute(program: AnyProgram, graph: SceneGraph, meaning: Exactly) -> set[st
                 found = {i for i in found if meaning.related(graph, i, relation, anchors - {i})}
             case ["closest", list() | tuple() as inner]:
                 found = meaning.closest(graph, found, _execute(inner, graph, meaning))
+            case ["row", str(value)] if value in get_args(RowPlace):
+                end: RowPlace = value  # type: ignore[assignment]  # just checked
+                found = meaning.in_row(graph, found, end)
             case ["stack", str(value)] if value in get_args(StackPlace):
                 place: StackPlace = value  # type: ignore[assignment]  # just checked
                 found = meaning.in_stack(graph, found, place)

@@ -19,6 +19,7 @@ from remqa_data.assets.model import Vec3
 from remqa_data.fields import Column
 from remqa_data.images import StoredImage
 from remqa_data.metadata import AgentState, Box2D, ObjectMetadata, VisibleObject
+from remqa_data.pair_relations import Edge
 
 Split = Literal["train", "val", "test"]
 QuestionKind = Literal["EXISTENCE", "COUNTING", "SPATIAL"]
@@ -33,17 +34,6 @@ class GridCell(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Edge:
-    """A relation between two objects of the scene graph."""
-
-    source: Annotated[str, Column("Id of the object that is in, on, under or next to the other.")]
-    target: Annotated[str, Column("Id of the other object.")]
-    relation: Annotated[str, Column("Relation of the source to the target, such as in, on, under, next to.")]
-    distance_m: Annotated[float, Column("Distance between the centres of the two 3D boxes.", "m")]
-    iou: Annotated[float, Column("Intersection over union of the two 3D boxes, 0 to 1.")]
-
-
-@dataclass(frozen=True)
 class Embodiment:
     """The agent's body and eye."""
 
@@ -54,16 +44,17 @@ class Embodiment:
 
 
 @dataclass(frozen=True, eq=False)
-class SparseVoxels:
-    """The semantic map: which voxels of the room hold an object of which type."""
+class SemanticMap:
+    """Which voxels of the room hold what, as the walk has seen it; `remqa_data.map_rows` makes and reads it."""
 
     origin: Annotated[Vec3, Column("Low corner of voxel (0, 0, 0): x, y, z.", "m", "world")]
     voxel_m: Annotated[float, Column("Edge of a voxel.", "m")]
-    labels: Annotated[tuple[str, ...], Column("Object types that voxels are labelled with.")]
+    corner: Annotated[tuple[int, int], Column("x, y of the voxel column in map_2d's lower left pixel.", frame="voxels")]
+    labels: Annotated[tuple[str, ...], Column("What voxels are labelled with: structure, or a type of object.")]
     voxels: Annotated[
         npt.NDArray[np.int16],
         Column(
-            "Occupied voxels: x, y, z in voxels from the origin, and an index into labels.",
+            "Occupied voxels: x, y, z counted from the origin, and an index into labels.",
             frame="voxels",
             columns=("x", "y", "z", "label"),
         ),
@@ -71,9 +62,11 @@ class SparseVoxels:
     """(n, 4)."""
 
     def __eq__(self, other: object) -> bool:
-        """Equal origins, sizes, labels and voxels."""
-        return isinstance(other, SparseVoxels) and (
-            (self.origin, self.voxel_m, self.labels) == (other.origin, other.voxel_m, other.labels)
+        """Equal fields."""
+        return (
+            isinstance(other, SemanticMap)
+            and (self.origin, self.voxel_m, self.corner) == (other.origin, other.voxel_m, other.corner)
+            and self.labels == other.labels
             and np.array_equal(self.voxels, other.voxels)
         )
 
@@ -95,12 +88,12 @@ class SceneRow:
     objects: Annotated[tuple[ObjectMetadata, ...], Column("Ground truth of every object.")]
     graph_nodes: Annotated[tuple[str, ...], Column("Ids of the objects in the scene graph, as the walk found them.")]
     graph_edges: Annotated[tuple[Edge, ...], Column("Edges of the scene graph after the walk.")]
-    semantic_map: Annotated[SparseVoxels, Column("Voxels that the walk has seen, by object type.")]
+    semantic_map: Annotated[SemanticMap, Column("Voxels that the walk has seen, by object type.")]
     map_2d: Annotated[
         StoredImage,
         Column(
-            "The semantic map from above, 16-bit PNG: index into semantic_map.labels + 1, 0 where nothing is known; "
-            "one pixel per voxel column, image right is +x and image up is +y.",
+            "What is highest in each voxel column, 16-bit PNG: index into semantic_map.labels + 1, 0 where nothing was "
+            "seen; image right is +x and image up is +y.",
             frame="voxels",
         ),
     ]
@@ -202,6 +195,13 @@ SHARED_FIELDS: dict[type, dict[str, Column]] = {
         "yaw_deg": Column("Heading, counter-clockwise from +x.", "deg", "world"),
         "horizon_deg": Column("Tilt of the camera, positive looks down.", "deg"),
     },
+    Edge: {
+        "source": Column("Id of the object that is in, on, under, above, below or next to the other."),
+        "target": Column("Id of the other object."),
+        "relation": Column("Relation of the source to the target."),
+        "distance_m": Column("Distance between the centres of the two 3D boxes.", "m"),
+        "iou": Column("Intersection over union of the two 3D boxes, 0 to 1."),
+    },
     ObjectMetadata: {
         "id": Column("Id of the object, unique in the room."),
         "type": Column("Object type, such as Mug."),
@@ -212,6 +212,7 @@ SHARED_FIELDS: dict[type, dict[str, Column]] = {
         "is_picked_up": Column("Whether the agent holds it."),
         "support": Column("Id of the receptacle that holds it, if there is one."),
         "support_kind": Column("Whether it is in or on that receptacle."),
+        "facing_deg": Column("Where its front looks, counter-clockwise from +x, if it has a front.", "deg", "world"),
     },
     VisibleObject: {
         "box_2d": Column("Box of its pixels, [x1, y1, x2, y2).", "px", "image"),

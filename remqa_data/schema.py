@@ -128,12 +128,9 @@ def to_rows(row_type: type[R], data: pa.Table) -> list[R]:
     """
     spec = _spec_of(row_type)
     check_schema(spec.name, data.schema)
-    batch = data.combine_chunks().to_batches()
-    rows: list[R] = []
-    for part in batch:
-        columns = [member.node.from_arrow(part.column(member.name)) for member in spec.record.members]
-        rows += [row_type(*values) for values in zip(*columns, strict=True)]
-    return rows
+    return [
+        row for batch in data.combine_chunks().to_batches() for row in spec.record.from_arrow(batch.to_struct_array())
+    ]
 
 
 def check_schema(name: str, schema: pa.Schema) -> None:
@@ -187,6 +184,7 @@ def _docs(field: pa.Field, path: str) -> list[FieldDoc]:
     about = {key.decode(): text.decode() for key, text in (field.metadata or {}).items()}
     kind, item = field.type, field.type.value_type if pa.types.is_list(field.type) else field.type
     nested = item if pa.types.is_struct(item) and item != IMAGE_TYPE else []
+    nested = [child for child in nested if child.metadata]  # the columns of an array are told of in its own description
     name = "image" if kind == IMAGE_TYPE else f"list<{_short(item)}>" if item is not kind else _short(kind)
     own = FieldDoc(path, name, about.get("description", ""), about.get("unit", ""), about.get("frame", ""))
     inside = f"{path}[]" if item is not kind else path
@@ -207,7 +205,7 @@ TABLES: dict[str, TableSpec] = {
     spec.name: spec
     for spec in (
         _table("scenes", SceneRow, "One row per configuration of a room: its ground truth, graph and maps.", 1),
-        _table("frames", FrameRow, "One row per frame of a breadth-first walk through a configuration.", 16),
+        _table("frames", FrameRow, "One row per frame of a breadth-first walk through a configuration.", 8),
         _table("expressions", ExpressionRow, "One row per referring expression in a frame.", 1024),
         _table("questions", QuestionRow, "One row per question, with the views before and after the manipulation.", 8),
     )

@@ -102,11 +102,6 @@ class VoxelMap:
         """An empty map of a scene."""
         return cls(scene.bounds, scene.floor_z, scene.height, voxel_m)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """What the labels stand for: "structure", then the types that were offered to `add`, sorted."""
-        return (STRUCTURE, *sorted(name for name in self._type_ids if name != STRUCTURE))
-
     def add(self, depth: F32, objects: I32, types: Sequence[str], camera: AnyCamera) -> None:
         """Remember a frame.
 
@@ -148,22 +143,32 @@ class VoxelMap:
             self._used,
         )
 
-    def labels(self) -> I16:
-        """(nx, ny, nz) index into `names` of each voxel, -1 where nothing was seen; entry (0, 0) is voxel `corner`."""
-        names = self.names
-        rank = np.array([names.index(name) for name in self._type_ids], dtype=np.int16)
-        return np.asarray(_elect(self._first, self._entries, rank)).reshape(self.shape)
+    def labels(self) -> tuple[I16, tuple[str, ...]]:
+        """The map as it is now.
+
+        Returns
+        -------
+        labels : (nx, ny, nz) int16
+            Index of each voxel's name, -1 where nothing was seen; entry (0, 0, 0) is voxel (*corner, 0).
+        names : tuple of str
+            "structure", then the types that some voxel is labelled with, sorted.
+        """
+        order = [STRUCTURE, *sorted(name for name in self._type_ids if name != STRUCTURE)]
+        rank = np.array([order.index(name) for name in self._type_ids], dtype=np.int16)
+        elected = np.asarray(_elect(self._first, self._entries, rank))
+        is_kept = np.bincount(elected[elected != UNKNOWN], minlength=len(order)) > 0
+        is_kept[0] = True
+        # The last entry answers for UNKNOWN, -1.
+        renumbered = np.array([*(np.cumsum(is_kept) - 1), UNKNOWN], dtype=np.int16)
+        names = tuple(name for name, kept in zip(order, is_kept, strict=True) if kept)
+        return renumbered[elected].reshape(self.shape), names
 
     def to_sparse(self) -> SparseVoxels:
-        """The labels for storage; names of types that no voxel has are left out."""
-        labels = self.labels()
-        seen = np.argwhere(labels != UNKNOWN)
-        values = labels[labels != UNKNOWN]
-        kept = [0, *(i for i in range(1, len(self.names)) if np.any(values == i))]
-        new = np.zeros(len(self.names), dtype=np.int16)
-        new[kept] = np.arange(len(kept))
-        coordinates = (seen + np.array([*self.corner, 0])).astype(np.int16)
-        return SparseVoxels(coordinates, new[values], tuple(self.names[i] for i in kept))
+        """The labels for storage."""
+        labels, names = self.labels()
+        is_seen = labels != UNKNOWN
+        coordinates = np.argwhere(is_seen) + np.array([*self.corner, 0])
+        return SparseVoxels(coordinates.astype(np.int16), labels[is_seen], names)
 
     @classmethod
     def from_sparse(
@@ -202,7 +207,7 @@ class VoxelMap:
 
     def plan(self, height_m: float = AGENT_HEIGHT_M) -> SemanticPlan:
         """The room from above: in each column what is highest below a height (metres above floor), and what blocks."""
-        labels = self.labels()
+        labels, names = self.labels()
         low, high = round(STEP_OVER_M / self.voxel_m), round(AGENT_HEIGHT_M / self.voxel_m)
         below = labels[:, :, : round(height_m / self.voxel_m)]
         highest = below.shape[2] - 1 - np.argmax(below[:, :, ::-1] != UNKNOWN, axis=2)
@@ -210,7 +215,7 @@ class VoxelMap:
         is_ground_seen = np.any(labels[:, :, :low] != UNKNOWN, axis=2)
         is_occupied = np.any(labels[:, :, low:high] != UNKNOWN, axis=2)
         return SemanticPlan(
-            top, is_occupied, is_ground_seen | is_occupied, self.corner, self.voxel_m, self.floor_z, self.names
+            top, is_occupied, is_ground_seen | is_occupied, self.corner, self.voxel_m, self.floor_z, names
         )
 
     def share_inside(self, boxes: Mapping[str, Sequence[Box]], tolerance_m: float | None = None) -> float:

@@ -10,9 +10,9 @@ from remqa_data.dataset_card import write_card
 from remqa_data.images import StoredImage, encode_depth, encode_instances, encode_labels, encode_rgb
 from remqa_data.manifest import Manifest, make_manifest
 from remqa_data.metadata import AgentState, ObjectMetadata, VisibleObject
+from remqa_data.pair_relations import Edge
 from remqa_data.parts import assemble, begin_parts, count_questions, finish, write_scene_part
 from remqa_data.rows import (
-    Edge,
     Embodiment,
     ExpressionRow,
     FrameRow,
@@ -20,7 +20,7 @@ from remqa_data.rows import (
     QuestionRow,
     Row,
     SceneRow,
-    SparseVoxels,
+    SemanticMap,
 )
 
 HEIGHT, WIDTH = 24, 32
@@ -59,7 +59,7 @@ def agent(seed: int = 0) -> AgentState:
 
 def thing(name: str, kind: str) -> ObjectMetadata:
     box = (0.1, 0.2, 0.7, 0.1 + 0.2, 0.5, 1 / 3 + 0.7)
-    return ObjectMetadata(name, kind, "red", "ceramic", box, 0.25, False, "Table|1", "on")
+    return ObjectMetadata(name, kind, "red", "ceramic", box, 0.25, False, "Table|1", "on", facing_deg=90.0)
 
 
 def visible(name: str, kind: str) -> VisibleObject:
@@ -81,7 +81,7 @@ def scene_row(scene: str, split: str, configuration: int = 0) -> SceneRow:
         objects=(thing("Mug|1", "Mug"), thing("Table|1", "Table")),
         graph_nodes=("Mug|1", "Table|1"),
         graph_edges=(EDGE,),
-        semantic_map=SparseVoxels((-1.0, -2.0, 0.0), 0.05, ("Mug", "Table"), voxels),
+        semantic_map=SemanticMap((0.0, 0.0, -0.1), 0.05, (-3, 4), ("structure", "Mug"), voxels),
         map_2d=encode_labels(np.arange(12, dtype=np.uint16).reshape(3, 4)),
         navigation_cells=(GridCell(0, 1), GridCell(-2, 3)),
         start_cell=GridCell(0, 1),

@@ -287,6 +287,8 @@ def _guests(o: RecordedObject, objects: Sequence[RecordedObject]) -> list[Record
         "Bathtub": {"BathtubBasin"},
         "CounterTop": _SUNK if o.size[2] < 0.2 else _SUNK | {"Cabinet", "Drawer"},
     }.get(o.type, {"Drawer", "Shelf", "Cabinet"} if o.type in HOSTS - {"Cabinet"} else set())
+    if o.type == "Cabinet":
+        return [guest for guest in objects if guest.type in ("Sink", "SinkBasin") and _hangs_into(guest, o)]
     found = []
     for guest in objects:
         if guest is o or guest.type not in wanted:
@@ -296,6 +298,12 @@ def _guests(o: RecordedObject, objects: Sequence[RecordedObject]) -> list[Record
         if np.all(middle > o.low - slack) and np.all(middle < o.high + slack):
             found.append(guest)
     return found
+
+
+def _hangs_into(sink: RecordedObject, cabinet: RecordedObject) -> bool:
+    """Whether a sink reaches into a cabinet from above."""
+    meets = np.all(sink.high > cabinet.low + 0.01) and np.all(sink.low < cabinet.high - 0.01)
+    return bool(meets and sink.low[2] > cabinet.low[2] + 0.3 * cabinet.size[2])
 
 
 _SUNK = {"Sink", "SinkBasin", "Bathtub", "BathtubBasin"}
@@ -310,9 +318,9 @@ def _in_frame(guest: RecordedObject, o: RecordedObject) -> F64:
 
 
 def _clip(box: F64, size: F64, host: str) -> F64:
-    """A pocket never takes a host's top board away."""
+    """A pocket never takes a piece of furniture's top board away, but for a sink in a cabinet."""
     clipped = box.copy()
-    if host in HOSTS:
+    if host in HOSTS and host != "Cabinet":
         clipped[1, 2] = min(clipped[1, 2], size[2] / 2 - 0.02)
         clipped[0, 2] = min(clipped[0, 2], clipped[1, 2] - 0.01)
     return clipped

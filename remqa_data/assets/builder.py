@@ -209,8 +209,9 @@ class Builder:
         *,
         open_side: Axis | None = "-y",
         radius: float = 0.0,
+        pockets: Sequence[Box] = (),
     ) -> None:
-        """Draw a hollow box of panels, one side left open."""
+        """Draw a hollow box of panels, one side left open, and holes where it would cut into pockets."""
         centre, full = np.asarray(at, float), np.asarray(size, float)
         sides: list[Axis] = [side for side in ("z", "-z", "x", "-x", "y", "-y") if side != open_side]
         for side in sides:
@@ -224,7 +225,9 @@ class Builder:
                 low[i] = high[i] - thickness
             else:
                 high[i] = low[i] + thickness
-            self.box(_vec(high - low), _vec((low + high) / 2), material, radius=radius)
+            for part in solid_around(_box((*low, *high)), pockets) if pockets else [_box((*low, *high))]:
+                start, end = np.asarray(part[:3]), np.asarray(part[3:])
+                self.box(_vec(end - start), _vec((start + end) / 2), material, radius=radius)
 
     def legs(
         self,

@@ -54,18 +54,23 @@ def drawer(b: Builder) -> None:
 
 
 def cabinet(b: Builder) -> None:
-    """A cupboard with one door (even variants hinge it left, odd ones right) or two: slab, shaker, glass, grooved."""
+    """A cupboard with one door (even variants hinge it left, odd ones right) or two: slab, shaker, glass, grooved.
+
+    A sink that hangs into it from above is a pocket.
+    """
     wood, metal = finish(b), hardware(b)
     reach, thick = handle_reach(b.d), front_thickness(b.d)
     face, back = -b.d / 2 + reach, b.d / 2
     y = face + thick
     depth = back - y
     wall = min(PANEL, 0.3 * depth, 0.08 * b.h, 0.08 * b.w)
-    b.shell((b.w, depth, b.h), (0, y + depth / 2, b.h / 2), wall, wood)
+    b.shell((b.w, depth, b.h), (0, y + depth / 2, b.h / 2), wall, wood, pockets=b.pockets)
     liner = min(0.002, 0.1 * depth)
     inside = (b.w - 2 * wall, depth - wall - liner)
-    b.box((inside[0], liner, b.h - 2 * wall), (0, back - wall - liner / 2, b.h / 2), materials.WHITE_WOOD, solid=False)
-    _boards(b, inside, y + inside[1] / 2, wall)
+    top = max(0.3 * b.h, min([b.h, *(pocket[2] for pocket in b.pockets)]))
+    lining = min(b.h - wall, top) - wall
+    b.box((inside[0], liner, lining), (0, back - wall - liner / 2, wall + lining / 2), materials.WHITE_WOOD, solid=False)
+    _boards(b, inside, y + inside[1] / 2, wall, top)
     style: Style = b.by_variant(("slab", "shaker", "glass", "grooved"))
     pull: Pull = b.by_variant(("bar", "knob", "bar", "knob"))
     height = b.by_variant((0.5, 0.5, 0.3, 0.5)) if b.h > 1.0 else b.by_variant((0.72, 0.72, 0.3, 0.72))
@@ -82,21 +87,24 @@ def cabinet(b: Builder) -> None:
     b.looks_like(wood)
 
 
-def _boards(b: Builder, inside: tuple[float, float], y: float, wall: float) -> None:
-    """Boards of a cabinet at the recorded levels (else one in the middle of a tall one), and the room above each."""
+def _boards(b: Builder, inside: tuple[float, float], y: float, wall: float, top: float) -> None:
+    """Boards of a cabinet at the recorded levels (else one in the middle of a tall one), and the room above each.
+
+    Above `top` there is no room: a sink hangs there.
+    """
     width, depth = inside
-    wanted = b.spec.levels or ((b.h / 2,) if b.h > 0.5 else ())
+    wanted = b.spec.levels or ((top / 2,) if top > 0.5 else ())
     tops = [wall]
     for level in sorted(wanted):
-        if level - tops[-1] > 0.08 and b.h - level > 0.08:
+        if level - tops[-1] > 0.08 and top - level > 0.08:
             tops.append(level)
             board = min(0.014, wall)
             b.box((width, 0.96 * depth, board), (0, y + 0.02 * depth, level - board / 2), materials.WHITE_WOOD)
         elif len(tops) == 1 and wall < level < wall + 0.08:  # a raised floor
             slab(b, (-width / 2, y - depth / 2, wall, width / 2, y + depth / 2, level), materials.WHITE_WOOD)
             tops[0] = level
-    for i, (low, high) in enumerate(zip(tops, [*tops[1:], b.h], strict=True)):
-        room = high - low - wall
+    for i, (low, high) in enumerate(zip(tops, [*tops[1:], top], strict=True)):
+        room = max(high - low - wall, 0.02)
         b.space(f"shelf{i}", (0.98 * width, 0.94 * depth, room), (0, y + 0.02 * depth, low + room / 2), enclosed=True)
 
 

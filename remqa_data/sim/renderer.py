@@ -59,7 +59,7 @@ class Renderer:
         poses: npt.ArrayLike,
         *,
         lights: Sequence[Vec3] = ((0.0, 0.0, 2.4),),
-        ambient: float = 0.42,
+        ambient: float = 0.37,
         background: Vec3 = (0.93, 0.94, 0.95),
         shadow_size: int = 512,
     ) -> None:
@@ -187,7 +187,7 @@ def _lights(positions: Sequence[Vec3], ambient: float, background: Vec3) -> Ligh
     linear_background: F64 = np.square(np.array(background))
     return Lights(
         positions=np.array(positions, dtype=np.float64).reshape(-1, 3),
-        strength=np.array(shares, dtype=np.float32) * np.float32(0.95),
+        strength=np.array(shares, dtype=np.float32) * np.float32(0.82),
         reach_m=4.0,
         ambient=ambient,
         background=linear_background.astype(np.float32),

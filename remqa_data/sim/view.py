@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from remqa_data.assets import primitives
 from remqa_data.assets.builder import with_uv
-from remqa_data.assets.model import Material, Surface
+from remqa_data.assets.model import F64, Material, Surface
 from remqa_data.scene import Scene, StructureBox
 from remqa_data.sim.camera import AnyCamera
 from remqa_data.sim.renderer import Part, Renderer
@@ -54,23 +54,18 @@ class WorldView:
 
     def __init__(self, world: World) -> None:
         self.world = world
-        parts = [Part(surfaces, i) for i, surfaces in enumerate(structure_surfaces(world.scene))]
-        self._first_object_part = len(parts)
-        object_of, link_of = [STRUCTURE] * len(parts), [STRUCTURE] * len(parts)
+        parts, poses = world_parts(world)
+        self._first_object_part = len(parts) - sum(len(asset.links) for asset in world.assets.values())
+        object_of, link_of = [STRUCTURE] * self._first_object_part, [STRUCTURE] * self._first_object_part
         self._parts_of: dict[str, range] = {}
         for index, object_id in enumerate(world.ids):
-            links = world.assets[object_id].links
-            self._parts_of[object_id] = range(len(parts), len(parts) + len(links))
-            for i, link in enumerate(links):
-                parts.append(Part(link.surfaces, len(parts)))
-                object_of.append(index)
-                link_of.append(i)
+            count = len(world.assets[object_id].links)
+            self._parts_of[object_id] = range(len(object_of), len(object_of) + count)
+            object_of += [index] * count
+            link_of += range(count)
         # The last entry answers for instance -1, where nothing is seen.
         self._object_of = np.array([*object_of, STRUCTURE], dtype=np.int32)
         self._link_of = np.array([*link_of, STRUCTURE], dtype=np.int32)
-        poses = np.tile(np.eye(4), (len(parts), 1, 1))
-        for object_id, rows in self._parts_of.items():
-            poses[rows.start : rows.stop] = world.link_poses(object_id)
         self._shown = {object_id: world.state(object_id) for object_id in world.ids}
         self.renderer = Renderer(parts, poses, lights=world.scene.lights)
 
@@ -97,6 +92,19 @@ class WorldView:
         """Only the (h, w) image of object indices, which is much cheaper than a picture."""
         self.sync()
         return np.asarray(self._object_of[self.renderer.render_instances(camera)[1]])
+
+
+def world_parts(world: World) -> tuple[list[Part], F64]:
+    """Everything there is to draw: the building's parts, then every link of every object; and their (n, 4, 4) poses.
+
+    A part's instance is its place in the list.
+    """
+    surfaces = structure_surfaces(world.scene)
+    poses = [np.eye(4)] * len(surfaces)
+    for object_id in world.ids:
+        surfaces += [link.surfaces for link in world.assets[object_id].links]
+        poses += list(world.link_poses(object_id))
+    return [Part(shown, i) for i, shown in enumerate(surfaces)], np.stack(poses)
 
 
 def structure_surfaces(scene: Scene) -> list[tuple[Surface, ...]]:
