@@ -21,8 +21,7 @@ import numpy.typing as npt
 from remqa_data.assets.model import F32, F64, I32, Box, Rect
 from remqa_data.errors import NoPathError, VoxelError
 from remqa_data.scene import Scene
-from remqa_data.sim.camera import AnyCamera, View
-from remqa_data.sim.compiled import exact
+from remqa_data.sim.camera import AnyCamera
 from remqa_data.sim.navigation import (
     AGENT_HEIGHT_M,
     AGENT_RADIUS_M,
@@ -31,6 +30,7 @@ from remqa_data.sim.navigation import (
     Cell,
     ReachableGrid,
 )
+from remqa_data.voxel_votes import elect, vote
 
 I16 = npt.NDArray[np.int16]
 Flags = npt.NDArray[np.bool_]
@@ -91,8 +91,6 @@ class VoxelMap:
         self.corner = (low[0], low[1])
         self.shape = (high[0] - low[0], high[1] - low[1], math.ceil(height / voxel_m) + 1)
         self._type_ids: dict[str, int] = {STRUCTURE: 0}
-        # Of each voxel the first of its entries, and each entry's type, votes and next entry: votes are exact, and a
-        # voxel that shows one type, as most do, costs one entry.
         self._first = np.full(math.prod(self.shape), -1, dtype=np.int32)
         self._entries = np.empty((1 << 16, 3), dtype=np.int32)
         self._used = 0
@@ -130,7 +128,7 @@ class VoxelMap:
             raise VoxelError(msg)
         ids = [self._type_ids.setdefault(name, len(self._type_ids)) for name in types]
         self._reserve(depth.size)
-        self._used = _vote(
+        self._used = vote(
             np.ascontiguousarray(depth, dtype=np.float32),
             np.ascontiguousarray(objects, dtype=np.int32),
             np.array([*ids, 0], dtype=np.int32),  # the last one answers for -1
@@ -155,7 +153,7 @@ class VoxelMap:
         """
         order = [STRUCTURE, *sorted(name for name in self._type_ids if name != STRUCTURE)]
         rank = np.array([order.index(name) for name in self._type_ids], dtype=np.int16)
-        elected = np.asarray(_elect(self._first, self._entries, rank))
+        elected = np.asarray(elect(self._first, self._entries, rank))
         is_kept = np.bincount(elected[elected != UNKNOWN], minlength=len(order)) > 0
         is_kept[0] = True
         # The last entry answers for UNKNOWN, -1.
@@ -332,73 +330,3 @@ def shortest_path(grid: ReachableGrid, start: Cell, goal: Cell) -> list[Cell]:
         if cell not in grid.graph:
             raise NoPathError(f"no way from {start} to {goal}: {cell} is not a reachable cell of the grid")
     return list(nx.shortest_path(grid.graph, start, goal))
-
-
-@exact
-def _vote(
-    depth: F32,
-    objects: I32,
-    type_of: I32,
-    view: View,
-    corner: F64,
-    voxels_per_m: float,
-    shape: npt.NDArray[np.int64],
-    first: I32,
-    entries: I32,
-    used: int,
-) -> int:
-    """Count every pixel for its type in its voxel; returns how many entries are in use."""
-    height, width = depth.shape
-    inverse = view.inverse * voxels_per_m
-    x_start = view.eye[0] * voxels_per_m - corner[0]
-    y_start = view.eye[1] * voxels_per_m - corner[1]
-    z_start = view.eye[2] * voxels_per_m - corner[2]
-    nx, ny, nz = shape[0], shape[1], shape[2]
-    last_voxel, last_type, last_entry = -1, -1, -1
-    for row in range(height):
-        v = row + 0.5 - 0.5 * height
-        for column in range(width):
-            distance = float(depth[row, column])
-            if not distance > 0.0:
-                continue
-            u = column + 0.5 - 0.5 * width
-            scale = distance if view.pinhole else 1.0
-            x = x_start + (inverse[0, 0] * u + inverse[0, 1] * v) * scale + inverse[0, 2] * distance
-            y = y_start + (inverse[1, 0] * u + inverse[1, 1] * v) * scale + inverse[1, 2] * distance
-            z = z_start + (inverse[2, 0] * u + inverse[2, 1] * v) * scale + inverse[2, 2] * distance
-            if not (0.0 <= x < nx and 0.0 <= y < ny and 0.0 <= z < nz):
-                continue
-            voxel = (int(x) * ny + int(y)) * nz + int(z)
-            kind = type_of[objects[row, column]]
-            if voxel != last_voxel or kind != last_type:  # neighbouring pixels mostly agree
-                last_voxel, last_type = voxel, kind
-                last_entry = first[voxel]
-                while last_entry >= 0 and entries[last_entry, 0] != kind:
-                    last_entry = entries[last_entry, 2]
-                if last_entry < 0:
-                    last_entry = used
-                    entries[used, 0] = kind
-                    entries[used, 1] = 0
-                    entries[used, 2] = first[voxel]
-                    first[voxel] = used
-                    used += 1
-            entries[last_entry, 1] += 1
-    return used
-
-
-@exact
-def _elect(first: I32, entries: I32, rank: I16) -> I16:
-    """Label of each voxel: the rank of the type with most votes; of equals the least rank, but structure (0) last."""
-    labels = np.full(len(first), UNKNOWN, dtype=np.int16)
-    for voxel in range(len(first)):
-        most = 0
-        entry = first[voxel]
-        while entry >= 0:
-            label, votes = rank[entries[entry, 0]], entries[entry, 1]
-            best = labels[voxel]
-            is_tie_won = votes == most and label != 0 and (best == 0 or label < best)
-            if votes > most or is_tie_won:
-                most = votes
-                labels[voxel] = label
-            entry = entries[entry, 2]
-    return labels
