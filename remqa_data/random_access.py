@@ -69,8 +69,7 @@ class SplitReader:
         for name in names:
             if name not in known:
                 raise UnknownNameError(f"column of {self.table}", name, known)
-        pieces = [shard.read(group, names) for shard in self._open() for group in range(shard.row_groups)]
-        return pa.concat_tables(pieces).combine_chunks()
+        return pa.concat_tables([shard.read(columns=names) for shard in self._open()]).combine_chunks()
 
     def images(self, row: int, names: Sequence[str]) -> list[pa.Buffer]:
         """Encoded images of one row, in the order of the names."""

@@ -205,9 +205,9 @@ TABLES: dict[str, TableSpec] = {
     spec.name: spec
     for spec in (
         _table("scenes", SceneRow, "One row per configuration of a room: its ground truth, graph and maps.", 1),
-        _table("frames", FrameRow, "One row per frame of a breadth-first walk through a configuration.", 8),
+        _table("frames", FrameRow, "One row per frame of a breadth-first walk through a configuration.", 4),
         _table("expressions", ExpressionRow, "One row per referring expression in a frame.", 1024),
-        _table("questions", QuestionRow, "One row per question, with the views before and after the manipulation.", 8),
+        _table("questions", QuestionRow, "One row per question, with the views before and after the manipulation.", 4),
     )
 }
 """By name, in the order in which they are written."""

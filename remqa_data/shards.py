@@ -109,8 +109,7 @@ def read_table(root: Path, table: str, split: str, columns: Sequence[str] | None
     DamagedShardError
         Naming the file, row group and column.
     """
-    shards = [Shard(path) for path in shard_paths(root, table, split)]
-    return pa.concat_tables([shard.read(group, columns) for shard in shards for group in range(shard.row_groups)])
+    return pa.concat_tables([Shard(path).read(columns=columns) for path in shard_paths(root, table, split)])
 
 
 def read_rows(root: Path, row_type: type[R], split: str) -> Iterator[R]:
@@ -158,20 +157,20 @@ class Shard:
         """Number of rows of a row group."""
         return int(self.file.metadata.row_group(group).num_rows)
 
-    def read(self, group: int, columns: Sequence[str] | None = None) -> pa.Table:
-        """The rows of a row group, all columns or some.
+    def read(self, group: int | None = None, columns: Sequence[str] | None = None) -> pa.Table:
+        """The rows of one row group, or of all; all columns or some.
 
         Raises
         ------
         DamagedShardError
             Naming the file, row group and column.
         """
+        groups = list(range(self.row_groups)) if group is None else [group]
         try:
-            return self.file.read_row_group(group, columns=columns, use_threads=False)
+            return self.file.read_row_groups(groups, columns=columns, use_threads=False)
         except (OSError, pa.ArrowException) as error:
-            raise _damaged_column(self.path, self.file, [group]) or DamagedShardError(
-                self.path, _line(error), group, "unknown"
-            ) from None
+            damage = _damaged_column(self.path, self.file, groups)
+            raise damage or DamagedShardError(self.path, _line(error)) from None
 
 
 def check_files(root: Path) -> None:

@@ -176,11 +176,11 @@ def test_a_damaged_image_is_told_when_it_is_read(tmp_path) -> None:
     write_dataset(tmp_path)
     path = tmp_path / "frames" / "train-00000-of-00002.parquet"
     data = path.read_bytes()
-    jpeg = encode_rgb(rgb_array(9)).bytes  # frame 9 lies in the second row group
+    jpeg = encode_rgb(rgb_array(9)).bytes  # frame 9 lies in the third row group
     path.write_bytes(data.replace(jpeg, jpeg[:-5] + b"\x00" + jpeg[-4:]))
     dataset = FrameDataset(tmp_path, "train", images=("rgb",))
     dataset[0]
-    with pytest.raises(DamagedShardError, match=r"train-00000-of-00002\.parquet, row group 1, column rgb\.bytes"):
+    with pytest.raises(DamagedShardError, match=r"train-00000-of-00002\.parquet, row group 2, column rgb\.bytes"):
         dataset[9]
 
 

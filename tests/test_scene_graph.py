@@ -52,7 +52,6 @@ def relation(*objects: ObjectMetadata, source: int = 0, target: int = 1) -> str 
         ("Cabinet|1", None, "Fridge|1"),  # the drawers are between, 0.5 m wide
         ("Cabinet|1", "next to", "Cabinet|2"),
         ("Mug|1", None, "Mug|2"),  # 0.1 m apart, and only 0.1 m wide
-        ("Apple|1", None, "Bowl|2"),
     ],
 )
 def test_relations_in_a_kitchen(source: str, expected: str | None, target: str) -> None:
@@ -174,7 +173,10 @@ def frame_of(*objects: ObjectMetadata) -> FrameMetadata:
 
 
 def test_a_frame_adds_only_what_is_new() -> None:
-    mug, desk = thing("Mug|1", (0, 0, 0.75), (0.1, 0.1, 0.1), "Desk|1"), thing("Desk|1", (0, 0, 0), (1, 0.6, 0.75), FLOOR)
+    mug, desk = (
+        thing("Mug|1", (0, 0, 0.75), (0.1, 0.1, 0.1), "Desk|1"),
+        thing("Desk|1", (0, 0, 0), (1, 0.6, 0.75), FLOOR),
+    )
     graph = SceneGraph()
     first = graph.add_frame(frame_of(mug))
     assert first == GraphUpdate((mug,), ())

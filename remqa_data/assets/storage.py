@@ -69,7 +69,9 @@ def cabinet(b: Builder) -> None:
     inside = (b.w - 2 * wall, depth - wall - liner)
     top = max(0.3 * b.h, min([b.h, *(pocket[2] for pocket in b.pockets)]))
     lining = min(b.h - wall, top) - wall
-    b.box((inside[0], liner, lining), (0, back - wall - liner / 2, wall + lining / 2), materials.WHITE_WOOD, solid=False)
+    b.box(
+        (inside[0], liner, lining), (0, back - wall - liner / 2, wall + lining / 2), materials.WHITE_WOOD, solid=False
+    )
     _boards(b, inside, y + inside[1] / 2, wall, top)
     style: Style = b.by_variant(("slab", "shaker", "glass", "grooved"))
     pull: Pull = b.by_variant(("bar", "knob", "bar", "knob"))

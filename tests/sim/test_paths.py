@@ -1,0 +1,174 @@
+"""The oracle is another search over another state space: complex numbers for cells and headings, horizons included."""
+
+import networkx as nx
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from remqa_data.errors import ActionError, NoPathError
+from remqa_data.sim.navigation import GRID_M, ReachableGrid
+from remqa_data.sim.paths import path_length_m, pose_after, shortest_actions
+from remqa_data.sim.viewpoints import AgentPose
+
+
+def grid_of(*rows: str) -> ReachableGrid:
+    """A grid drawn with one character for each cell, "." is free, +x to the right and +y up; its corner is (0, 0)."""
+    cells = [(i, len(rows) - 1 - r) for r, row in enumerate(rows) for i, mark in enumerate(row) if mark == "."]
+    graph = nx.Graph()
+    graph.add_nodes_from(sorted(cells))
+    graph.add_edges_from((a, b) for a in cells for b in ((a[0] + 1, a[1]), (a[0], a[1] + 1)) if b in cells)
+    return ReachableGrid(tuple(sorted(cells)), graph, (), 0.0)
+
+
+def oracle_graph(grid: ReachableGrid) -> nx.DiGraph:
+    """Every pose and where each action leads, with AI2-THOR's rules written down a second time."""
+    graph = nx.DiGraph()
+    for i, j in grid.cells:
+        for turns in range(4):
+            for horizon in (-30, 0, 30, 60):
+                here = (complex(i, j), turns, horizon)
+                ahead = complex(i, j) + 1j**turns
+                target = (round(ahead.real), round(ahead.imag))
+                if grid.graph.has_edge((i, j), target):
+                    graph.add_edge(here, (complex(*target), turns, horizon), metres=GRID_M)
+                for turn in (1, 3):
+                    graph.add_edge(here, (complex(i, j), (turns + turn) % 4, horizon), metres=0.0)
+                for look in (-30, 30):
+                    if -30 <= horizon + look <= 60:
+                        graph.add_edge(here, (complex(i, j), turns, horizon + look), metres=0.0)
+    return graph
+
+
+def node(pose: AgentPose) -> tuple[complex, int, int]:
+    return complex(*pose.cell), pose.yaw_deg // 90 % 4, pose.horizon_deg
+
+
+def follow(grid: ReachableGrid, pose: AgentPose, actions: list[str]) -> AgentPose:
+    for action in actions:
+        pose = pose_after(grid, pose, action)
+    return pose
+
+
+OPEN_3X2 = grid_of("...", "...")
+RING = grid_of(".....", ".###.", ".###.", ".....")
+
+
+def test_a_walk_around_one_corner_by_hand() -> None:
+    start, goal = AgentPose((0, 0), 0, 0), AgentPose((2, 1), 90, 60)
+    expected = ["MoveAhead", "MoveAhead", "RotateLeft", "MoveAhead", "LookDown", "LookDown"]
+    assert shortest_actions(OPEN_3X2, start, goal) == expected
+
+
+def test_turning_right_goes_clockwise_from_plus_y_to_plus_x() -> None:
+    assert shortest_actions(OPEN_3X2, AgentPose((1, 0), 90), AgentPose((2, 0), 0)) == ["RotateRight", "MoveAhead"]
+
+
+def test_there_is_nothing_to_do_where_one_is_already() -> None:
+    assert shortest_actions(OPEN_3X2, AgentPose((1, 1), 270, 30), AgentPose((1, 1), 270, 30)) == []
+
+
+def test_turning_about_takes_two_turns() -> None:
+    actions = shortest_actions(OPEN_3X2, AgentPose((1, 1), 0), AgentPose((1, 1), 180))
+    assert actions in (["RotateLeft"] * 2, ["RotateRight"] * 2)
+
+
+def test_looking_up_goes_from_60_to_minus_30() -> None:
+    assert shortest_actions(OPEN_3X2, AgentPose((0, 0), 0, 60), AgentPose((0, 0), 0, -30)) == ["LookUp"] * 3
+
+
+def test_a_horizon_beyond_the_cameras_reach_is_clamped() -> None:
+    assert shortest_actions(OPEN_3X2, AgentPose((0, 0), 0, 0), AgentPose((0, 0), 0, 90)) == ["LookDown"] * 2
+
+
+def test_the_way_leads_round_an_obstacle() -> None:
+    # 4 right, 3 up: both ways round the ring are 7 cells; facing +x, the one along the bottom needs a turn less
+    actions = shortest_actions(RING, AgentPose((0, 0), 0), AgentPose((4, 3), 90))
+    assert actions == ["MoveAhead"] * 4 + ["RotateLeft"] + ["MoveAhead"] * 3
+    assert path_length_m(RING, (0, 0), (4, 3)) == 7 * 0.25
+
+
+STAIRS = grid_of(
+    ".....#",
+    ".###.#",
+    ".##..#",
+    ".#..##",
+    "...###",
+    ".#####",
+)
+
+
+def test_the_fewest_actions_can_be_more_metres_than_the_shortest_way() -> None:
+    # up the stairs: 8 cells and 6 turns, and 2 to face down; along the edges: 10 cells and 2 turns
+    actions = shortest_actions(STAIRS, AgentPose((0, 0), 90), AgentPose((4, 4), 270))
+    assert actions == ["MoveAhead"] * 5 + ["RotateRight"] + ["MoveAhead"] * 4 + ["RotateRight", "MoveAhead"]
+    assert path_length_m(STAIRS, (0, 0), (4, 4)) == 8 * 0.25
+
+
+def test_of_equally_many_actions_those_with_fewer_metres_are_taken() -> None:
+    # facing up at the end, both ways are 14 actions
+    actions = shortest_actions(STAIRS, AgentPose((0, 0), 90), AgentPose((4, 4), 90))
+    assert (len(actions), actions.count("MoveAhead")) == (14, 8)
+
+
+@st.composite
+def grids(draw: st.DrawFn) -> ReachableGrid:
+    width, height = draw(st.integers(1, 5)), draw(st.integers(1, 5))
+    rows = draw(st.lists(st.text(".#", min_size=width, max_size=width), min_size=height, max_size=height))
+    grid = grid_of(*rows)
+    assume(grid.cells)
+    return grid
+
+
+poses = st.tuples(st.integers(0, 24), st.sampled_from((0, 90, 180, 270)), st.sampled_from((-30, 0, 30, 60)))
+
+
+@settings(max_examples=150, deadline=None)
+@given(grids(), poses, poses)
+def test_no_other_search_finds_fewer_actions(grid: ReachableGrid, a: tuple[int, ...], b: tuple[int, ...]) -> None:
+    start, goal = (AgentPose(grid.cells[i % len(grid.cells)], yaw, horizon) for i, yaw, horizon in (a, b))
+    graph = oracle_graph(grid)
+    if not nx.has_path(graph, node(start), node(goal)):
+        with pytest.raises(NoPathError, match="no way"):
+            shortest_actions(grid, start, goal)
+        return
+    actions = shortest_actions(grid, start, goal)
+    assert follow(grid, start, actions) == goal
+    assert len(actions) == nx.shortest_path_length(graph, node(start), node(goal))
+    # of all ways with so few actions, none walks less: a move costs 1 + a little, so that metres break ties
+    cheapest = nx.dijkstra_path_length(graph, node(start), node(goal), lambda u, v, edge: 1 + edge["metres"] / 1000)
+    assert actions.count("MoveAhead") == round((cheapest - len(actions)) * 1000 / GRID_M)
+    assert path_length_m(grid, start.cell, goal.cell) <= actions.count("MoveAhead") * GRID_M
+
+
+@pytest.mark.parametrize(
+    ("start", "goal", "said"),
+    [
+        (AgentPose((9, 9), 0), AgentPose((0, 0), 0), r"\(9, 9\) is not among the 6 reachable cells"),
+        (AgentPose((0, 0), 0), AgentPose((0, 5), 0), r"\(0, 5\) is not among"),
+        (AgentPose((0, 0), 45), AgentPose((0, 1), 0), "multiple of 90"),
+        (AgentPose((0, 0), 0, 0), AgentPose((0, 1), 0, 15), "multiple of 30"),
+    ],
+)
+def test_poses_off_the_grid_are_refused(start: AgentPose, goal: AgentPose, said: str) -> None:
+    with pytest.raises(NoPathError, match=said):
+        shortest_actions(OPEN_3X2, start, goal)
+
+
+def test_the_length_of_a_way_off_the_grid_is_refused() -> None:
+    with pytest.raises(NoPathError, match=r"\(3, 0\)"):
+        path_length_m(OPEN_3X2, (0, 0), (3, 0))
+
+
+@pytest.mark.parametrize(
+    ("pose", "action", "said"),
+    [
+        (AgentPose((2, 0), 0), "MoveAhead", "in the way"),
+        (AgentPose((0, 0), 45), "MoveAhead", "multiple of 90"),
+        (AgentPose((0, 0), 0, 60), "LookDown", "tilts from -30 to 60"),
+        (AgentPose((0, 0), 0, -30), "LookUp", "tilts"),
+        (AgentPose((0, 0), 0), "Jump", "not a navigation action"),
+    ],
+)
+def test_actions_that_cannot_be_done_are_refused(pose: AgentPose, action: str, said: str) -> None:
+    with pytest.raises(ActionError, match=said):
+        pose_after(OPEN_3X2, pose, action)
