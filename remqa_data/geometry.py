@@ -1,8 +1,8 @@
 """Boxes: volume, overlap, distance and the two kinds of IoU. Pure numpy.
 
 A 3D box is x0, y0, z0, x1, y1, z1 in metres, axis-aligned in the world frame; a 2D box is x1, y1, x2, y2 in pixels,
-half open, so that its area is the number of its pixels. Functions of two sets of boxes compare every box of the first with
-every box of the second: (n, 6) and (m, 6) give (n, m). One box, of shape (6,), counts as a set of one.
+half open, so that its area is the number of its pixels. Functions of two sets of boxes compare every box of the first
+with every box of the second: (n, 6) and (m, 6) give (n, m). One box, of shape (6,), counts as a set of one.
 
 >>> iou_2d([0, 0, 100, 100], [0, 0, 50, 50])
 array([[0.25]])

@@ -1,9 +1,9 @@
 """What holds what: for each object of a world, the receptacle that it rests in or on.
 
 An object belongs to a space when its centre is in it and its bottom is not below the space's floor. Spaces overlap:
-what lies in a bowl on a table is also in the room above the table, and a desk's things may be in the room above the seat
-of a chair that is pushed under it. Of all spaces, the one with the highest floor is the one that the object would meet
-first on its way down, so this one holds it; of equally high floors, the smallest space.
+what lies in a bowl on a table is also in the room above the table, and a desk's things may be in the room above the
+seat of a chair that is pushed under it. Of all spaces, the one with the highest floor is the one that the object
+would meet first on its way down, so this one holds it; of equally high floors, the smallest space.
 """
 
 from __future__ import annotations

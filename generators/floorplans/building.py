@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from remqa_data.assets.builder import solid_around
+from remqa_data.assets.cutting import solid_around
 from remqa_data.assets.materials import COLORS
 from remqa_data.assets.model import F64, Box, Material, Vec3
 from remqa_data.generators.floorplans.plan import ON_WALLS, SIDES, RoomShell

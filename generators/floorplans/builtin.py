@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.assets import materials
-from remqa_data.assets.builder import solid_around
+from remqa_data.assets.cutting import solid_around
 from remqa_data.assets.model import F64, Box, Material, Rect
 from remqa_data.generators.floorplans.plan import HOSTS, SIDES, RoomShell
 from remqa_data.generators.floorplans.table import RecordedObject

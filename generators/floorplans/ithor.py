@@ -14,7 +14,6 @@ from functools import lru_cache
 import numpy as np
 
 from remqa_data.assets import AssetSpec, build, variant_count
-from remqa_data.assets.builder import quaternion_of
 from remqa_data.assets.electronics import closed_laptop_size
 from remqa_data.assets.fronts import FINISHES
 from remqa_data.assets.model import F64, Box, Rect, Vec3
@@ -23,6 +22,7 @@ from remqa_data.generators.floorplans.builtin import counter_plan, drawer_housin
 from remqa_data.generators.floorplans.plan import HOSTS, RoomShell, facing_right, fit_shell, flat_on_walls, host_of
 from remqa_data.generators.floorplans.support import supported
 from remqa_data.generators.floorplans.table import RecordedObject, axes_facing, recorded_objects, scene_names
+from remqa_data.rotations import quaternion_of
 from remqa_data.scene import Scene, SceneObject, StructureBox
 
 __all__ = ["load_scene", "scene_names"]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from remqa_data.assets import coffee_machines, enamel, fridges, materials, primitives, stoves
-from remqa_data.assets.builder import Builder, solid_around
+from remqa_data.assets.builder import Builder
+from remqa_data.assets.cutting import solid_around
 from remqa_data.assets.kind import Kind
 from remqa_data.assets.model import F64
 

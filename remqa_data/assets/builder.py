@@ -19,23 +19,23 @@ from typing import TypeVar
 import numpy as np
 
 from remqa_data.assets import primitives
+from remqa_data.assets.cutting import solid_around
+from remqa_data.assets.fitting import DraftLink, Fit, box_of, largest_material, vec
 from remqa_data.assets.model import (
     F64,
     Asset,
     AssetSpec,
     Box,
-    CollisionBox,
     Joint,
     JointKind,
-    Link,
     Material,
     Rect,
     Space,
-    Surface,
     Vec3,
 )
 from remqa_data.assets.primitives import Axis, Mesh
 from remqa_data.errors import AssetError
+from remqa_data.rotations import quaternion_of
 
 T = TypeVar("T")
 
@@ -67,7 +67,7 @@ class Builder:
         self.variant = spec.variant
         # The seed alone, so that a kitchen's cabinets and drawers of one seed come in one colour.
         self.rng = np.random.default_rng(spec.seed)
-        self._links: list[_DraftLink] = [_DraftLink("base", 0, None)]
+        self._links: list[DraftLink] = [DraftLink("base", 0, None)]
         self._current = 0
         self._spaces: list[Space] = []
         self._words: Material | None = None
@@ -134,7 +134,7 @@ class Builder:
         moved = mesh.moved(at)
         if solid:
             low, high = moved.vertices.min(axis=0), moved.vertices.max(axis=0)
-            self.solid(_vec(high - low), _vec((low + high) / 2))
+            self.solid(vec(high - low), vec((low + high) / 2))
         if self._turned:
             moved = moved.turned(_LEFT)
             grain = "y" if grain == "x" else "x" if grain == "y" else grain
@@ -162,7 +162,7 @@ class Builder:
     def solid(self, size: Vec3, at: Vec3, rotation: F64 | None = None) -> None:
         """An invisible box for physics only."""
         if self._turned:
-            at = _vec(_LEFT @ np.asarray(at, float))
+            at = vec(_LEFT @ np.asarray(at, float))
             size = (size[1], size[0], size[2]) if rotation is None else size
             rotation = None if rotation is None else _LEFT @ rotation
         quaternion = (0.0, 0.0, 0.0, 1.0) if rotation is None else quaternion_of(rotation)
@@ -225,9 +225,9 @@ class Builder:
                 low[i] = high[i] - thickness
             else:
                 high[i] = low[i] + thickness
-            for part in solid_around(_box((*low, *high)), pockets) if pockets else [_box((*low, *high))]:
+            for part in solid_around(box_of((*low, *high)), pockets) if pockets else [box_of((*low, *high))]:
                 start, end = np.asarray(part[:3]), np.asarray(part[3:])
-                self.box(_vec(end - start), _vec((start + end) / 2), material, radius=radius)
+                self.box(vec(end - start), vec((start + end) / 2), material, radius=radius)
 
     def legs(
         self,
@@ -338,7 +338,7 @@ class Builder:
             turn = primitives.turn("z", a)
             self.solid(
                 (wall, across, run - cut),
-                _vec(np.asarray(at, float) + turn @ [r, 0.0, z]),
+                vec(np.asarray(at, float) + turn @ [r, 0.0, z]),
                 turn @ primitives.turn("y", float(np.degrees(tilt))),
             )
         flat = outer_bottom * np.sqrt(2.0)
@@ -367,8 +367,8 @@ class Builder:
         """
         parent_index = next(i for i, link in enumerate(self._links) if link.name == parent)
         turn = _LEFT if self._turned else np.eye(3)
-        joint = Joint(kind, _vec(turn @ primitives.AXES[axis]), _vec(turn @ np.asarray(origin, float)), upper)
-        self._links.append(_DraftLink(name, parent_index, joint))
+        joint = Joint(kind, vec(turn @ primitives.AXES[axis]), vec(turn @ np.asarray(origin, float)), upper)
+        self._links.append(DraftLink(name, parent_index, joint))
         before, self._current = self._current, len(self._links) - 1
         try:
             yield
@@ -416,7 +416,7 @@ class Builder:
             c, s = _LEFT @ c, np.abs(_LEFT @ s)
         low, high = c - s, c + s
         box = (low[0], low[1], low[2], high[0], high[1], high[2])
-        self._spaces.append(Space(name, self._current, _box(box), enclosed))
+        self._spaces.append(Space(name, self._current, box_of(box), enclosed))
 
     def block(self, box: Box, pockets: Sequence[Box], material: Material) -> None:
         """Draw a solid box with box-shaped pockets left free: the carcass around drawers."""
@@ -441,143 +441,15 @@ class Builder:
         if scale.max() > MAX_FIT or scale.min() < 1 / MAX_FIT:
             msg = f"{self.spec.type} variant {self.variant}: drawn {np.round(high - low, 4).tolist()} m"
             raise AssetError(f"{msg} for a box of {np.round(self.spec.size, 4).tolist()} m")
-        fit = _Fit(scale, (low + high) / 2)
+        fit = Fit(scale, (low + high) / 2)
         links = tuple(fit.link(draft) for draft in self._links)
         spaces = tuple(Space(s.name, s.link, fit.box(s.box), s.enclosed) for s in self._spaces)
-        words = self._words or _largest_material(links)
+        words = self._words or largest_material(links)
         return Asset(self.spec, links, spaces, words.color, words.substance)
 
 
-class _DraftLink:
-    def __init__(self, name: str, parent: int, joint: Joint | None) -> None:
-        self.name, self.parent, self.joint = name, parent, joint
-        self.meshes: list[tuple[Mesh, Material, Axis | None]] = []
-        self.boxes: list[tuple[F64, F64, tuple[float, float, float, float]]] = []
-
-
-class _Fit:
-    """The affine map from drawing coordinates to the asset frame."""
-
-    def __init__(self, scale: F64, centre: F64) -> None:
-        self.scale, self.centre = scale, centre
-
-    def point(self, at: Vec3 | F64) -> F64:
-        return np.asarray((np.asarray(at, float) - self.centre) * self.scale)
-
-    def box(self, box: Box) -> Box:
-        return _box((*self.point(box[:3]), *self.point(box[3:])))
-
-    def link(self, draft: _DraftLink) -> Link:
-        joint = draft.joint
-        if joint is not None:
-            along = float(np.abs(np.asarray(joint.axis)) @ self.scale)
-            upper = joint.upper * along if joint.kind == "prismatic" else joint.upper
-            joint = Joint(joint.kind, joint.axis, _vec(self.point(joint.origin)), upper)
-        by_material: dict[Material, list[Mesh]] = {}
-        for mesh, material, grain in draft.meshes:
-            fitted = mesh.moved(-self.centre).scaled(self.scale)
-            by_material.setdefault(material, []).append(with_uv(fitted, material, grain))
-        surfaces = tuple(_surface(primitives.joined(meshes), material) for material, meshes in by_material.items())
-        boxes = tuple(self.collision_box(*box) for box in draft.boxes)
-        return Link(draft.name, draft.parent, joint, surfaces, boxes)
-
-    def collision_box(self, at: F64, size: F64, quaternion: tuple[float, float, float, float]) -> CollisionBox:
-        rotation = rotation_of(quaternion)
-        stretch = np.linalg.norm(self.scale[:, None] * rotation, axis=0)
-        return CollisionBox(_vec(self.point(at)), _vec(np.maximum(size * stretch, 1e-4)), quaternion)
-
-
-def with_uv(mesh: Mesh, material: Material, grain: Axis | None) -> Mesh:
-    """Give a mesh the texture coordinates its material asks for: its own, or a projection along each face's main axis."""
-    if material.texture is None:
-        return Mesh(mesh.vertices, mesh.normals, mesh.faces, np.zeros((len(mesh.vertices), 2)))
-    if material.repeat_m is None:
-        return mesh
-    corners = mesh.vertices[mesh.faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    main = np.abs(normal).argmax(axis=1)
-    keys = mesh.faces * 3 + main[:, None]
-    unique, faces = np.unique(keys, return_inverse=True)
-    source, axis = unique // 3, unique % 3
-    points = mesh.vertices[source]
-    first, second = _PLANE_AXES[:, 0][axis], _PLANE_AXES[:, 1][axis]
-    if grain is not None:  # the grain runs along u
-        g = "xyz".index(grain[-1])
-        swap = second == g
-        first, second = np.where(swap, second, first), np.where(swap, first, second)
-    rows = np.arange(len(points))
-    uv = np.column_stack([points[rows, first], -points[rows, second]]) / material.repeat_m
-    return Mesh(points, mesh.normals[source], faces.reshape(-1, 3), uv)
-
-
-_PLANE_AXES = np.array([[1, 2], [0, 2], [0, 1]])
 _LEFT = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 _TURN_45 = np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0)
-
-
-def solid_around(box: Box, pockets: Sequence[Box]) -> list[Box]:
-    """Cut a box into boxes that fill it except for the pockets; few and large, and never overlapping.
-
-    >>> solid_around((0, 0, 0, 3, 1, 1), [(1, 0, 0, 2, 1, 1)])
-    [(0.0, 0.0, 0.0, 1.0, 1.0, 1.0), (2.0, 0.0, 0.0, 3.0, 1.0, 1.0)]
-    """
-    whole = np.asarray(box, float).reshape(2, 3)
-    cuts = []
-    for axis in range(3):
-        values = [whole[0, axis], whole[1, axis]]
-        values += [min(max(p[axis + 3 * end], whole[0, axis]), whole[1, axis]) for p in pockets for end in (0, 1)]
-        cuts.append(np.unique(np.round(values, 5)))
-    middles = [(c[1:] + c[:-1]) / 2 for c in cuts]
-    grid = np.stack(np.meshgrid(*middles, indexing="ij"), axis=-1)
-    full = np.ones(grid.shape[:3], dtype=bool)
-    for pocket in pockets:
-        low, high = np.asarray(pocket[:3]), np.asarray(pocket[3:])
-        full &= ~np.all((grid > low) & (grid < high), axis=-1)
-    boxes: list[Box] = []
-    while full.any():
-        start = np.argwhere(full)[0]
-        end = start + 1
-        for axis in (2, 0, 1):  # tall panels first: that is how furniture is built
-            while end[axis] < full.shape[axis]:
-                grown = [slice(s, e) for s, e in zip(start, end, strict=True)]
-                grown[axis] = slice(end[axis], end[axis] + 1)
-                if not full[tuple(grown)].all():
-                    break
-                end[axis] += 1
-        full[tuple(slice(s, e) for s, e in zip(start, end, strict=True))] = False
-        corners = [cuts[i][start[i]] for i in range(3)] + [cuts[i][end[i]] for i in range(3)]
-        boxes.append(_box(corners))
-    return boxes
-
-
-def quaternion_of(rotation: F64) -> tuple[float, float, float, float]:
-    """Unit quaternion (x, y, z, w) of a 3x3 rotation matrix (Shepperd's method)."""
-    m = np.asarray(rotation, float)
-    trace = float(np.trace(m))
-    picks = np.array([m[0, 0], m[1, 1], m[2, 2], trace])
-    k = int(picks.argmax())
-    q = np.empty(4)
-    if k == 3:
-        q[3] = 1 + trace
-        q[:3] = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
-    else:
-        i, j = (k + 1) % 3, (k + 2) % 3
-        q[k] = 1 - trace + 2 * m[k, k]
-        q[i], q[j], q[3] = m[i, k] + m[k, i], m[j, k] + m[k, j], m[j, i] - m[i, j]
-    q /= np.linalg.norm(q)
-    return float(q[0]), float(q[1]), float(q[2]), float(q[3])
-
-
-def rotation_of(quaternion: tuple[float, float, float, float]) -> F64:
-    """3x3 rotation matrix of a unit quaternion (x, y, z, w)."""
-    x, y, z, w = quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def _frustum(foot: F64, top: F64, height: float) -> Mesh:
@@ -595,36 +467,5 @@ def _frustum(foot: F64, top: F64, height: float) -> Mesh:
     return primitives.joined(parts)
 
 
-def _surface(mesh: Mesh, material: Material) -> Surface:
-    if mesh.uv is None:
-        raise AssetError(f"texture {material.texture!r} is stretched over a mesh without texture coordinates")
-    return Surface(
-        np.ascontiguousarray(mesh.vertices, dtype=np.float32),
-        np.ascontiguousarray(mesh.normals, dtype=np.float32),
-        np.ascontiguousarray(mesh.uv, dtype=np.float32),
-        np.ascontiguousarray(mesh.faces, dtype=np.int32),
-        material,
-    )
-
-
-def _largest_material(links: Sequence[Link]) -> Material:
-    area: dict[Material, float] = {}
-    for link in links:
-        for surface in link.surfaces:
-            a, b, c = (surface.vertices[surface.faces[:, i]] for i in range(3))
-            total = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
-            area[surface.material] = area.get(surface.material, 0.0) + total
-    return max(area, key=lambda material: area[material])
-
-
 def _bare(axis: Axis) -> Axis:
     return axis.removeprefix("-")  # type: ignore[return-value]
-
-
-def _vec(values: F64) -> Vec3:
-    return float(values[0]), float(values[1]), float(values[2])
-
-
-def _box(values: Sequence[float]) -> Box:
-    x0, y0, z0, x1, y1, z1 = (float(v) for v in values)
-    return x0, y0, z0, x1, y1, z1

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remqa_data.assets import primitives
-from remqa_data.assets.builder import Builder, solid_around
+from remqa_data.assets.builder import Builder
+from remqa_data.assets.cutting import solid_around
 from remqa_data.assets.model import Box, Material, Rect
 
 PANEL = 0.016

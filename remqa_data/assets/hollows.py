@@ -11,7 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from remqa_data.assets import materials, primitives
-from remqa_data.assets.builder import Builder, solid_around
+from remqa_data.assets.builder import Builder
+from remqa_data.assets.cutting import solid_around
 from remqa_data.assets.model import F64, Box, Material, Rect
 
 SEGMENTS = 5

@@ -7,8 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from remqa_data.assets import materials, primitives
-from remqa_data.assets.builder import Builder, solid_around
+from remqa_data.assets.builder import Builder
 from remqa_data.assets.carcass import PANEL, carcass, feet, slab
+from remqa_data.assets.cutting import solid_around
 from remqa_data.assets.fronts import (
     Pull,
     Style,

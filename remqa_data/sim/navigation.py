@@ -16,8 +16,8 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.assets.builder import rotation_of
 from remqa_data.assets.model import F64, Vec3
+from remqa_data.rotations import rotation_of
 from remqa_data.sim.world import World
 
 GRID_M = 0.25

@@ -2,7 +2,8 @@
 
 AI2-THOR's navigation actions: MoveAhead goes 0.25 m along the heading, RotateLeft and RotateRight turn by 90 degrees,
 LookUp and LookDown tilt the camera by 30 degrees between 30 degrees up and 60 degrees down. Yaw is counter-clockwise
-from +x, so that RotateLeft adds 90 degrees; horizon is positive downwards, so that LookDown adds 30 degrees.
+from +x, so that RotateLeft adds 90 degrees; horizon is positive downwards, so that LookDown adds 30 degrees. Crouch and
+Stand change the posture; the agent walks and turns in either.
 """
 
 from __future__ import annotations
@@ -17,13 +18,10 @@ from remqa_data.errors import ActionError, NoPathError
 from remqa_data.sim.navigation import GRID_M, Cell, ReachableGrid
 from remqa_data.sim.viewpoints import AgentPose
 
-MOVE_AHEAD, ROTATE_LEFT, ROTATE_RIGHT, LOOK_UP, LOOK_DOWN = (
-    "MoveAhead",
-    "RotateLeft",
-    "RotateRight",
-    "LookUp",
-    "LookDown",
-)
+MOVE_AHEAD = "MoveAhead"
+ROTATE_LEFT, ROTATE_RIGHT = "RotateLeft", "RotateRight"
+LOOK_UP, LOOK_DOWN = "LookUp", "LookDown"
+CROUCH, STAND = "Crouch", "Stand"
 ROTATE_DEG = 90
 LOOK_DEG = 30
 LEAST_HORIZON_DEG, MOST_HORIZON_DEG = -30, 60
@@ -32,7 +30,7 @@ LEAST_HORIZON_DEG, MOST_HORIZON_DEG = -30, 60
 def shortest_actions(grid: ReachableGrid, start: AgentPose, goal: AgentPose) -> list[str]:
     """The fewest actions that take the agent from one pose to another.
 
-    Of equally many, those that walk the fewest metres; the camera is tilted last. Headings and horizons must differ by
+    Of equally many, those that walk the fewest metres; posture and camera come last. Headings and horizons must differ by
     whole steps of 90 and 30 degrees; a horizon that the camera cannot reach is clamped to -30 or 60 degrees first.
 
     Raises
@@ -51,7 +49,8 @@ def shortest_actions(grid: ReachableGrid, start: AgentPose, goal: AgentPose) -> 
             raise NoPathError(msg)
     looks = (goal.horizon_deg - start.horizon_deg) // LOOK_DEG
     tilt = [LOOK_DOWN] * looks if looks > 0 else [LOOK_UP] * -looks
-    return _walk_and_turn(grid, start, goal) + tilt
+    posture = [] if start.is_standing == goal.is_standing else [STAND if goal.is_standing else CROUCH]
+    return _walk_and_turn(grid, start, goal) + posture + tilt
 
 
 def path_length_m(grid: ReachableGrid, start: Cell, goal: Cell) -> float:
@@ -75,7 +74,8 @@ def pose_after(grid: ReachableGrid, pose: AgentPose, action: str) -> AgentPose:
     Raises
     ------
     ActionError
-        If something is in the way, the camera tilts no farther, or the action is not a navigation action.
+        If something is in the way, the camera tilts no farther, the agent has that posture already, or the action is
+        not a navigation action.
     """
     if action == MOVE_AHEAD:
         ahead = _cell_ahead(pose.cell, pose.yaw_deg)
@@ -89,6 +89,10 @@ def pose_after(grid: ReachableGrid, pose: AgentPose, action: str) -> AgentPose:
         if not LEAST_HORIZON_DEG <= horizon <= MOST_HORIZON_DEG:
             raise ActionError(f"{action} from {pose}: the camera tilts from {LEAST_HORIZON_DEG} to {MOST_HORIZON_DEG}")
         return replace(pose, horizon_deg=horizon)
+    if action in (CROUCH, STAND):
+        if pose.is_standing == (action == STAND):
+            raise ActionError(f"{action} from {pose}: the agent does so already")
+        return replace(pose, is_standing=action == STAND)
     raise ActionError(f"{action!r} is not a navigation action")
 
 

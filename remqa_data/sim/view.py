@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.assets import primitives
-from remqa_data.assets.builder import with_uv
+from remqa_data.assets.fitting import surface, with_uv
 from remqa_data.assets.model import F64, Material, Surface
 from remqa_data.scene import Scene, StructureBox
 from remqa_data.sim.camera import AnyCamera
@@ -123,12 +123,4 @@ def _boxes(parts: list[StructureBox]) -> Surface:
         low, high = np.asarray(part.box[:3]), np.asarray(part.box[3:])
         mesh = primitives.box(tuple(high - low)).moved((low + high) / 2)
         meshes.append(with_uv(mesh, material, None))
-    return _surface(primitives.joined(meshes), material)
-
-
-def _surface(mesh: primitives.Mesh, material: Material) -> Surface:
-    assert mesh.uv is not None
-    single: list[npt.NDArray[np.float32]] = [
-        np.ascontiguousarray(a, dtype=np.float32) for a in (mesh.vertices, mesh.normals, mesh.uv)
-    ]
-    return Surface(single[0], single[1], single[2], np.ascontiguousarray(mesh.faces, dtype=np.int32), material)
+    return surface(primitives.joined(meshes), material)

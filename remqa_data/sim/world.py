@@ -15,10 +15,10 @@ from types import TracebackType
 import numpy as np
 
 from remqa_data.assets import Asset, build
-from remqa_data.assets.builder import quaternion_of, rotation_of
 from remqa_data.assets.model import F64, Box, Joint, Vec3
 from remqa_data.catalog import object_type
 from remqa_data.errors import ActionError, UnknownNameError
+from remqa_data.rotations import quaternion_of, rotation_of
 from remqa_data.scene import Quaternion, Scene, SceneObject
 from remqa_data.sim.bullet import pybullet
 

@@ -4,9 +4,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from remqa_data.assets import AssetSpec, build, materials
-from remqa_data.assets.builder import Builder, quaternion_of, rotation_of, solid_around
+from remqa_data.assets.builder import Builder
+from remqa_data.assets.cutting import solid_around
 from remqa_data.assets.model import Box
 from remqa_data.errors import AssetError, UnknownNameError
+from remqa_data.rotations import quaternion_of, rotation_of
 
 COORDINATE = st.integers(0, 20).map(lambda n: n / 10)
 

@@ -9,8 +9,8 @@ import numpy.typing as npt
 import pytest
 
 from remqa_data.assets import Asset, AssetSpec, build
-from remqa_data.assets.builder import rotation_of
 from remqa_data.assets.sizes import typical_size
+from remqa_data.rotations import rotation_of
 
 VARIANTS = range(4)
 SEEDS = range(6)

@@ -1,4 +1,6 @@
-"""The oracle is another search over another state space: complex numbers for cells and headings, horizons included."""
+"""The oracle is another search over another state space: complex numbers, horizons and postures included."""
+
+from itertools import product
 
 import networkx as nx
 import pytest
@@ -25,22 +27,23 @@ def oracle_graph(grid: ReachableGrid) -> nx.DiGraph:
     graph = nx.DiGraph()
     for i, j in grid.cells:
         for turns in range(4):
-            for horizon in (-30, 0, 30, 60):
-                here = (complex(i, j), turns, horizon)
+            for horizon, up in product((-30, 0, 30, 60), (False, True)):
+                here = (complex(i, j), turns, horizon, up)
+                graph.add_edge(here, (complex(i, j), turns, horizon, not up), metres=0.0)
                 ahead = complex(i, j) + 1j**turns
                 target = (round(ahead.real), round(ahead.imag))
                 if grid.graph.has_edge((i, j), target):
-                    graph.add_edge(here, (complex(*target), turns, horizon), metres=GRID_M)
+                    graph.add_edge(here, (complex(*target), turns, horizon, up), metres=GRID_M)
                 for turn in (1, 3):
-                    graph.add_edge(here, (complex(i, j), (turns + turn) % 4, horizon), metres=0.0)
+                    graph.add_edge(here, (complex(i, j), (turns + turn) % 4, horizon, up), metres=0.0)
                 for look in (-30, 30):
                     if -30 <= horizon + look <= 60:
-                        graph.add_edge(here, (complex(i, j), turns, horizon + look), metres=0.0)
+                        graph.add_edge(here, (complex(i, j), turns, horizon + look, up), metres=0.0)
     return graph
 
 
-def node(pose: AgentPose) -> tuple[complex, int, int]:
-    return complex(*pose.cell), pose.yaw_deg // 90 % 4, pose.horizon_deg
+def node(pose: AgentPose) -> tuple[complex, int, int, bool]:
+    return complex(*pose.cell), pose.yaw_deg // 90 % 4, pose.horizon_deg, pose.is_standing
 
 
 def follow(grid: ReachableGrid, pose: AgentPose, actions: list[str]) -> AgentPose:
@@ -78,6 +81,12 @@ def test_looking_up_goes_from_60_to_minus_30() -> None:
 
 def test_a_horizon_beyond_the_cameras_reach_is_clamped() -> None:
     assert shortest_actions(OPEN_3X2, AgentPose((0, 0), 0, 0), AgentPose((0, 0), 0, 90)) == ["LookDown"] * 2
+
+
+def test_the_agent_crouches_where_it_arrives_and_then_looks() -> None:
+    start, goal = AgentPose((0, 0), 0), AgentPose((1, 0), 0, 30, is_standing=False)
+    assert shortest_actions(OPEN_3X2, start, goal) == ["MoveAhead", "Crouch", "LookDown"]
+    assert shortest_actions(OPEN_3X2, goal, AgentPose((1, 0), 0, 30)) == ["Stand"]
 
 
 def test_the_way_leads_round_an_obstacle() -> None:
@@ -119,13 +128,15 @@ def grids(draw: st.DrawFn) -> ReachableGrid:
     return grid
 
 
-poses = st.tuples(st.integers(0, 24), st.sampled_from((0, 90, 180, 270)), st.sampled_from((-30, 0, 30, 60)))
+poses = st.tuples(
+    st.integers(0, 24), st.sampled_from((0, 90, 180, 270)), st.sampled_from((-30, 0, 30, 60)), st.booleans()
+)
 
 
 @settings(max_examples=150, deadline=None)
 @given(grids(), poses, poses)
 def test_no_other_search_finds_fewer_actions(grid: ReachableGrid, a: tuple[int, ...], b: tuple[int, ...]) -> None:
-    start, goal = (AgentPose(grid.cells[i % len(grid.cells)], yaw, horizon) for i, yaw, horizon in (a, b))
+    start, goal = (AgentPose(grid.cells[pose[0] % len(grid.cells)], *pose[1:]) for pose in (a, b))
     graph = oracle_graph(grid)
     if not nx.has_path(graph, node(start), node(goal)):
         with pytest.raises(NoPathError, match="no way"):
@@ -166,6 +177,7 @@ def test_the_length_of_a_way_off_the_grid_is_refused() -> None:
         (AgentPose((0, 0), 45), "MoveAhead", "multiple of 90"),
         (AgentPose((0, 0), 0, 60), "LookDown", "tilts from -30 to 60"),
         (AgentPose((0, 0), 0, -30), "LookUp", "tilts"),
+        (AgentPose((0, 0), 0), "Stand", "already"),
         (AgentPose((0, 0), 0), "Jump", "not a navigation action"),
     ],
 )
