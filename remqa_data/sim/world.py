@@ -15,42 +15,17 @@ from types import TracebackType
 import numpy as np
 
 from remqa_data.assets import Asset, build
-from remqa_data.assets.model import F64, Box, Joint, Vec3
+from remqa_data.assets.model import F64, Vec3
 from remqa_data.catalog import object_type
 from remqa_data.errors import ActionError, UnknownNameError
 from remqa_data.rotations import quaternion_of, rotation_of
 from remqa_data.scene import Quaternion, Scene, SceneObject
-from remqa_data.sim.bullet import pybullet
+from remqa_data.sim.bodies import Bodies
+from remqa_data.sim.state import ObjectState
 
-TIME_STEP_S = 1 / 240
 SETTLE_STEPS = 240
-GRAVITY_M_S2 = -9.81
-FRICTION = 0.7
-ROLLING_FRICTION = 0.002
-LINEAR_DAMPING, ANGULAR_DAMPING = 0.2, 0.6
-MIN_MASS_KG = 0.05
-"""Lighter things (a credit card weighs 6 g) make the solver restless; they are simulated with this mass."""
-MAX_COMPOUND = 16
-"""PyBullet silently drops the shapes of a compound beyond this number."""
 CARRY_MARGIN_M = 0.03
 """Things whose centre is within this distance of a space belong to it."""
-
-
-@dataclass(frozen=True)
-class ObjectState:
-    """Where one object is: pose of the centre of its closed box, openness, and whether physics moves it."""
-
-    position: Vec3
-    quaternion: Quaternion
-    openness: float
-    is_fixed: bool
-
-    def matrix(self) -> F64:
-        """(4, 4) pose, asset frame to world frame."""
-        pose = np.eye(4)
-        pose[:3, :3] = rotation_of(self.quaternion)
-        pose[:3, 3] = self.position
-        return pose
 
 
 @dataclass(frozen=True)
@@ -71,9 +46,6 @@ class World:
 
     Notes
     -----
-    `client` is the PyBullet client, for questions to PyBullet that this class does not answer; changing the simulation
-    through it breaks the promise that this class makes.
-
     Two worlds loaded from equal scenes behave alike to the last bit, in any process. Use it as a context manager, or
     call `close`, to give PyBullet's memory back.
     """
@@ -84,12 +56,15 @@ class World:
         self._objects: dict[str, SceneObject] = {o.id: o for o in scene.objects}
         self._states = {o.id: ObjectState(o.position, o.quaternion, o.openness, o.is_fixed) for o in scene.objects}
         self.held: str | None = None
-        self.client = pybullet.connect(pybullet.DIRECT)
-        self._bodies: dict[str, int] = {}
-        self._structure_bodies: list[int] = []
-        self._load()
+        self._bodies = Bodies()
+        self._reload()
 
     # ---- reading
+
+    @property
+    def client(self) -> int:
+        """The PyBullet client, for questions to PyBullet that this class does not answer; leave the simulation as it is."""
+        return self._bodies.client
 
     @property
     def ids(self) -> tuple[str, ...]:
@@ -159,14 +134,11 @@ class World:
         cache and the order of its pairs would remember.
         """
         self._reload()
-        for _ in range(steps):
-            pybullet.stepSimulation(physicsClientId=self.client)
+        self._bodies.step(steps)
         for object_id, state in self._states.items():
             if state.is_fixed or object_id == self.held:
                 continue
-            position, quaternion = pybullet.getBasePositionAndOrientation(
-                self._bodies[object_id], physicsClientId=self.client
-            )
+            position, quaternion = self._bodies.pose(object_id)
             self._states[object_id] = replace(state, position=position, quaternion=quaternion)
             self._tell_pose(object_id)
 
@@ -242,7 +214,7 @@ class World:
             raise ActionError(f"cannot pick up {object_id}: already holding {self.held}")
         self._set_fixed(object_id, False)
         self.held = object_id
-        self._set_collisions(object_id, False)
+        self._bodies.set_collisions(object_id, False)
 
     def put(self, position: Vec3, quaternion: Quaternion | None = None) -> str:
         """Put the held object back into the room at a pose, free to fall; returns its id.
@@ -255,7 +227,7 @@ class World:
         if self.held is None:
             raise ActionError("nothing is held")
         object_id, self.held = self.held, None
-        self._set_collisions(object_id, True)
+        self._bodies.set_collisions(object_id, True)
         state = self._states[object_id]
         self._states[object_id] = replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion)
         self._tell_pose(object_id)
@@ -268,18 +240,7 @@ class World:
         -------
         Pairs of id and distance in metres, negative where they interpenetrate; nearest first.
         """
-        body = self._bodies[object_id]
-        low, high = self.box(object_id)
-        pairs = pybullet.getOverlappingObjects(
-            (low - margin_m - 0.02).tolist(), (high + margin_m + 0.02).tolist(), physicsClientId=self.client
-        )
-        names = {b: name for name, b in self._bodies.items()} | dict.fromkeys(self._structure_bodies, "structure")
-        found: dict[str, float] = {}
-        for other in sorted({b for b, _ in pairs or ()} - {body}):
-            points = pybullet.getClosestPoints(body, other, margin_m, physicsClientId=self.client)
-            if points:
-                distance = min(float(point[8]) for point in points)
-                found[names[other]] = min(distance, found.get(names[other], distance))
+        found = self._bodies.nearby(object_id, self.box(object_id), margin_m)
         return sorted(found.items(), key=lambda pair: pair[1])
 
     def move_alone(self, object_id: str, position: Vec3) -> None:
@@ -290,11 +251,11 @@ class World:
     @contextmanager
     def without_collisions(self, object_id: str) -> Iterator[None]:
         """For the length of a block, physics and rays pass through an object."""
-        self._set_collisions(object_id, False)
+        self._bodies.set_collisions(object_id, False)
         try:
             yield
         finally:
-            self._set_collisions(object_id, object_id != self.held)
+            self._bodies.set_collisions(object_id, object_id != self.held)
 
     # ---- saving
 
@@ -305,7 +266,7 @@ class World:
     def restore(self, snapshot: Snapshot) -> None:
         """Bring back a saved state exactly: later actions give what they would have given then."""
         if self.held is not None and self.held != snapshot.held:
-            self._set_collisions(self.held, True)
+            self._bodies.set_collisions(self.held, True)
         for object_id, state in snapshot.states.items():
             self._set_fixed(object_id, state.is_fixed)
         for object_id, state in snapshot.states.items():
@@ -313,13 +274,11 @@ class World:
             self._tell_pose(object_id)
         self.held = snapshot.held
         if self.held is not None:
-            self._set_collisions(self.held, False)
+            self._bodies.set_collisions(self.held, False)
 
     def close(self) -> None:
         """Give PyBullet's memory back; the world cannot be used afterwards."""
-        if self.client >= 0:
-            pybullet.disconnect(self.client)
-            self.client = -1
+        self._bodies.close()
 
     def __enter__(self) -> World:
         return self
@@ -331,124 +290,14 @@ class World:
 
     # ---- PyBullet
 
-    def _load(self) -> None:
-        pybullet.setGravity(0, 0, GRAVITY_M_S2, physicsClientId=self.client)
-        pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=TIME_STEP_S,
-            numSolverIterations=30,
-            deterministicOverlappingPairs=1,
-            physicsClientId=self.client,
-        )
-        solid = [part.box for part in self.scene.structure if part.kind != "outside"]
-        self._structure_bodies = self._static_boxes(solid)
-        for object_id in self._objects:
-            self._bodies[object_id] = self._create(object_id)
-
     def _reload(self) -> None:
-        pybullet.resetSimulation(physicsClientId=self.client)
-        self._load()
+        solid = [part.box for part in self.scene.structure if part.kind != "outside"]
+        self._bodies.load(solid, self.assets, self._states)
         if self.held is not None:
-            self._set_collisions(self.held, False)
-
-    def _static_boxes(self, boxes: list[Box]) -> list[int]:
-        bodies = []
-        for start in range(0, len(boxes), MAX_COMPOUND):
-            chunk = np.array(boxes[start : start + MAX_COMPOUND])
-            shape = self._compound((chunk[:, 3:] - chunk[:, :3]) / 2, (chunk[:, 3:] + chunk[:, :3]) / 2, None)
-            bodies.append(int(pybullet.createMultiBody(0, shape, physicsClientId=self.client)))
-        return bodies
-
-    def _compound(self, halves: F64, centres: F64, quaternions: F64 | None) -> int:
-        count = len(halves)
-        if quaternions is None:
-            quaternions = np.tile([0.0, 0.0, 0.0, 1.0], (count, 1))
-        return int(
-            pybullet.createCollisionShapeArray(
-                shapeTypes=[pybullet.GEOM_BOX] * count,
-                halfExtents=halves.tolist(),
-                collisionFramePositions=centres.tolist(),
-                collisionFrameOrientations=quaternions.tolist(),
-                physicsClientId=self.client,
-            )
-        )
-
-    def _create(self, object_id: str) -> int:
-        asset, state = self.assets[object_id], self._states[object_id]
-        mass = 0.0 if state.is_fixed else max(object_type(asset.spec.type).mass_kg or 0.0, MIN_MASS_KG)
-        origins = [np.zeros(3) if link.joint is None else np.asarray(link.joint.origin) for link in asset.links]
-        first, rest = [-1] * len(asset.links), []
-        for i, link in enumerate(asset.links):
-            for start in range(0, len(link.boxes), MAX_COMPOUND):
-                chunk = link.boxes[start : start + MAX_COMPOUND]
-                halves = np.array([box.size for box in chunk]) / 2
-                centres = np.array([box.centre for box in chunk]) - origins[i]
-                shape = self._compound(halves, centres, np.array([box.quaternion for box in chunk]))
-                if start == 0:
-                    first[i] = shape
-                else:
-                    rest.append((i, shape))
-        # Joints come first, in the asset's order; then what did not fit into one compound, fixed to its link.
-        links = [
-            _BodyLink(first[i], link.parent, origins[i] - origins[link.parent], link.joint)
-            for i, link in enumerate(asset.links)
-            if link.joint is not None
-        ]
-        moving = range(len(links))
-        links += [_BodyLink(shape, parent, np.zeros(3), None) for parent, shape in rest]
-        link_mass = mass / (4 * len(links)) if mass and links else 0.1
-        zeros, identities = [[0.0] * 3 for _ in links], [[0.0, 0.0, 0.0, 1.0] for _ in links]
-        body = pybullet.createMultiBody(
-            baseMass=mass,
-            baseCollisionShapeIndex=first[0],
-            basePosition=state.position,
-            baseOrientation=state.quaternion,
-            linkMasses=[link_mass for _ in links],
-            linkCollisionShapeIndices=[link.shape for link in links],
-            linkVisualShapeIndices=[-1 for _ in links],
-            linkPositions=[link.offset.tolist() for link in links],
-            linkOrientations=identities,
-            linkInertialFramePositions=zeros,
-            linkInertialFrameOrientations=identities,
-            linkParentIndices=[link.parent for link in links],
-            linkJointTypes=[
-                pybullet.JOINT_FIXED if link.joint is None else _JOINT_TYPES[link.joint.kind] for link in links
-            ],
-            linkJointAxis=[[0.0, 0.0, 1.0] if link.joint is None else list(link.joint.axis) for link in links],
-            physicsClientId=self.client,
-        )
-        for link_index in range(-1, len(links)):
-            pybullet.changeDynamics(
-                body,
-                link_index,
-                lateralFriction=FRICTION,
-                rollingFriction=ROLLING_FRICTION,
-                spinningFriction=ROLLING_FRICTION,
-                linearDamping=LINEAR_DAMPING,
-                angularDamping=ANGULAR_DAMPING,
-                restitution=0.0,
-                physicsClientId=self.client,
-            )
-        for joint in moving:  # hold every joint where it is told to be
-            pybullet.setJointMotorControl2(
-                body,
-                joint,
-                pybullet.VELOCITY_CONTROL,
-                targetVelocity=0.0,
-                force=1000.0,
-                physicsClientId=self.client,
-            )
-        self._bodies[object_id] = int(body)
-        self._tell_pose(object_id)
-        return int(body)
+            self._bodies.set_collisions(self.held, False)
 
     def _tell_pose(self, object_id: str) -> None:
-        body, state = self._bodies[object_id], self._states[object_id]
-        pybullet.resetBasePositionAndOrientation(body, state.position, state.quaternion, physicsClientId=self.client)
-        if not state.is_fixed:
-            pybullet.resetBaseVelocity(body, (0, 0, 0), (0, 0, 0), physicsClientId=self.client)
-        for i, link in enumerate(self.assets[object_id].links[1:]):
-            assert link.joint is not None
-            pybullet.resetJointState(body, i, link.joint.upper * state.openness, physicsClientId=self.client)
+        self._bodies.place(object_id, self._states[object_id])
 
     def _set_fixed(self, object_id: str, is_fixed: bool) -> None:
         """PyBullet cannot free a fixed body, so the world is loaded anew: bodies keep their order, and so their effect."""
@@ -457,13 +306,6 @@ class World:
             return
         self._states[object_id] = replace(state, is_fixed=is_fixed)
         self._reload()
-
-    def _set_collisions(self, object_id: str, enabled: bool) -> None:
-        body = self._bodies[object_id]
-        for link in range(-1, pybullet.getNumJoints(body, physicsClientId=self.client)):
-            pybullet.setCollisionFilterGroupMask(
-                body, link, int(enabled), -1 if enabled else 0, physicsClientId=self.client
-            )
 
     def _move_by(self, object_id: str, motion: F64) -> None:
         state = self._states[object_id]
@@ -477,19 +319,6 @@ class World:
     def _check_known(self, object_id: str) -> None:
         if object_id not in self._objects:
             raise UnknownNameError("object", object_id, self._objects)
-
-
-_JOINT_TYPES = {"revolute": pybullet.JOINT_REVOLUTE, "prismatic": pybullet.JOINT_PRISMATIC}
-
-
-@dataclass(frozen=True)
-class _BodyLink:
-    """A link as PyBullet wants it: parent 0 is the base, and the offset is from the parent's origin."""
-
-    shape: int
-    parent: int
-    offset: F64
-    joint: Joint | None
 
 
 def _vec3(values: Iterable[float]) -> Vec3:
