@@ -59,16 +59,16 @@ def room_map(scene: Scene, view: WorldView, grid: ReachableGrid, size_px: int) -
     camera = _map_camera(scene, size_px)
     rendered = view.render(camera, shadows=False).rgb
     x0, y0, x1, y1 = scene.bounds
-    (left, bottom), (right, top) = _pixel(scene, size_px, x0, y0), _pixel(scene, size_px, x1, y1)
+    (left, bottom), (right, top) = map_pixel(scene, size_px, x0, y0), map_pixel(scene, size_px, x1, y1)
     image = np.full_like(rendered, 255)
     image[top:bottom, left:right] = rendered[top:bottom, left:right]
     for part in scene.structure:
         if part.kind == "wall" and part.box[2] < camera.height_m < part.box[5]:
-            corner = _pixel(scene, size_px, part.box[0], part.box[1])
-            cv2.rectangle(image, corner, _pixel(scene, size_px, part.box[3], part.box[4]), WALL_COLOR, -1)
+            corner = map_pixel(scene, size_px, part.box[0], part.box[1])
+            cv2.rectangle(image, corner, map_pixel(scene, size_px, part.box[3], part.box[4]), WALL_COLOR, -1)
     scale = size_px / camera.extent_m
     for x, y in grid.positions():
-        centre = _pixel(scene, size_px, float(x), float(y))
+        centre = map_pixel(scene, size_px, float(x), float(y))
         cv2.circle(image, centre, max(2, round(0.035 * scale)), CELL_COLOR, -1, cv2.LINE_AA)
     return image
 
@@ -102,7 +102,8 @@ def _map_camera(scene: Scene, size_px: int) -> TopDownCamera:
     )
 
 
-def _pixel(scene: Scene, size_px: int, x: float, y: float) -> tuple[int, int]:
+def map_pixel(scene: Scene, size_px: int, x: float, y: float) -> tuple[int, int]:
+    """Where a point of the room is in `room_map`."""
     camera = _map_camera(scene, size_px)
     scale = size_px / camera.extent_m
     return (
@@ -116,7 +117,7 @@ def _mark_camera(plan: U8, scene: Scene, camera: Camera, number: int) -> None:
     x, y, _ = camera.position
     yaw = np.radians(camera.yaw_deg)
     tip = (x + 1.4 * GRID_M * np.cos(yaw), y + 1.4 * GRID_M * np.sin(yaw))
-    start, end = _pixel(scene, size, x, y), _pixel(scene, size, float(tip[0]), float(tip[1]))
+    start, end = map_pixel(scene, size, x, y), map_pixel(scene, size, float(tip[0]), float(tip[1]))
     cv2.arrowedLine(plan, start, end, START_COLOR, 2, cv2.LINE_AA, tipLength=0.35)
     place = (start[0] + 4, start[1] - 4)
     cv2.putText(plan, str(number), place, cv2.FONT_HERSHEY_SIMPLEX, 0.5, START_COLOR, 2, cv2.LINE_AA)

@@ -3,6 +3,30 @@
 Importing this package is cheap: the simulator, the renderer and the data libraries load when they are used.
 """
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from remqa_data.version import __version__
 
-__all__ = ["__version__"]
+if TYPE_CHECKING:
+    from remqa_data.dataset import ExpressionDataset, FrameDataset, RemqaDataset, collate
+    from remqa_data.vocabulary import Vocabulary
+
+__all__ = ["ExpressionDataset", "FrameDataset", "RemqaDataset", "Vocabulary", "__version__", "collate"]
+
+_HOMES = {
+    "ExpressionDataset": "remqa_data.dataset",
+    "FrameDataset": "remqa_data.dataset",
+    "RemqaDataset": "remqa_data.dataset",
+    "collate": "remqa_data.dataset",
+    "Vocabulary": "remqa_data.vocabulary",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Load what is asked for, and torch with it, only then."""
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -15,17 +15,20 @@ from remqa_data.errors import RemqaError
 from remqa_data.version import __version__
 
 
-class _OneLineErrors(TyperGroup):
+class OneLineErrors(TyperGroup):
+    """Commands whose errors on purpose become one line on stderr and exit code 2."""
+
     def invoke(self, ctx: Any) -> Any:
+        """Run the command that was named."""
         try:
             return super().invoke(ctx)
         except (RemqaError, OSError) as error:
-            typer.echo(f"remqa-data: {' '.join(str(error).split())}", err=True)
+            typer.echo(f"{ctx.info_name}: {' '.join(str(error).split())}", err=True)
             raise typer.Exit(2) from error
 
 
 app = typer.Typer(
-    cls=_OneLineErrors,
+    cls=OneLineErrors,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -90,6 +93,51 @@ def preview(
 
     write_preview(scene, output, size_px=size)
     typer.echo(str(output))
+
+
+@app.command()
+def show(
+    root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
+    question_id: Annotated[str, typer.Argument(help="A question of it, such as FloorPlan1-COUNTING-00-c2.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")] = Path(
+        "sample.png"
+    ),
+) -> None:
+    """Draw a question: the views before and after the manipulation, and the way there on a map."""
+    from remqa_data.generators.sample_picture import write_sample_picture
+
+    write_sample_picture(root, question_id, output)
+    typer.echo(str(output))
+
+
+@app.command()
+def verify(
+    root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
+    sample: Annotated[
+        int | None, typer.Option(min=1, help="Replay so many questions, drawn at random; default all.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the draw.")] = 0,
+) -> None:
+    """Check a dataset from its files: checksums, answers worked out anew, oracle actions replayed bit for bit."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from remqa_data.generators.verify import verify as run
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("questions")
+
+        def on_question(done: int, total: int) -> None:
+            bar.update(task, completed=done, total=total)
+
+        result = run(root, sample, seed, on_question)
+    for failure in result.failures:
+        typer.echo(f"{failure.question_id}: {failure.reason}")
+    failed = len({failure.question_id for failure in result.failures})
+    typer.echo(f"{result.checked - failed} of {result.checked} questions hold")
+    if failed:
+        raise typer.Exit(1)
 
 
 if __name__ == "__main__":

@@ -102,6 +102,25 @@ class VoxelError(RemqaError, ValueError):
     """A frame or stored voxels that do not fit the voxel map: says which and why."""
 
 
+class ConfigError(RemqaError, ValueError):
+    """A configuration file that cannot be used: says which file, which key and why."""
+
+
+class QuotaError(RemqaError):
+    """Questions that were asked for and cannot be had: says which scene or split, which kind, and why."""
+
+
+class ArrangementError(RemqaError):
+    """Things that cannot be hidden as wished: says in which room and place, and what went wrong.
+
+    `place_id`, `relation` and `types` say it again for a program that plans anew without what failed.
+    """
+
+    def __init__(self, message: str, place_id: str = "", relation: str = "", types: Iterable[str] = ()) -> None:
+        super().__init__(message)
+        self.place_id, self.relation, self.types = place_id, relation, tuple(types)
+
+
 class NoPathError(RemqaError):
     """There is no way between two places, or one of them is not a place where the agent can be."""
 

@@ -104,6 +104,11 @@ class _Side:
         """(n,) whether a hand can pick each object up."""
         return np.array([object_type(name).pickupable for name in self.types], dtype=np.bool_)
 
+    def removable(self) -> Table:
+        """(n,) whether each object can be picked up or pushed aside."""
+        kinds = [object_type(name) for name in self.types]
+        return np.array([kind.pickupable or kind.moveable for kind in kinds], dtype=np.bool_)
+
     def sides(self) -> F64:
         """(n, 3) lengths of the boxes' sides."""
         return self.boxes[:, 3:] - self.boxes[:, :3]
@@ -141,7 +146,7 @@ def _holds(a: _Side, b: _Side, rules: RelationRules) -> Table:
 
 
 def _under(a: _Side, b: _Side, rules: RelationRules) -> Table:
-    """A lies beneath b, which can be lifted off it; or a stands beneath b, which stands on legs."""
+    """A lies beneath b, which can be lifted or pushed off it; or a stands beneath b, which stands on legs."""
     under = rules.under
     area_a, area_b = (np.prod(side.sides()[:, :2], axis=1) for side in (a, b))
     shared = geometry.overlap_share(a.boxes, b.boxes) * np.minimum(area_a[:, None], area_b[None])
@@ -150,7 +155,7 @@ def _under(a: _Side, b: _Side, rules: RelationRules) -> Table:
     between = geometry.vertical_gap(b.boxes, a.boxes).T
     lower = geometry.centres(a.boxes)[:, 2][:, None] < geometry.centres(b.boxes)[:, 2][None]
     touching = (between <= under.max_contact_gap_m) & (between >= -under.max_sunk_m)
-    beneath = b.liftable()[None] & touching & lower
+    beneath = b.removable()[None] & touching & lower
     top_a, top_b = a.boxes[:, 5][:, None], b.boxes[:, 5][None]
     on_floor = np.array([kind == "on" for kind in a.kind], dtype=np.bool_)[:, None]
     sheltered = b.are(under.legs)[None] & (top_a <= top_b - under.min_head_room_m) & on_floor

@@ -1,11 +1,12 @@
 """Executing a list of actions in a room: what the oracle does, and how it is checked.
 
 An action is a word, or a word and an object id: `MoveAhead`, `OpenObject Fridge|...`, `PickupObject Pillow|...`, or
-`MoveObject Stool|... 0.250 -0.250`, which shifts an object by metres along x and y.
+`MoveObject Stool|... 1.25 -0.5 0.38`, which puts the centre of an object there, in metres.
 """
 
 from __future__ import annotations
 
+from remqa_data.assets.model import Vec3
 from remqa_data.errors import ActionError
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation import ReachableGrid, reachable_grid
@@ -64,8 +65,8 @@ class Replay:
         self.world.close()
 
     def _manipulate(self, word: str, rest: list[str], action: str) -> None:
-        if len(rest) != (3 if word == MOVE else 1):
-            raise ActionError(f"{action!r}: {word} takes an object id{' and two numbers' if word == MOVE else ''}")
+        if len(rest) != (4 if word == MOVE else 1):
+            raise ActionError(f"{action!r}: {word} takes an object id{' and three numbers' if word == MOVE else ''}")
         object_id = rest[0]
         if word in (OPEN, CLOSE):
             self.world.open(object_id, float(word == OPEN))
@@ -73,8 +74,11 @@ class Replay:
             self.world.pick_up(object_id)
             self.view.hide(object_id)
         else:
-            x, y, z = self.world.state(object_id).position
-            self.world.move_alone(object_id, (x + float(rest[1]), y + float(rest[2]), z))
+            try:
+                x, y, z = (float(number) for number in rest[1:])
+            except ValueError:
+                raise ActionError(f"{action!r}: {word} takes an object id and three numbers") from None
+            self.world.move_alone(object_id, (x, y, z))
 
 
 def open_action(object_id: str) -> str:
@@ -87,10 +91,10 @@ def pick_up_action(object_id: str) -> str:
     return f"{PICK_UP} {object_id}"
 
 
-def move_action(object_id: str, dx: float, dy: float) -> str:
-    """The action that shifts an object by metres.
+def move_action(object_id: str, position: Vec3) -> str:
+    """The action that puts the centre of an object somewhere, metres.
 
-    >>> move_action("Stool|1", 0.25, -0.5)
-    'MoveObject Stool|1 0.25 -0.5'
+    >>> move_action("Stool|1", (1.25, -0.5, 0.38))
+    'MoveObject Stool|1 1.25 -0.5 0.38'
     """
-    return f"{MOVE} {object_id} {dx!r} {dy!r}"
+    return " ".join([MOVE, object_id, *map(repr, position)])

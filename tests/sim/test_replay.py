@@ -51,9 +51,10 @@ def test_what_is_picked_up_is_gone_from_the_picture_and_what_is_moved_is_elsewhe
     replay = Replay(kitchen, start)
     before = np.array(replay.world.state(stool).position)
     replay.step(pick_up_action(bowl))
-    replay.step(move_action(stool, 0.25, -0.125))
+    aside = (float(before[0]) + 0.25, float(before[1]) - 0.125, float(before[2]))
+    replay.step(move_action(stool, aside))
     assert replay.world.held == bowl
-    assert np.allclose(np.array(replay.world.state(stool).position) - before, (0.25, -0.125, 0))
+    assert replay.world.state(stool).position == aside
     index = replay.world.ids.index(bowl)
     for yaw in (0, 90, 180, 270):
         replay.pose = AgentPose(start.cell, yaw, 30)
@@ -65,7 +66,8 @@ def test_what_is_picked_up_is_gone_from_the_picture_and_what_is_moved_is_elsewhe
     ("action", "message"),
     [
         ("OpenObject", "takes an object id"),
-        ("MoveObject Stool|1 0.2", "two numbers"),
+        ("MoveObject Stool|1 0.2", "three numbers"),
+        ("MoveObject Stool|1 0.2 x 1", "three numbers"),
         ("OpenObject Bowl|+00.27|+01.10|-00.75", "not openable"),
         ("Jump", "Jump"),
     ],

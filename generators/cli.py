@@ -1,0 +1,114 @@
+"""The command `remqa-gen`: rooms, walks and questions, written as Parquet."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from remqa_data.cli import OneLineErrors
+from remqa_data.generators.config import Config
+
+PUBLISHED_WORDS = {"EXISTENCE": 9.5, "COUNTING": 11.8, "SPATIAL": 7.1}
+"""Mean length of the questions of the published benchmark, in words."""
+
+app = typer.Typer(
+    cls=OneLineErrors,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+@app.callback(invoke_without_command=True)
+def generate(
+    scenes: Annotated[
+        int | None, typer.Option(help="How many rooms; by default as many as the configuration says.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the dataset.")] = Path("out/remqa"),
+    config: Annotated[Path | None, typer.Option(metavar="FILE", help="A file such as configs/paper.yaml.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the whole dataset.")] = None,
+    workers: Annotated[int, typer.Option(min=1, help="Processes; the dataset does not depend on it.")] = 1,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in the folder.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with an interrupted run.")] = False,
+) -> None:
+    """Generate a dataset of rooms, walks and questions, every sample checked in the simulator."""
+    from remqa_data.generators.config import load_config, paper_config
+    from remqa_data.generators.pipeline import check_folder
+    from remqa_data.generators.pipeline import generate as run
+
+    settings = paper_config() if config is None else load_config(config)
+    if seed is not None:
+        settings = settings.with_seed(seed)
+    if scenes is not None:
+        settings = settings.with_scenes(scenes)
+    check_folder(out, overwrite=overwrite, resume=resume)
+    if overwrite and out.is_dir():
+        shutil.rmtree(out)
+    started = time.monotonic()
+    with _progress(len(settings.scene_names)) as on_scene:
+        manifest = run(out, settings, workers, on_scene)
+    _summary(out, settings, manifest.questions, time.monotonic() - started)
+
+
+class _progress:
+    """Calls back with each finished room: a bar on a terminal, else a line for each room."""
+
+    def __init__(self, total: int) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+        self.total, self.done, self.questions, self.frames = total, 0, 0, 0
+        self.console = Console(stderr=True)
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("rooms"),
+            TimeRemainingColumn(),
+        )
+        self.bar = Progress(*columns, console=self.console, disable=not self.console.is_terminal)
+        self.task = self.bar.add_task("generating", total=total)
+
+    def __enter__(self) -> Callable[[str, Mapping[str, Any]], None]:
+        self.bar.start()
+        return self.on_scene
+
+    def __exit__(self, *error: object) -> None:
+        self.bar.stop()
+
+    def on_scene(self, scene: str, report: Mapping[str, Any]) -> None:
+        self.done += 1
+        self.questions += report["questions"]
+        self.frames += report["frames"]
+        counts = f"{self.questions} questions, {self.frames} frames"
+        self.bar.update(self.task, advance=1, description=counts)
+        if not self.console.is_terminal:
+            typer.echo(f"{self.done}/{self.total} {scene}: {counts} so far", err=True)
+
+
+def _summary(out: Path, settings: Config, questions: Mapping[str, Mapping[str, int]], seconds: float) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from remqa_data.shards import read_table
+
+    table = Table(title=f"{out}: {len(settings.scene_names)} rooms in {seconds:.0f} s")
+    for heading in ("split", "kind", "questions", "asked for", "mean words", "published words"):
+        table.add_column(heading, justify="left" if heading in ("split", "kind") else "right")
+    for split, kinds in questions.items():
+        rows = read_table(out, "questions", split, ["kind", "question"]).to_pylist()
+        for kind, count in kinds.items():
+            words = [len(row["question"].split()) for row in rows if row["kind"] == kind]
+            mean = f"{sum(words) / len(words):.2f}" if words else "-"
+            asked = settings.totals[split][kind]  # type: ignore[index]
+            table.add_row(split, kind, str(count), str(asked), mean, f"{PUBLISHED_WORDS[kind]:.1f}")
+    Console().print(table)

@@ -1,0 +1,225 @@
+"""What `remqa-gen` is told: a YAML file of `configs/`, read, checked and scaled to the number of rooms."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    NonNegativeInt,
+    PositiveFloat,
+    PositiveInt,
+    ValidationError,
+    model_validator,
+)
+
+from remqa_data.errors import ConfigError
+from remqa_data.generators.allotment import GROUP_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
+from remqa_data.generators.floorplans.table import scene_names
+from remqa_data.generators.walk import WalkSettings
+from remqa_data.images import RgbFormat
+from remqa_data.manifest import config_hash
+from remqa_data.rows import QuestionKind
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class KindCounts(_Section):
+    """A number for each kind of question."""
+
+    EXISTENCE: NonNegativeInt
+    COUNTING: NonNegativeInt
+    SPATIAL: NonNegativeInt
+
+    def by_kind(self) -> dict[QuestionKind, int]:
+        """As a dictionary."""
+        return {"EXISTENCE": self.EXISTENCE, "COUNTING": self.COUNTING, "SPATIAL": self.SPATIAL}
+
+
+class Totals(_Section):
+    """How many questions there are, by split and kind."""
+
+    train: KindCounts
+    test: KindCounts
+
+
+class WalkConfig(_Section):
+    """How frames are taken; see `walk.WalkSettings`."""
+
+    frames_per_configuration: PositiveInt
+    headings_deg: tuple[int, ...] = Field(min_length=1, strict=False)
+    horizons_deg: tuple[int, ...] = Field(min_length=1, strict=False)
+    cells_per_frame: PositiveFloat
+
+    def settings(self, size_px: int) -> WalkSettings:
+        """What `walk.walk` takes."""
+        return WalkSettings(
+            frames=self.frames_per_configuration,
+            headings_deg=self.headings_deg,
+            horizons_deg=self.horizons_deg,
+            cells_per_frame=self.cells_per_frame,
+            size_px=size_px,
+        )
+
+
+class ImageConfig(_Section):
+    """How frames are stored."""
+
+    size_px: Annotated[int, Field(ge=32, le=4096)]
+    rgb_format: RgbFormat
+
+
+class Config(_Section):
+    """All that decides what is generated, together with the files of `templates/`.
+
+    Attributes
+    ----------
+    seed : int
+        Of the whole dataset.
+    layouts : {"ithor"}
+        Where rooms come from.
+    scenes : int or tuple of str
+        How many rooms, or which.
+    configurations : int
+        Arrangements of each room; at least four, one for each answer to a COUNTING question.
+    questions : Totals
+        For all scenes.
+    spare_groups : KindCounts
+        Groups of questions that each room makes beyond what it owes, in case the audit refuses some.
+    walk : WalkConfig
+        How frames are taken.
+    image : ImageConfig
+        How they are stored.
+    """
+
+    seed: NonNegativeInt
+    layouts: Literal["ithor"]
+    scenes: Annotated[int, Field(ge=1)] | Annotated[tuple[str, ...], Field(min_length=1, strict=False)]
+    configurations: Annotated[int, Field(ge=GROUP_SIZE, le=32)]
+    questions: Totals
+    spare_groups: KindCounts
+    walk: WalkConfig
+    image: ImageConfig
+
+    @model_validator(mode="after")
+    def _scenes_are_there(self) -> Config:
+        known = scene_names()
+        if isinstance(self.scenes, int):
+            if self.scenes > len(known):
+                msg = f"scenes: {self.scenes} is more than the {len(known)} rooms of the layouts {self.layouts}"
+                raise ValueError(msg)
+            return self
+        unknown = [name for name in self.scenes if name not in known]
+        twice = [name for name in self.scenes if self.scenes.count(name) > 1]
+        if unknown or twice:
+            wrong = f"there is no room {unknown[0]!r}" if unknown else f"{twice[0]!r} is named twice"
+            msg = f"scenes: {wrong}; name rooms from FloorPlan1 to FloorPlan430, each once"
+            raise ValueError(msg)
+        return self
+
+    @property
+    def scene_names(self) -> tuple[str, ...]:
+        """The rooms."""
+        return choose_scenes(self.scenes) if isinstance(self.scenes, int) else self.scenes
+
+    @property
+    def totals(self) -> dict[QuestionSplit, dict[QuestionKind, int]]:
+        """Questions by split and kind."""
+        return {"train": self.questions.train.by_kind(), "test": self.questions.test.by_kind()}
+
+    @property
+    def sha256(self) -> str:
+        """Hash of what the configuration says, whatever its file looks like."""
+        return config_hash(self.model_dump(mode="json"))
+
+    def with_scenes(self, count: int) -> Config:
+        """The same with another number of rooms; questions shrink in proportion to the rooms of each split.
+
+        Raises
+        ------
+        ConfigError
+            If there are not so many rooms.
+        """
+        before = self.scene_names
+        most = len(scene_names()) if isinstance(self.scenes, int) else len(before)
+        if not 1 <= count <= most:
+            raise ConfigError(
+                f"scenes: {count} is not between 1 and {most}, the number of rooms of the layouts {self.layouts}"
+            )
+        after = choose_scenes(count) if isinstance(self.scenes, int) else before[:count]
+        totals = {}
+        for split in SPLITS:
+            had, has = (sum(split_of(name) == split for name in names) for names in (before, after))
+            counts = {kind: _in_proportion(n, has, had) for kind, n in self.totals[split].items()}
+            totals[split] = KindCounts(**counts)
+        scenes = count if isinstance(self.scenes, int) else after
+        return self.model_copy(update={"scenes": scenes, "questions": Totals(**totals)})
+
+    def with_seed(self, seed: int) -> Config:
+        """The same with another seed."""
+        return self.model_copy(update={"seed": seed})
+
+
+def load_config(path: str | os.PathLike[str]) -> Config:
+    """Read a configuration.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or a key is missing, unknown or has a wrong value: one line that names the file, the
+        key and the reason.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not a text file"
+        raise ConfigError(f"{os.fspath(path)}: {reason}; give a YAML file such as configs/paper.yaml") from None
+    return parse_config(text, os.fspath(path))
+
+
+def paper_config() -> Config:
+    """The configuration of the published benchmark; `configs/paper.yaml` in a checkout says the same."""
+    return parse_config(
+        (resources.files("remqa_data.templates") / "paper.yaml").read_text(encoding="utf-8"), "paper.yaml"
+    )
+
+
+def parse_config(text: str, where: str = "configuration") -> Config:
+    """Read a configuration from its text; see `load_config`."""
+    try:
+        data: Any = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise ConfigError(f"{where}: not YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(data, Mapping):
+        raise ConfigError(f"{where}: expected keys such as 'seed', found {type(data).__name__}")
+    try:
+        return Config.model_validate(data)
+    except ValidationError as error:
+        raise ConfigError(f"{where}: {_first_problem(error)}") from None
+
+
+def _first_problem(error: ValidationError) -> str:
+    problem = error.errors()[0]
+    # Of a value that may be of two types, pydantic tells the branch after the key; the key is enough.
+    key = ".".join(
+        str(part) for part in problem["loc"] if part not in ("constrained-int", "int") and "tuple" not in str(part)
+    )
+    reason = problem["msg"].removeprefix("Value error, ")
+    return f"{key}: {reason}" if key else reason
+
+
+def _in_proportion(total: int, has: int, had: int) -> int:
+    """`total * has / had`, rounded; 2 instead of 1, as the answer to a single question cannot be balanced."""
+    if not had:
+        return 0
+    scaled = (2 * total * has + had) // (2 * had)
+    return 2 if scaled == 1 else scaled

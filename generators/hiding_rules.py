@@ -1,0 +1,52 @@
+"""The numbers that decide where things can be hidden and how rooms are arranged; they are in `templates/hiding.yaml`."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from importlib import resources
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field
+
+SOURCE = "hiding.yaml"
+
+
+class HidingRules(BaseModel):
+    """All of `hiding.yaml`, which says what each field means; metres and pixels."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    open_types: frozenset[str]
+    pickup_types: frozenset[str]
+    move_types: frozenset[str]
+    round_types: frozenset[str]
+    min_pickup_side_m: float = Field(gt=0)
+    min_move_side_m: float = Field(gt=0)
+    max_move_side_m: float = Field(gt=0)
+    max_under_height_m: float = Field(gt=0)
+    round_share: float = Field(gt=0, le=1)
+    square_share: float = Field(gt=0, le=1)
+    shifts_m: tuple[float, ...] = Field(min_length=1)
+    pitch_m: float = Field(gt=0)
+    wall_gap_m: float = Field(ge=0)
+    sight_heights_m: tuple[float, ...] = Field(min_length=1)
+    min_area_side_m: float = Field(gt=0)
+    min_share_seen: float = Field(gt=0, le=1)
+    max_poses: int = Field(gt=0)
+    other_goals: int = Field(ge=0)
+    scout_px: int = Field(gt=0)
+    spot_side_m: float = Field(gt=0)
+    max_spots: int = Field(gt=0)
+    size_spread: float = Field(ge=0, lt=1)
+    gap_m: float = Field(ge=0)
+    pixel_margin: float = Field(gt=0)
+    never_hidden: frozenset[str]
+    epsilon: float = Field(ge=0)
+    moved_share: float = Field(ge=0, le=1)
+
+
+@lru_cache(maxsize=1)
+def hiding_rules() -> HidingRules:
+    """The rules that ship with the package."""
+    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
+    return HidingRules.model_validate(yaml.safe_load(text))

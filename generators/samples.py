@@ -1,0 +1,240 @@
+"""One task: walk to a place, manipulate it, look. Made only if it keeps every promise that `audit` of DESIGN.md names.
+
+A sample that fails a check is refused, with the name of the truth that it would have broken.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from remqa_data.answers import execute, is_clear
+from remqa_data.errors import ActionError, NoPathError
+from remqa_data.generators.expressions import Expressions
+from remqa_data.generators.groups import GroupPlan
+from remqa_data.generators.hiding_places import HidingPlace
+from remqa_data.generators.tour import Place
+from remqa_data.images import RgbFormat, encode_depth, encode_instances, encode_rgb
+from remqa_data.metadata import AgentState, Box2D, object_metadata, scaled_min_pixels
+from remqa_data.rows import QuestionRow
+from remqa_data.scene import Scene
+from remqa_data.scene_graph import SceneGraph
+from remqa_data.sim.navigation import ReachableGrid
+from remqa_data.sim.paths import path_length_m, shortest_actions
+from remqa_data.sim.replay import DONE, Replay, move_action, open_action, pick_up_action
+from remqa_data.sim.view import Observation
+from remqa_data.sim.viewpoints import MIN_PIXELS, AgentPose
+from remqa_data.sim.world import Snapshot
+
+Truth = Literal["answer", "unique", "clear", "reachable", "visible", "necessary", "sufficient", "replayable"]
+"""What a refused sample would have broken: `answer` is that the room holds what was planned, `visible` that the target
+is seen from the goal pose, `clear` that no other object nearly fits the question; the others are DESIGN.md's truths."""
+
+
+class Refusal(NamedTuple):
+    """Why a sample was not made."""
+
+    truth: Truth
+    what: str
+
+
+@dataclass(eq=False)
+class Room:
+    """A configuration at rest, with all that its samples share.
+
+    Attributes
+    ----------
+    place : Place
+        Names and split of its rows.
+    scene : Scene
+        The configuration, settled.
+    replay : Replay
+        A freshly loaded world of it; brought back to its first state after each sample.
+    """
+
+    place: Place
+    scene: Scene
+    rgb_format: RgbFormat = "jpeg"
+
+    def __post_init__(self) -> None:
+        self.replay = Replay(self.scene, AgentPose((0, 0), 0))
+        self._first: Snapshot = self.replay.world.save()
+        self.graph = SceneGraph.from_objects(object_metadata(self.replay.world).values())
+        self.loose_graph = SceneGraph.from_objects(self.graph.objects.values(), self.graph.rules.loosened())
+        self.expressions = Expressions(self.graph)
+
+    @property
+    def grid(self) -> ReachableGrid:
+        """Where the agent can stand in it."""
+        return self.replay.grid
+
+    def start_over(self, pose: AgentPose) -> None:
+        """Undo all actions and put the agent somewhere."""
+        held = self.replay.world.held
+        if held is not None:
+            self.replay.view.hide(held, False)
+        self.replay.world.restore(self._first)
+        self.replay.pose = pose
+
+    def close(self) -> None:
+        """Give the simulator's memory back."""
+        self.replay.close()
+
+
+def make_sample(room: Room, group: GroupPlan[HidingPlace], start: AgentPose) -> QuestionRow | Refusal:
+    """The sample of one group in one configuration, audited; or why there is none.
+
+    Parameters
+    ----------
+    room : Room
+        The configuration; it is at rest again afterwards.
+    group : GroupPlan
+        The question, its place and the answer planned for this configuration.
+    start : AgentPose
+        Where the agent starts.
+    """
+    question, hiding = group.question, group.question.place
+    wanted = group.answers[room.place.configuration]
+    answer = execute(question.program, room.graph)
+    if answer.text != wanted:
+        return Refusal("answer", f"{question.text} is {answer.text}, planned was {wanted}")
+    if question.expression.text not in {found.text for found in room.expressions.of(hiding.object_id)}:
+        return Refusal("unique", f"{question.expression.text} does not pick out {hiding.object_id} only")
+    if not is_clear(question.program, room.graph, room.loose_graph):
+        return Refusal("clear", f"{question.text}: something else nearly fits")
+    found = _way(room, hiding, start)
+    if isinstance(found, Refusal):
+        return found
+    goal, way = found
+    manipulation = _manipulation(hiding)
+    before, after = _views(room, goal, manipulation)
+    refusal = _check_views(room, hiding, answer.ids, before, after)
+    if refusal is not None:
+        return refusal
+    actions = (*way, manipulation, DONE)
+    if not _replays(room, start, actions, after):
+        return Refusal("replayable", f"{hiding.object_id}: the actions end in another picture")
+    name = f"{group.name}-c{room.place.configuration}"
+    ids = room.replay.world.ids
+    form = room.rgb_format
+    suffix = "png" if form == "png" else "jpg"
+    goals = [goal, *(pose for pose in (hiding.goal, *hiding.other_goals) if pose != goal and _stands(room.grid, pose))]
+    return QuestionRow(
+        question_id=name,
+        kind=question.kind,
+        question=question.text,
+        expression=question.expression.text,
+        answer=answer.text,
+        program=json.dumps(question.program),
+        scene=room.place.scene,
+        room_type=room.place.room_type,
+        configuration=room.place.configuration,
+        split=room.place.split,
+        group=group.name,
+        start=agent_state(room.grid, start),
+        goal_poses=tuple(agent_state(room.grid, pose) for pose in goals),
+        target_id=hiding.object_id,
+        target_type=hiding.type,
+        target_box_2d=box_2d(before, ids.index(hiding.object_id)),
+        answer_type=question.type,
+        answer_ids=answer.ids,
+        manipulation=hiding.manipulation,
+        manipulation_object_id=hiding.object_id,
+        path_length_m=path_length_m(room.grid, start.cell, goal.cell),
+        path_steps=len(way),
+        actions=actions,
+        start_rgb=encode_rgb(before.rgb, f"{name}-start.{suffix}", form=form),
+        start_depth=encode_depth(before.depth, f"{name}-start-depth.png"),
+        start_instances=encode_instances(before.objects, ids, ids, f"{name}-start-instances.png"),
+        end_rgb=encode_rgb(after.rgb, f"{name}-end.{suffix}", form=form),
+        end_depth=encode_depth(after.depth, f"{name}-end-depth.png"),
+        end_instances=encode_instances(after.objects, ids, ids, f"{name}-end-instances.png"),
+        object_ids=ids,
+    )
+
+
+def agent_state(grid: ReachableGrid, pose: AgentPose) -> AgentState:
+    """A pose as it is stored."""
+    x, y = grid.position(pose.cell)
+    return AgentState((x, y, grid.floor_z), float(pose.yaw_deg), float(pose.horizon_deg))
+
+
+def box_2d(seen: Observation, index: int) -> Box2D | None:
+    """Tight box of an object's pixels, [x1, y1, x2, y2), or None where it has none."""
+    rows, columns = np.nonzero(seen.objects == index)
+    if not len(rows):
+        return None
+    return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
+
+
+def _way(room: Room, hiding: HidingPlace, start: AgentPose) -> tuple[AgentPose, list[str]] | Refusal:
+    """The first goal pose that can be reached in this configuration, and the actions that lead there."""
+    for goal in (hiding.goal, *hiding.other_goals):
+        if not _stands(room.grid, goal):
+            continue
+        try:
+            return goal, shortest_actions(room.grid, start, goal)
+        except NoPathError:
+            continue
+    return Refusal("reachable", f"no way to {hiding.object_id}")
+
+
+def _stands(grid: ReachableGrid, pose: AgentPose) -> bool:
+    return pose.cell in grid.graph
+
+
+def _manipulation(hiding: HidingPlace) -> str:
+    if hiding.manipulation == "Open":
+        return open_action(hiding.object_id)
+    if hiding.manipulation == "Pickup":
+        return pick_up_action(hiding.object_id)
+    assert hiding.move_to is not None, f"{hiding.object_id} is to be moved, but nowhere"
+    return move_action(hiding.object_id, hiding.move_to)
+
+
+def _views(room: Room, goal: AgentPose, manipulation: str) -> tuple[Observation, Observation]:
+    """What is seen from the goal pose before and after the manipulation."""
+    room.start_over(goal)
+    before = room.replay.observe()
+    room.replay.step(manipulation)
+    after = room.replay.observe()
+    room.start_over(goal)
+    return before, after
+
+
+def _check_views(
+    room: Room, hiding: HidingPlace, answer_ids: tuple[str, ...], before: Observation, after: Observation
+) -> Refusal | None:
+    """Whether the pictures show the target before, the evidence only after, and the hidden space where there is none."""
+    ids = room.replay.world.ids
+    least = scaled_min_pixels(before.objects.shape)
+    if np.count_nonzero(before.objects == ids.index(hiding.object_id)) < least:
+        return Refusal("visible", f"{hiding.object_id} is not seen from its goal pose")
+    for object_id in answer_ids:
+        index = ids.index(object_id)
+        if (before.objects == index).any():
+            return Refusal("necessary", f"{object_id} is seen before the manipulation")
+        if np.count_nonzero(after.objects == index) < least:
+            return Refusal("sufficient", f"{object_id} shows fewer than {MIN_PIXELS} pixels after the manipulation")
+    changed = np.count_nonzero((before.objects != after.objects) | (np.abs(before.depth - after.depth) > 1e-3))
+    if changed < 4 * least:
+        return Refusal("sufficient", f"the manipulation of {hiding.object_id} hardly changes the view")
+    return None
+
+
+def _replays(room: Room, start: AgentPose, actions: tuple[str, ...], end: Observation) -> bool:
+    """Whether the oracle's actions, from the start, end in a picture, bit for bit."""
+    room.start_over(start)
+    try:
+        for action in actions:
+            room.replay.step(action)
+    except ActionError:
+        return False
+    seen = room.replay.observe()
+    room.start_over(start)
+    return all(
+        np.array_equal(getattr(seen, image), getattr(end, image)) for image in ("rgb", "depth", "objects", "links")
+    )

@@ -1,0 +1,106 @@
+"""What can be seen of points from a pose: looked up in depth images, which cost a millisecond each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.assets.model import F32, F64
+from remqa_data.rotations import rotation_of
+from remqa_data.sim.camera import Camera
+from remqa_data.sim.navigation import AGENT_HEIGHT_M, STEP_OVER_M, Cell, ReachableGrid, reach_distance
+from remqa_data.sim.view import WorldView
+from remqa_data.sim.viewpoints import AgentPose
+from remqa_data.sim.world import World
+
+Flags = npt.NDArray[np.bool_]
+
+TOLERANCE_M = 0.012
+"""A point counts as seen if nothing is nearer than it by more than this."""
+HIDDEN_M = 0.002
+"""A point counts as hidden if something is nearer than it by more than this."""
+EDGE_PX = 0.01
+"""Share of the image's side along its edges where a point does not count as seen."""
+
+
+class Sightlines:
+    """Depth images of one world from poses of its grid; those of the room at rest are kept."""
+
+    def __init__(self, view: WorldView, grid: ReachableGrid, size_px: int) -> None:
+        self.view, self.grid, self.size_px = view, grid, size_px
+        self._at_rest: dict[AgentPose, F32] = {}
+
+    def camera(self, pose: AgentPose) -> Camera:
+        """The agent's camera at a pose."""
+        return pose.camera(self.grid, self.size_px)
+
+    def depth(self, pose: AgentPose) -> F32:
+        """(h, w) depth of the world as it is now."""
+        self.view.sync()
+        return self.view.renderer.render_instances(self.camera(pose))[0].copy()
+
+    def depth_at_rest(self, pose: AgentPose) -> F32:
+        """(h, w) depth of the world when it was first looked at from this pose; call it only when nothing is changed."""
+        if pose not in self._at_rest:
+            self._at_rest[pose] = self.depth(pose)
+        return self._at_rest[pose]
+
+    def sees(self, pose: AgentPose, depth: F32, points: F64) -> Flags:
+        """(n,) whether points are in the image and nothing is in front of them."""
+        inside, ahead = self._look(pose, depth, points)
+        return np.asarray(inside & (ahead <= TOLERANCE_M))
+
+    def hides(self, pose: AgentPose, depth: F32, points: F64) -> Flags:
+        """(n,) whether points are out of the image, or behind something."""
+        inside, ahead = self._look(pose, depth, points)
+        return np.asarray(~inside | (ahead > HIDDEN_M))
+
+    def _look(self, pose: AgentPose, depth: F32, points: F64) -> tuple[Flags, F64]:
+        """Whether points are in the image, and how much nearer than they is what the image shows there, metres."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x, y, z = self.camera(pose).project(points).T
+        edge = EDGE_PX * self.size_px
+        inside = (z > 0.02) & (x >= edge) & (y >= edge) & (x < self.size_px - edge) & (y < self.size_px - edge)
+        column = np.where(inside, x, 0).astype(np.int64)
+        row = np.where(inside, y, 0).astype(np.int64)
+        shown = depth[row, column].astype(np.float64)
+        return np.asarray(inside), np.where(shown > 0, z - shown, -np.inf)
+
+
+def cells_that_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[Cell]:
+    """Cells from which the arm reaches at least one of some points, nearest to their middle first."""
+    low, high = points.min(axis=0)[:2], points.max(axis=0)[:2]
+    middle = points.mean(axis=0)[:2]
+    found = []
+    for cell in grid.cells:
+        position = grid.position(cell)
+        gap = np.linalg.norm(np.maximum(np.maximum(low - position, position - high), 0.0))
+        if gap <= 1.0 and any(reach_distance(position, grid.floor_z, point) <= reach_m for point in points):
+            found.append((math.dist(position, middle), cell))
+    return [cell for _, cell in sorted(found)]
+
+
+def plan_outlines(world: World, object_id: str, links: Iterable[int]) -> list[npt.NDArray[np.float32]]:
+    """Convex outlines, seen from above, of an object's links between ankle and head height, as they are now."""
+    low, high = world.scene.floor_z + STEP_OVER_M, world.scene.floor_z + AGENT_HEIGHT_M
+    poses, asset = world.link_poses(object_id), world.assets[object_id]
+    outlines = []
+    for link in links:
+        pose = poses[link]
+        for box in asset.links[link].boxes:
+            corners = (_CORNERS * box.size @ rotation_of(box.quaternion).T + box.centre) @ pose[:3, :3].T + pose[:3, 3]
+            if corners[:, 2].max() > low and corners[:, 2].min() < high:
+                outlines.append(cv2.convexHull(corners[:, :2].astype(np.float32)))
+    return outlines
+
+
+def is_clear(position: tuple[float, float], outlines: Iterable[npt.NDArray[np.float32]], radius_m: float) -> bool:
+    """Whether outlines stay farther from a position than a radius."""
+    return all(-cv2.pointPolygonTest(outline, position, True) > radius_m for outline in outlines)
+
+
+_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])

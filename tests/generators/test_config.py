@@ -1,0 +1,96 @@
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from remqa_data.errors import ConfigError
+from remqa_data.generators.allotment import allot, capacities, split_of
+from remqa_data.generators.config import load_config, parse_config
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+PAPER = (CONFIGS / "paper.yaml").read_text(encoding="utf-8")
+
+
+def test_the_published_numbers() -> None:
+    config = load_config(CONFIGS / "paper.yaml")
+    assert config.totals == {
+        "train": {"EXISTENCE": 1653, "COUNTING": 647, "SPATIAL": 1083},
+        "test": {"EXISTENCE": 324, "COUNTING": 143, "SPATIAL": 222},
+    }
+    assert len(config.scene_names) * config.configurations * config.walk.frames_per_configuration > 10_000
+    assert sum(split_of(name) == "test" for name in config.scene_names) == 20
+
+
+@pytest.mark.parametrize("name", ["paper.yaml", "tiny.yaml"])
+def test_the_configurations_can_be_allotted(name) -> None:
+    config = load_config(CONFIGS / name)
+    quotas = allot(capacities(config.scene_names), config.totals)
+    assert sum(q.total(kind) for q in quotas for kind in q.answers) == sum(
+        sum(by_kind.values()) for by_kind in config.totals.values()
+    )
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 7, 12, 30, 60, 119])
+def test_fewer_rooms_ask_in_proportion_and_can_be_allotted(count) -> None:
+    whole = load_config(CONFIGS / "paper.yaml")
+    config = whole.with_scenes(count)
+    assert len(config.scene_names) == count
+    for split, rooms in (("train", 100), ("test", 20)):
+        here = sum(split_of(name) == split for name in config.scene_names)
+        for kind, total in whole.totals[split].items():
+            assert abs(config.totals[split][kind] - total * here / rooms) <= 0.5
+    allot(capacities(config.scene_names), config.totals)
+
+
+def test_a_list_of_rooms_is_cut_short() -> None:
+    config = load_config(CONFIGS / "tiny.yaml").with_scenes(3)
+    assert config.scene_names == ("FloorPlan4", "FloorPlan212", "FloorPlan308")
+    assert config.totals["train"] == {"EXISTENCE": 12, "COUNTING": 8, "SPATIAL": 12}
+    assert set(config.totals["test"].values()) == {0}
+
+
+@given(st.integers().filter(lambda n: not 1 <= n <= 120))
+def test_numbers_of_rooms_that_there_are_not(count) -> None:
+    with pytest.raises(ConfigError, match="between 1 and 120"):
+        load_config(CONFIGS / "paper.yaml").with_scenes(count)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("seed: 0", "seed: -1", "seed: .*greater than or equal to 0"),
+        ("seed: 0", "", "seed: Field required"),
+        ("seed: 0", "seed: [", "not YAML"),
+        ("scenes: 120", "scenes: 0", "scenes: .*greater than or equal to 1"),
+        ("scenes: 120", "scenes: 121", "scenes: 121 is more than the 120 rooms"),
+        ("scenes: 120", "scenes: [FloorPlan31]", "scenes: there is no room 'FloorPlan31'"),
+        ("scenes: 120", "scenes: [FloorPlan1, FloorPlan1]", "scenes: 'FloorPlan1' is named twice"),
+        ("configurations: 4", "configurations: 3", "configurations: .*greater than or equal to 4"),
+        ("SPATIAL: 222", "SPATIAL: many", "questions.test.SPATIAL: .*integer"),
+        ("rgb_format: jpeg", "rgb_format: gif", "image.rgb_format: .*'jpeg' or 'png'"),
+        ("walk:", "wlk:", "walk: Field required"),
+        ("cells_per_frame: 2.0", "cells_per_frame: 2.0\n  speed: 1", "walk.speed: Extra inputs"),
+        ("horizons_deg: [0, 30]", "horizons_deg: []", "walk.horizons_deg: .*at least 1"),
+    ],
+)
+def test_mistakes_are_told_in_one_line_with_file_and_key(old, new, message) -> None:
+    assert old in PAPER
+    with pytest.raises(ConfigError, match=f"^my.yaml: {message}") as caught:
+        parse_config(PAPER.replace(old, new, 1), "my.yaml")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_and_a_file_of_something_else(tmp_path) -> None:
+    with pytest.raises(ConfigError, match=r"none\.yaml: No such file"):
+        load_config(tmp_path / "none.yaml")
+    (tmp_path / "list.yaml").write_text("[1, 2]")
+    with pytest.raises(ConfigError, match=r"list\.yaml: expected keys"):
+        load_config(tmp_path / "list.yaml")
+
+
+def test_the_hash_follows_what_is_said_not_how() -> None:
+    config = parse_config(PAPER)
+    assert parse_config("# a comment\n" + PAPER.replace("[0, 30]", "[ 0, 30 ]")).sha256 == config.sha256
+    assert config.with_seed(1).sha256 != config.sha256
+    assert config.with_scenes(120).sha256 == config.sha256

@@ -1,0 +1,183 @@
+import zlib
+from collections import Counter
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from stand_in_places import StandIn, stand_in_places, stand_in_types
+
+from remqa_data.errors import QuotaError
+from remqa_data.generators.allotment import SceneQuota, allot, capacities, choose_scenes
+from remqa_data.generators.capacities import room_capacity
+from remqa_data.generators.config import load_config
+from remqa_data.generators.expressions import Expression, Expressions
+from remqa_data.generators.floorplans.ithor import load_scene, scene_names
+from remqa_data.generators.groups import group_shapes, wishes
+from remqa_data.generators.hiding_places import hiding_places
+from remqa_data.generators.placement_priors import fitting_types
+from remqa_data.generators.planning import plan_groups
+from remqa_data.generators.questions import KINDS, confusable, mentioned_types
+from remqa_data.generators.selection import select
+from remqa_data.metadata import object_metadata
+from remqa_data.scene_graph import SceneGraph
+from remqa_data.sim.world import World
+
+PAPER = Path(__file__).parents[2] / "configs" / "paper.yaml"
+SAMPLE = choose_scenes(12)
+PUBLISHED_WORDS = {"EXISTENCE": 9.5, "COUNTING": 11.8, "SPATIAL": 7.1}
+SPARE = dict.fromkeys(KINDS, 1)
+
+
+@cache
+def phrases_of(name: str):
+    with World(load_scene(name)) as world:
+        objects = object_metadata(world)
+    room = Expressions(SceneGraph.from_objects(objects.values()))
+    places = tuple(stand_in_places(objects))
+    return places, {place.object_id: room.of(place.object_id) for place in places}
+
+
+def rng_for(name: str, seed: int = 0) -> np.random.Generator:
+    return np.random.default_rng([seed, zlib.crc32(name.encode())])
+
+
+def plan(quota: SceneQuota, seed: int = 0, configurations: int = 4, spare=SPARE):
+    places, phrases = phrases_of(quota.scene)
+    return plan_groups(
+        places,
+        phrases,
+        lambda p, _: stand_in_types(p, quota.room_type),
+        quota,
+        rng_for(quota.scene, seed),
+        configurations,
+        spare,
+    )
+
+
+@cache
+def quotas():
+    rooms = []
+    for name in SAMPLE:
+        places, phrases = phrases_of(name)
+        room_type = load_scene(name).room_type
+        rooms.append(room_capacity(places, phrases, lambda p, _, r=room_type: stand_in_types(p, r), name, room_type))
+    totals = load_config(PAPER).with_scenes(12).totals
+    return allot(rooms, {split: {k: n - n // 4 for k, n in by_kind.items()} for split, by_kind in totals.items()})
+
+
+@pytest.mark.parametrize("index", range(12))
+def test_groups_meet_the_quota_and_leave_no_doubt(index) -> None:
+    quota = quotas()[index]
+    groups = plan(quota)
+    for kind in KINDS:
+        asked = Counter(g.answers[c] for g in groups if g.question.kind == kind for c in g.asked)
+        assert asked == Counter({answer: n for answer, n in quota.answers[kind].items() if n})
+    assert len({g.name for g in groups}) == len({g.question.text for g in groups}) == len(groups)
+    for group in groups:
+        if group.asked:
+            assert len({group.answers[c] for c in group.asked}) > 1
+        if group.question.kind == "COUNTING":
+            assert sorted(group.answers) == ["0", "1", "2", "3"]
+        else:
+            assert sorted(group.answers) == ["no", "no", "yes", "yes"]
+    for configuration in range(4):
+        held: Counter[StandIn] = Counter()
+        for wish in wishes(groups, configuration):
+            held[wish.place] += wish.count
+        assert all(count <= len(place.spots) for place, count in held.items())
+    for one in groups:
+        named = mentioned_types(one.question.expression.program)
+        for other in groups:
+            assert not any(confusable(a, other.question.type) for a in named)
+            if one is not other and one.question.place.object_id == other.question.place.object_id:
+                assert not confusable(one.question.type, other.question.type)
+
+
+def test_the_same_generator_gives_the_same_plan_and_another_one_another() -> None:
+    assert plan(quotas()[0]) == plan(quotas()[0])
+    assert plan(quotas()[0]) != plan(quotas()[0], seed=1)
+
+
+def test_more_configurations_than_answers() -> None:
+    for group in plan(quotas()[0], configurations=6):
+        assert len(group.answers) == 6
+        assert len(set(group.asked)) == len(group.asked)
+
+
+def test_what_a_room_cannot_take_names_the_room_the_kind_and_what_there_is() -> None:
+    full = {"yes": 100, "no": 100}
+    quota = SceneQuota("FloorPlan403", "bathroom", "train", {"EXISTENCE": full, "COUNTING": {}, "SPATIAL": {}})
+    with pytest.raises(QuotaError, match=r"FloorPlan403: EXISTENCE: 200 questions need more places .* spots in all"):
+        plan(quota, spare={})
+
+
+@given(st.integers(0, 60), st.integers(0, 60), st.sampled_from([1, 2, 3]))
+def test_shapes_add_up_or_are_refused(yes, no, per_answer) -> None:
+    quota = {"yes": yes, "no": no}
+    try:
+        shapes = group_shapes(quota, per_answer, "here")
+    except QuotaError:
+        assert min(yes, no) < -(-max(yes, no) // per_answer)  # each group needs one of the rarer answer
+        return
+    assert sum(map(Counter, shapes), Counter()) == +Counter(quota)
+    assert all(len(shape) == 2 and max(shape.values()) <= per_answer for shape in shapes)
+
+
+def test_selection_keeps_what_was_asked_unless_something_was_refused() -> None:
+    quota = quotas()[0]
+    groups = plan(quota)
+    everything = {g.name: range(4) for g in groups}
+    assert select(groups, everything, quota) == {g.name: g.asked for g in groups if g.asked}
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.data())
+def test_selection_is_exact_whatever_is_refused_or_says_why_not(data) -> None:
+    quota = quotas()[0]
+    groups = plan(quota)
+    refused = data.draw(st.sets(st.tuples(st.integers(0, len(groups) - 1), st.integers(0, 3)), max_size=4))
+    passed = {g.name: [c for c in range(4) if (i, c) not in refused] for i, g in enumerate(groups)}
+    try:
+        chosen = select(groups, passed, quota)
+    except QuotaError:
+        assert refused
+        return
+    by_name = {g.name: g for g in groups}
+    for kind in KINDS:
+        own = {name: c for name, c in chosen.items() if by_name[name].question.kind == kind}
+        answers = Counter(by_name[name].answers[c] for name, configurations in own.items() for c in configurations)
+        assert answers == Counter({answer: n for answer, n in quota.answers[kind].items() if n})
+        for name, configurations in own.items():
+            assert set(configurations) <= set(passed[name])
+            assert len({by_name[name].answers[c] for c in configurations}) > 1
+
+
+def test_a_spare_group_steps_in_for_one_that_was_refused() -> None:
+    quota = quotas()[0]
+    groups = plan(quota)
+    first = next(g for g in groups if g.question.kind == "COUNTING" and g.asked)
+    spare = next(g for g in groups if g.question.kind == "COUNTING" and not g.asked)
+    passed = {g.name: range(4) for g in groups} | {first.name: ()}
+    assert spare.name in select(groups, passed, quota)
+
+
+@pytest.mark.slow
+def test_mean_lengths_and_manipulations_of_the_whole_benchmark() -> None:
+    words: dict[str, list[int]] = {kind: [] for kind in KINDS}
+    manipulations: Counter[str] = Counter()
+    for quota in allot(capacities(scene_names()), load_config(PAPER).totals):
+        scene = load_scene(quota.scene)
+        places = hiding_places(scene)
+        with World(scene) as world:
+            room = Expressions(SceneGraph.from_objects(object_metadata(world).values()))
+        phrases: dict[str, list[Expression]] = {place.object_id: room.of(place.object_id) for place in places}
+        fitting = lambda place, n, room_type=quota.room_type: fitting_types(place, room_type, n)  # noqa: E731
+        for group in plan_groups(places, phrases, fitting, quota, rng_for(quota.scene), 4, SPARE):
+            words[group.question.kind] += [group.question.words] * len(group.asked)
+            manipulations[group.question.place.manipulation] += len(group.asked)
+    assert manipulations.total() == 4072
+    assert all(manipulations[m] >= 0.1 * 4072 for m in ("Open", "Pickup", "Move"))
+    assert {kind: np.mean(w) for kind, w in words.items()} == pytest.approx(PUBLISHED_WORDS, abs=0.5)
