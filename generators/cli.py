@@ -17,6 +17,7 @@ PUBLISHED_WORDS = {"EXISTENCE": 9.5, "COUNTING": 11.8, "SPATIAL": 7.1}
 """Mean length of the questions of the published benchmark, in words."""
 
 app = typer.Typer(
+    name="remqa-gen",
     cls=OneLineErrors,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -44,6 +44,8 @@ SOLID_M = 0.02
 """The bottom of a space is this near to what physics lets things rest on."""
 RAISED_M = 0.01
 """A thing that lies over another is about so much higher."""
+THIN_M = 0.005
+"""The thinnest things that lie under others, such as a credit card."""
 SWEPT = (0.35, 0.7, 1.0)
 """At these opennesses what opens stays clear of the agent."""
 
@@ -171,7 +173,7 @@ class _Finder:
         if type_ not in self.rules.pickup_types or not object_type(type_).pickupable or type_ not in self.questioned:
             return None
         area = self._area_beneath(object_id, self.rules.min_pickup_side_m, math.inf)
-        if area is None or self._contents(object_id):
+        if area is None or self._contents(object_id) or self._holds_what_is_beneath(object_id, area):
             return None
         return self._taken_away(object_id, area, "Pickup", None)
 
@@ -180,7 +182,7 @@ class _Finder:
         if type_ not in self.rules.move_types or not object_type(type_).moveable or type_ not in self.questioned:
             return None
         area = self._area_beneath(object_id, self.rules.min_move_side_m, self.rules.max_move_side_m)
-        if area is None:
+        if area is None or self._holds_what_is_beneath(object_id, area):
             return None
         shifts = free_shift(self.world, object_id, self.rules.shifts_m)
         best: HidingPlace | None = None
@@ -224,6 +226,25 @@ class _Finder:
 
     def _contents(self, object_id: str) -> list[str]:
         return [other for other, support in self.held_by.items() if support.id == object_id]
+
+    def _holds_what_is_beneath(self, object_id: str, area: Area) -> bool:
+        """Whether the world's metadata would say that a thin thing beneath an object is in or on it.
+
+        So it is with low vessels, whose inner floor is near the ground; tried with the box of some loose thing.
+        """
+        world = self.world
+        loose = (o for o in world.ids if o != object_id and object_type(world.type_of(o)).pickupable)
+        stand_in = next(loose, None)
+        if stand_in is None:
+            return False
+        snapshot = world.save()
+        x, y, z = world.state(object_id).position
+        world.move_alone(object_id, (x, y, z + THIN_M))
+        middle = np.array(area.centre)
+        beneath = middle + np.array([[-0.02, -0.02, 0.0], [0.02, 0.02, THIN_M]])
+        held_by = supports(world, {**self.boxes, object_id: world.box(object_id), stand_in: beneath})
+        world.restore(snapshot)
+        return stand_in in held_by and held_by[stand_in].id == object_id
 
     def _taken_away(
         self, object_id: str, area: Area, manipulation: Manipulation, move_to: Vec3 | None

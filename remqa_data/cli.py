@@ -23,11 +23,12 @@ class OneLineErrors(TyperGroup):
         try:
             return super().invoke(ctx)
         except (RemqaError, OSError) as error:
-            typer.echo(f"{ctx.info_name}: {' '.join(str(error).split())}", err=True)
+            typer.echo(f"{self.name}: {' '.join(str(error).split())}", err=True)
             raise typer.Exit(2) from error
 
 
 app = typer.Typer(
+    name="remqa-data",
     cls=OneLineErrors,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
