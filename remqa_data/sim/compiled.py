@@ -19,7 +19,18 @@ from numba.core import config
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
-_SOURCES = ("antialias", "camera", "compiled", "mipmap", "pixels", "raster", "shade", "shadow")
+_SOURCES = (
+    "antialias",
+    "camera",
+    "compiled",
+    "mipmap",
+    "outline",
+    "pixels",
+    "raster",
+    "shade",
+    "shadow",
+    "supersample",
+)
 """Modules with compiled functions, or with constants that these use."""
 
 

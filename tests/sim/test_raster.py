@@ -137,6 +137,16 @@ def test_antialiased_edge_is_as_bright_as_the_share_of_the_pixel_that_it_covers(
     assert np.square(light - coverage).sum() < 0.25 * np.square(jagged - coverage).sum()
 
 
+def test_floor_under_a_bar_shows_in_the_pixels_that_the_bar_covers_in_part():
+    floor = quad((0, -30, 0), (60, 0, 0), (0, 60, 0), GLOWING)
+    # 2 m ahead and 75 pixels a metre: the lower edge is 60.6 pixels under the horizon. In its pixel row the floor is
+    # farther than in the next row, and hidden at the centre.
+    bar = quad((2.0, 1.0, 1 - 60.6 / 75), (0, -2, 0), (0, 0, 0.1), replace(GLOWING, rgb=BLACK))
+    frame = render([floor, bar], Camera((0, 0, 1), 0))
+    light = (frame.rgb[208:213, 150, 0] / 255.0) ** 2
+    np.testing.assert_allclose(light, [0.0, 0.0, 0.5, 1.0, 1.0], atol=0.01)  # 2 of 4 samples lie below 0.6 of a pixel
+
+
 def test_far_checker_board_fades_to_its_mean_instead_of_flickering(monkeypatch):
     checker = np.kron(np.indices((64, 64)).sum(axis=0) % 2, np.ones((4, 4)))[..., None] * np.array([255, 255, 255])
     monkeypatch.setattr(scene_arrays, "texture", lambda name: checker.astype(np.uint8))
