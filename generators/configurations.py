@@ -7,6 +7,7 @@ a single pixel before the manipulation, and enough after it. What fails is put e
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,7 @@ from remqa_data.assets import AssetSpec, build, variant_count
 from remqa_data.assets.model import Box, Vec3
 from remqa_data.assets.sizes import typical_size
 from remqa_data.errors import ArrangementError
-from remqa_data.generators.hiding_check import Trouble, blockers, troubles
+from remqa_data.generators.hiding_check import Trouble, blockers, in_sight_troubles, troubles
 from remqa_data.generators.hiding_places import HidingPlace
 from remqa_data.generators.hiding_rules import hiding_rules
 from remqa_data.generators.loose_things import open_surfaces, put_anew
@@ -28,7 +29,8 @@ from remqa_data.sim.world import World
 
 __all__ = ["Configuration", "Hidden", "arrange", "fitting_types"]
 
-ATTEMPTS = 8
+PACKED, SETTLED = 10, 6
+"""What a place hides is put there in so many ways, and physics is asked so often, before it counts as impossible."""
 SKIN_M = 0.001
 STRAYED_M = 0.06
 """A loose thing that was put somewhere and rolls or falls farther than this is taken out of the room."""
@@ -104,24 +106,31 @@ def arrange(
         lost = _move_loose_things(world, view, scene, places, hidden, share, rng)
         arranged = world.save()
         trouble: list[Trouble] = []
-        for _ in range(ATTEMPTS):
+        tried: Counter[Key] = Counter()
+        settled = 0
+        while settled < SETTLED:
             world.restore(arranged)
             _put_all(world, scene, by_place, puts)
-            before = {object_id: world.state(object_id).position for object_id in world.ids}
-            world.settle()
-            trouble = troubles(world, view, hidden, before)
+            trouble = in_sight_troubles(world, view, hidden)  # before physics, which takes longer
+            if not trouble:
+                before = {object_id: world.state(object_id).position for object_id in world.ids}
+                world.settle()
+                settled += 1
+                trouble = troubles(world, view, hidden, before)
             if not trouble:
                 strayed = _strayed(world, before, hidden, scene)
                 return Configuration(_without(world.to_scene(), lost | strayed), hidden)
             for key in {(t.place.object_id, t.place.manipulation) for t in trouble}:
+                tried[key] += 1
                 puts[key] = _pack(world, scene, by_place[key], rng)
+            if max(tried.values()) >= PACKED:
+                break
     first = trouble[0]
     msg = (
         f"{scene.name}: cannot hide things {first.place.relation} {first.place.object_id}: {first.reason}; "
-        f"tried {ATTEMPTS} times; wish for fewer or smaller things there"
+        f"tried {max(tried.values())} times; wish for fewer or smaller things there"
     )
-    types = sorted({wish.type for wish in wishes if wish.count and wish.place.object_id == first.place.object_id})
-    raise ArrangementError(msg, first.place.object_id, first.place.relation, types)
+    raise ArrangementError(msg, first.place.object_id, first.place.relation, [first.type])
 
 
 Key = tuple[str, str]

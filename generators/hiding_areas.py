@@ -100,14 +100,18 @@ def largest_rectangle(mask: npt.NDArray[np.bool_]) -> tuple[int, int, int, int] 
     >>> largest_rectangle(np.array([[0, 1, 1], [1, 1, 1]], dtype=bool))
     (0, 1, 1, 2)
     """
+    rows, columns = mask.shape
+    full = np.zeros((rows + 1, columns), dtype=np.int64)
+    np.cumsum(mask, axis=0, out=full[1:])
+    top, bottom = np.triu_indices(rows)
+    heights = bottom - top + 1
+    is_full = full[bottom + 1] - full[top] == heights[:, None]
+    width = np.zeros(len(top), dtype=np.int64)
     best, found = 0, None
-    for top in range(len(mask)):
-        columns = np.ones(mask.shape[1], dtype=np.bool_)
-        for bottom in range(top, len(mask)):
-            columns &= mask[bottom]
-            edges = np.flatnonzero(np.diff(np.concatenate(([0], columns.astype(np.int8), [0]))))
-            for left, right in zip(edges[::2], edges[1::2], strict=True):
-                size = (bottom - top + 1) * int(right - left)
-                if size > best:
-                    best, found = size, (top, int(left), bottom, int(right) - 1)
+    for column in range(columns):  # of each band of rows at once, how many full columns end here
+        width = np.where(is_full[:, column], width + 1, 0)
+        size = heights * width
+        at = int(size.argmax())
+        if size[at] > best:
+            best, found = int(size[at]), (int(top[at]), column - int(width[at]) + 1, int(bottom[at]), column)
     return found

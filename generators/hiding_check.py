@@ -22,6 +22,8 @@ from remqa_data.sim.world import World
 if TYPE_CHECKING:
     from remqa_data.generators.configurations import Hidden
 
+    Wished = Sequence[tuple[Hidden, tuple[str, ...]]]
+
 SLIPPED_M = 0.06
 """Hidden things come to rest within this distance of where they were put."""
 COVERED, SUNK_M, NEAR_M = 0.8, 0.03, 0.03
@@ -32,9 +34,10 @@ TILTED_DEG = 20.0
 
 @dataclass(frozen=True)
 class Trouble:
-    """What is wrong with a place."""
+    """What is wrong with things of a type that a place should hide."""
 
     place: HidingPlace
+    type: str
     reason: str
 
 
@@ -64,12 +67,13 @@ def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[l
         world.restore(snapshot)
 
 
-def troubles(
-    world: World,
-    view: WorldView,
-    hidden: Sequence[tuple[Hidden, tuple[str, ...]]],
-    put_at: Mapping[str, Vec3],
-) -> list[Trouble]:
+def in_sight_troubles(world: World, view: WorldView, hidden: Wished) -> list[Trouble]:
+    """Which wished things are seen before the manipulation, or not after it; at most one trouble for each wish."""
+    found = ((wish, _ill_seen(world, view, wish.place, ids)) for wish, ids in hidden)
+    return [Trouble(wish.place, wish.type, reason) for wish, reason in found if reason is not None]
+
+
+def troubles(world: World, view: WorldView, hidden: Wished, put_at: Mapping[str, Vec3]) -> list[Trouble]:
     """What is wrong with the hidden things of a settled world, at most one trouble for each wish.
 
     Parameters
@@ -94,7 +98,7 @@ def troubles(
         if reason is None:
             reason = _ill_seen(world, view, place, ids)
         if reason is not None:
-            found.append(Trouble(place, reason))
+            found.append(Trouble(place, wish.type, reason))
     return found
 
 
@@ -139,7 +143,7 @@ def _ill_seen(world: World, view: WorldView, place: HidingPlace, ids: Sequence[s
     return None
 
 
-def blockers(world: World, view: WorldView, hidden: Sequence[tuple[Hidden, tuple[str, ...]]]) -> set[str]:
+def blockers(world: World, view: WorldView, hidden: Wished) -> set[str]:
     """Loose things that stand in front of asked places, or where their doors and drawers go."""
     found: set[str] = set()
     mine = {object_id for _, ids in hidden for object_id in ids}

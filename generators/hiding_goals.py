@@ -12,8 +12,8 @@ import numpy.typing as npt
 from remqa_data.assets.model import F32, F64
 from remqa_data.generators.hiding_areas import Area, largest_rectangle
 from remqa_data.generators.hiding_rules import HidingRules
-from remqa_data.generators.sightlines import Sightlines, cells_that_reach
-from remqa_data.sim.navigation import ARM_REACH_M
+from remqa_data.generators.sightlines import Outline, Sightlines, cells_that_reach, is_clear
+from remqa_data.sim.navigation import AGENT_RADIUS_M, ARM_REACH_M
 from remqa_data.sim.viewpoints import AgentPose, facing_poses
 
 Mask = npt.NDArray[np.bool_]
@@ -35,12 +35,22 @@ class Goals:
     """For each pose, the rectangles of which all is hidden before and seen after."""
 
 
-def poses_that_reach(sight: Sightlines, points: F64, areas: Sequence[Area], count: int) -> list[AgentPose]:
-    """Poses from which the arm reaches one of some points and that look towards them and some areas, nearest first."""
+def poses_that_reach(
+    sight: Sightlines, points: F64, areas: Sequence[Area], count: int, outlines: Sequence[Outline] = ()
+) -> list[AgentPose]:
+    """Poses from which the arm reaches one of some points and that look towards them and some areas, nearest first.
+
+    At none of them does anything with one of some outlines meet the agent.
+    """
     middles = np.array([area.centre for area in areas])
     target = 0.5 * points.mean(axis=0) + 0.5 * middles.mean(axis=0)
     found: list[AgentPose] = []
-    for pose in facing_poses(sight.grid, cells_that_reach(sight.grid, points, ARM_REACH_M), target):
+    cells = [
+        cell
+        for cell in cells_that_reach(sight.grid, points, ARM_REACH_M)
+        if is_clear(sight.grid.position(cell), outlines, AGENT_RADIUS_M)
+    ]
+    for pose in facing_poses(sight.grid, cells, target):
         with np.errstate(divide="ignore", invalid="ignore"):
             x, y, z = sight.camera(pose).project(np.vstack([points, middles])).T
         inside = (z > 0.05) & (x > 0) & (x < sight.size_px) & (y > 0) & (y < sight.size_px)

@@ -8,13 +8,11 @@ out of sight before the manipulation and in sight after it.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from remqa_data.assets.model import F64, Vec3
 from remqa_data.catalog import object_type, question_types
@@ -22,10 +20,10 @@ from remqa_data.generators.hiding_areas import Area, Spot
 from remqa_data.generators.hiding_goals import Goals, at_height, best_goals, out_of_sight, poses_that_reach
 from remqa_data.generators.hiding_rules import HidingRules, hiding_rules
 from remqa_data.generators.shifting import free_shift
-from remqa_data.generators.sightlines import Sightlines, is_clear, plan_outlines
+from remqa_data.generators.sightlines import Outline, Sightlines, plan_outlines
 from remqa_data.scene import Scene
 from remqa_data.sim.bullet import pybullet
-from remqa_data.sim.navigation import AGENT_RADIUS_M, reachable_grid
+from remqa_data.sim.navigation import reachable_grid
 from remqa_data.sim.view import WorldView
 from remqa_data.sim.viewpoints import (
     FRAME_PX,
@@ -46,7 +44,7 @@ RAISED_M = 0.01
 """A thing that lies over another is about so much higher."""
 THIN_M = 0.005
 """The thinnest things that lie under others, such as a credit card."""
-SWEPT = (0.35, 0.7, 1.0)
+SWEPT = (0.25, 0.5, 0.75, 1.0)
 """At these opennesses what opens stays clear of the agent."""
 
 
@@ -151,18 +149,18 @@ class _Finder:
         if not areas:
             return None
         with _Shown(self.sight.view, world, object_id):
-            poses = poses_that_reach(self.sight, front_points(self.sight.view, object_id), areas, rules.max_poses)
-            is_kept = world.state(object_id).is_fixed  # what is loose is not in the pictures that are kept
-            before = {pose: self.sight.depth_at_rest(pose) if is_kept else self.sight.depth(pose) for pose in poses}
-            closed = world.link_poses(object_id)
+            closed, front = world.link_poses(object_id), front_points(self.sight.view, object_id)
             moving = range(1, len(world.assets[object_id].links))
-            swept = []
+            swept: list[Outline] = []
             for openness in SWEPT:
                 world.open(object_id, openness)
                 swept += plan_outlines(world, object_id, moving)
             motion = world.link_poses(object_id) @ np.linalg.inv(closed)
-            after = {pose: self.sight.depth(pose) for pose in self._clear(poses, swept)}
+            poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept)
+            after = {pose: self.sight.depth(pose) for pose in poses}
             world.open(object_id, 0.0)
+            is_kept = world.state(object_id).is_fixed  # what is loose is not in the pictures that are kept
+            before = {pose: self.sight.depth_at_rest(pose) if is_kept else self.sight.depth(pose) for pose in poses}
         goals = best_goals(self.sight, rules, areas, before, after, motion)
         return self._place(object_id, "Open", "in", goals)
 
@@ -254,20 +252,28 @@ class _Finder:
         snapshot = world.save()
         x, y, z = world.state(object_id).position
         with _Shown(view, world, object_id):
-            hidden = out_of_sight(self.sight, rules, area)
-            if hidden is None:
-                return None
-            poses = poses_that_reach(self.sight, surface_points(world, object_id), [hidden], rules.max_poses)
             world.move_alone(object_id, (x, y, z + RAISED_M))
+            hidden = out_of_sight(self.sight, rules, replace(area, height_m=RAISED_M))
+            if hidden is None:
+                world.restore(snapshot)
+                return None
+            points, outlines = surface_points(world, object_id), list[Outline]()
+            if move_to is not None:
+                world.move_alone(object_id, move_to)
+                outlines = plan_outlines(world, object_id, range(len(world.assets[object_id].links)))
+                world.move_alone(object_id, (x, y, z + RAISED_M))
+            poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines)
             before = {pose: self.sight.depth(pose) for pose in poses}
             if move_to is None:
                 view.hide(object_id)
             else:
                 world.move_alone(object_id, move_to)
-                poses = self._clear(poses, plan_outlines(world, object_id, range(len(world.assets[object_id].links))))
             after = {pose: self.sight.depth(pose) for pose in poses}
             world.restore(snapshot)
         goals = best_goals(self.sight, rules, [hidden], before, after, np.eye(4)[None])
+        # The higher the thing, the higher it raises what lies on it.
+        parts = tuple(tuple(replace(a, height_m=area.height_m) for a in areas) for areas in goals.parts)
+        goals = replace(goals, parts=parts)
         return self._place(object_id, manipulation, "under", goals, move_to)
 
     # ---- goals
@@ -277,11 +283,6 @@ class _Finder:
         with _Shown(self.sight.view, self.world, object_id):
             image = self.sight.view.instances(pose.camera(self.sight.grid, FRAME_PX))
         return int(np.count_nonzero(image == self.world.ids.index(object_id))) >= MIN_PIXELS
-
-    def _clear(self, poses: Sequence[AgentPose], outlines: Sequence[npt.NDArray[np.float32]]) -> list[AgentPose]:
-        """The poses at which nothing with one of some outlines meets the agent."""
-        position = self.sight.grid.position
-        return [pose for pose in poses if is_clear(position(pose.cell), outlines, AGENT_RADIUS_M)]
 
     def _place(
         self,

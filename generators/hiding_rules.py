@@ -41,6 +41,7 @@ class HidingRules(BaseModel):
     gap_m: float = Field(ge=0)
     pixel_margin: float = Field(gt=0)
     never_hidden: frozenset[str]
+    found_anywhere: frozenset[str]
     epsilon: float = Field(ge=0)
     moved_share: float = Field(ge=0, le=1)
 

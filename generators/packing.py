@@ -35,13 +35,14 @@ def packed(areas: Sequence[Area], sizes: Sequence[Vec3], gap_m: float, rng: np.r
     order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][0] * sizes[i][1], i))
     for is_tidy in (False,) * ROUNDS + (True,):
         taken: dict[int, list[tuple[float, float, float, float]]] = {i: [] for i in range(len(areas))}
+        corner = (float(rng.choice((-1, 1))), float(rng.choice((-1, 1))))
         puts: dict[int, Put] = {}
         for index in order:
             size = sizes[index]
             usable = [i for i, a in enumerate(areas) if a.seen_from_m < size[2] <= a.height_m]
             put = None if is_tidy else _random_place(areas, usable, size, gap_m, taken, rng)
             if put is None:
-                put = _tidy_place(areas, usable, size, gap_m, taken)
+                put = _tidy_place(areas, usable, size, gap_m, taken, corner)
             if put is None:
                 break
             puts[index] = put
@@ -81,7 +82,9 @@ def _tidy_place(
     size: Vec3,
     gap_m: float,
     taken: dict[int, list[tuple[float, float, float, float]]],
+    corner: tuple[float, float],
 ) -> Put | None:
+    """The first free place in rows that begin in one corner of an area."""
     for which in usable:
         area = areas[which]
         for yaw in (0.0, 90.0):
@@ -91,7 +94,7 @@ def _tidy_place(
                 continue
             for y in np.arange(-room[1], room[1] + 1e-9, 0.01):
                 for x in np.arange(-room[0], room[0] + 1e-9, 0.01):
-                    put = _free(area, float(x), float(y), half, yaw, gap_m, taken[which])
+                    put = _free(area, corner[0] * float(x), corner[1] * float(y), half, yaw, gap_m, taken[which])
                     if put is not None:
                         return put
     return None

@@ -6,7 +6,8 @@ import zlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -175,9 +176,16 @@ def _planned(
     """Questions of a room and its configurations; what turns out not to fit a place is not asked for there again."""
     misfits: set[tuple[str, str, str]] = set()
 
+    @cache
+    def fitting_at_first(place: HidingPlace, count: int) -> list[tuple[str, float]]:
+        return fitting_types(place, job.quota.room_type, count)
+
     def fitting(place: HidingPlace, count: int) -> list[tuple[str, float]]:
-        found = fitting_types(place, job.quota.room_type, count)
-        return [(name, weight) for name, weight in found if (place.object_id, place.relation, name) not in misfits]
+        return [
+            (name, weight)
+            for name, weight in fitting_at_first(place, count)
+            if (place.object_id, place.relation, name) not in misfits
+        ]
 
     for attempt in range(PLANS):
         groups = plan_groups(
@@ -193,9 +201,20 @@ def _planned(
             return groups, [_arranged(job, base, places, groups, c) for c in range(job.config.configurations)]
         except ArrangementError as error:
             refused["arrangement"] += 1
-            misfits |= {(error.place_id, error.relation, name) for name in error.types}
             last = error
+            if len(error.types) > 1:  # each may fit, but not all at the same time
+                places = [_with_less_room(place) if _is_meant(error, place) else place for place in places]
+            else:
+                misfits |= {(error.place_id, error.relation, name) for name in error.types}
     raise last
+
+
+def _is_meant(error: ArrangementError, place: HidingPlace) -> bool:
+    return (place.object_id, place.relation) == (error.place_id, error.relation)
+
+
+def _with_less_room(place: HidingPlace) -> HidingPlace:
+    return replace(place, spots=place.spots[: max(len(place.spots) - 1, 1)])
 
 
 def job_rng(job: Job, purpose: str) -> np.random.Generator:

@@ -42,14 +42,15 @@ def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) 
     Returns
     -------
     Pairs of type and weight, sorted by type; weights are positive and do not sum to 1. Types that were never recorded
-    in such a place have a small weight if they occur in the kind of room.
+    in such a place have a small weight if they occur in the kind of room, or in all.
     """
     rules = hiding_rules()
     wanted = min(3, len(place.spots)) if count is None else count
     found = []
     for type_ in question_types():
         kind = object_type(type_)
-        if not kind.pickupable or type_ in rules.never_hidden or type_ == place.type or room_type not in kind.rooms:
+        is_found = room_type in kind.rooms or type_ in rules.found_anywhere
+        if not kind.pickupable or type_ in rules.never_hidden or type_ == place.type or not is_found:
             continue
         grown = 1.0 + rules.size_spread
         size = tuple(side * grown for side in typical_size(type_))

@@ -12,9 +12,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from remqa_data.answers import execute, is_clear
+from remqa_data.assets.model import F64
 from remqa_data.errors import ActionError, NoPathError
 from remqa_data.generators.expressions import Expressions
 from remqa_data.generators.groups import GroupPlan
+from remqa_data.generators.hiding_goals import at_height
 from remqa_data.generators.hiding_places import HidingPlace
 from remqa_data.generators.tour import Place
 from remqa_data.images import RgbFormat, encode_depth, encode_instances, encode_rgb
@@ -33,12 +35,29 @@ Truth = Literal["answer", "unique", "clear", "reachable", "visible", "necessary"
 """What a refused sample would have broken: `answer` is that the room holds what was planned, `visible` that the target
 is seen from the goal pose, `clear` that no other object nearly fits the question; the others are DESIGN.md's truths."""
 
+LEAST_SHARE = 0.5
+"""Of the space that a manipulation reveals, so much is in view where nothing is found in it."""
+LOOK_M, ABOVE_M, SURFACE_M = 0.03, 0.01, 0.02
+"""It is looked for at points so far apart, so high above its bottom, and so near to what the picture shows."""
+
 
 class Refusal(NamedTuple):
     """Why a sample was not made."""
 
     truth: Truth
     what: str
+
+
+class Views(NamedTuple):
+    """What is seen from a goal pose before and after a manipulation, and what the manipulation does.
+
+    `motion` holds the (4, 4) motions of the object's links, `state` the room afterwards.
+    """
+
+    before: Observation
+    after: Observation
+    motion: F64
+    state: Snapshot
 
 
 @dataclass(eq=False)
@@ -65,6 +84,7 @@ class Room:
         self.graph = SceneGraph.from_objects(object_metadata(self.replay.world).values())
         self.loose_graph = SceneGraph.from_objects(self.graph.objects.values(), self.graph.rules.loosened())
         self.expressions = Expressions(self.graph)
+        self._views: dict[tuple[AgentPose, str], Views] = {}
 
     @property
     def grid(self) -> ReachableGrid:
@@ -78,6 +98,19 @@ class Room:
             self.replay.view.hide(held, False)
         self.replay.world.restore(self._first)
         self.replay.pose = pose
+
+    def views(self, goal: AgentPose, manipulation: str) -> Views:
+        """What a manipulation shows; drawn once, however many questions are about it."""
+        key = (goal, manipulation)
+        if key not in self._views:
+            object_id, world = manipulation.split(" ")[1], self.replay.world
+            self.start_over(goal)
+            before, closed = self.replay.observe(), world.link_poses(object_id)
+            self.replay.step(manipulation)
+            after, motion = self.replay.observe(), world.link_poses(object_id) @ np.linalg.inv(closed)
+            self._views[key] = Views(before, after, motion, world.save())
+            self.start_over(goal)
+        return self._views[key]
 
     def close(self) -> None:
         """Give the simulator's memory back."""
@@ -105,17 +138,19 @@ def make_sample(room: Room, group: GroupPlan[HidingPlace], start: AgentPose) -> 
         return Refusal("unique", f"{question.expression.text} does not pick out {hiding.object_id} only")
     if not is_clear(question.program, room.graph, room.loose_graph):
         return Refusal("clear", f"{question.text}: something else nearly fits")
-    found = _way(room, hiding, start)
+    manipulation = _manipulation(hiding)
+    found = _way(room, hiding, start, manipulation)
     if isinstance(found, Refusal):
         return found
-    goal, way = found
-    manipulation = _manipulation(hiding)
-    before, after = _views(room, goal, manipulation)
+    goal, way, views = found
+    before, after = views.before, views.after
     refusal = _check_views(room, hiding, answer.ids, before, after)
+    if refusal is None and not answer.ids and _share_in_view(room, hiding, goal, views) < LEAST_SHARE:
+        refusal = Refusal("sufficient", f"too little of the space that {hiding.object_id} hides comes to light")
     if refusal is not None:
         return refusal
     actions = (*way, manipulation, DONE)
-    if not _replays(room, start, actions, after):
+    if not _replays(room, start, actions, goal, views):
         return Refusal("replayable", f"{hiding.object_id}: the actions end in another picture")
     name = f"{group.name}-c{room.place.configuration}"
     ids = room.replay.world.ids
@@ -170,16 +205,21 @@ def box_2d(seen: Observation, index: int) -> Box2D | None:
     return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
 
 
-def _way(room: Room, hiding: HidingPlace, start: AgentPose) -> tuple[AgentPose, list[str]] | Refusal:
-    """The first goal pose that can be reached in this configuration, and the actions that lead there."""
+def _way(
+    room: Room, hiding: HidingPlace, start: AgentPose, manipulation: str
+) -> tuple[AgentPose, list[str], Views] | Refusal:
+    """The first goal pose that can be reached and acted from, the actions that lead there, and what is seen there."""
+    reason = f"no way to {hiding.object_id}"
     for goal in (hiding.goal, *hiding.other_goals):
         if not _stands(room.grid, goal):
             continue
         try:
-            return goal, shortest_actions(room.grid, start, goal)
+            return goal, shortest_actions(room.grid, start, goal), room.views(goal, manipulation)
         except NoPathError:
             continue
-    return Refusal("reachable", f"no way to {hiding.object_id}")
+        except ActionError as error:
+            reason = str(error)
+    return Refusal("reachable", reason)
 
 
 def _stands(grid: ReachableGrid, pose: AgentPose) -> bool:
@@ -195,14 +235,20 @@ def _manipulation(hiding: HidingPlace) -> str:
     return move_action(hiding.object_id, hiding.move_to)
 
 
-def _views(room: Room, goal: AgentPose, manipulation: str) -> tuple[Observation, Observation]:
-    """What is seen from the goal pose before and after the manipulation."""
-    room.start_over(goal)
-    before = room.replay.observe()
-    room.replay.step(manipulation)
-    after = room.replay.observe()
-    room.start_over(goal)
-    return before, after
+def _share_in_view(room: Room, hiding: HidingPlace, goal: AgentPose, views: Views) -> float:
+    """Share of the surface on which things could lie that nothing hides after the manipulation."""
+    camera = goal.camera(room.grid)
+    shown = []
+    for area in hiding.areas:
+        points = area.to_room(at_height(area.lattice(LOOK_M).reshape(-1, 2), area.seen_from_m + ABOVE_M))
+        if hiding.relation == "in":
+            motion = views.motion[area.link]
+            points = points @ motion[:3, :3].T + motion[:3, 3]
+        x, y, z = camera.project(points).T
+        inside = (z > 0) & (x >= 0) & (y >= 0) & (x < camera.width) & (y < camera.height)
+        row, column = np.where(inside, y, 0).astype(int), np.where(inside, x, 0).astype(int)
+        shown.append(inside & (views.after.depth[row, column] > z - SURFACE_M))
+    return float(np.mean(np.concatenate(shown)))
 
 
 def _check_views(
@@ -225,16 +271,14 @@ def _check_views(
     return None
 
 
-def _replays(room: Room, start: AgentPose, actions: tuple[str, ...], end: Observation) -> bool:
-    """Whether the oracle's actions, from the start, end in a picture, bit for bit."""
+def _replays(room: Room, start: AgentPose, actions: tuple[str, ...], goal: AgentPose, views: Views) -> bool:
+    """Whether the oracle's actions lead from the start to the pose and the state of the room that the end frame shows."""
     room.start_over(start)
     try:
         for action in actions:
             room.replay.step(action)
     except ActionError:
         return False
-    seen = room.replay.observe()
+    reached = (room.replay.pose, room.replay.world.save())
     room.start_over(start)
-    return all(
-        np.array_equal(getattr(seen, image), getattr(end, image)) for image in ("rgb", "depth", "objects", "links")
-    )
+    return reached == (goal, views.state)

@@ -17,6 +17,8 @@ from remqa_data.sim.view import WorldView
 from remqa_data.sim.viewpoints import AgentPose
 from remqa_data.sim.world import World
 
+Outline = npt.NDArray[np.float32]
+"""(n, 1, 2) corners of a convex outline on the floor, metres."""
 Flags = npt.NDArray[np.bool_]
 
 TOLERANCE_M = 0.012
@@ -84,7 +86,7 @@ def cells_that_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[C
     return [cell for _, cell in sorted(found)]
 
 
-def plan_outlines(world: World, object_id: str, links: Iterable[int]) -> list[npt.NDArray[np.float32]]:
+def plan_outlines(world: World, object_id: str, links: Iterable[int]) -> list[Outline]:
     """Convex outlines, seen from above, of an object's links between ankle and head height, as they are now."""
     low, high = world.scene.floor_z + STEP_OVER_M, world.scene.floor_z + AGENT_HEIGHT_M
     poses, asset = world.link_poses(object_id), world.assets[object_id]
@@ -98,7 +100,7 @@ def plan_outlines(world: World, object_id: str, links: Iterable[int]) -> list[np
     return outlines
 
 
-def is_clear(position: tuple[float, float], outlines: Iterable[npt.NDArray[np.float32]], radius_m: float) -> bool:
+def is_clear(position: tuple[float, float], outlines: Iterable[Outline], radius_m: float) -> bool:
     """Whether outlines stay farther from a position than a radius."""
     return all(-cv2.pointPolygonTest(outline, position, True) > radius_m for outline in outlines)
 

@@ -48,6 +48,7 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
     rules = relation_rules().support
     spaces = _all_spaces(world)
     floor = next((object_id for object_id in world.ids if world.type_of(object_id) == "Floor"), None)
+    undersides = np.array([boxes[owner][0, 2] for owner in spaces.owners])
     held_by: dict[str, Support] = {}
     for object_id, (low, high) in boxes.items():
         if object_id == world.held or not len(spaces.owners):
@@ -57,7 +58,7 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
         beside = np.abs(local[:, :2] - spaces.middle[:, :2]) <= spaces.half[:, :2] + rules.side_margin_m
         fits = beside.all(axis=1) & (bottom >= spaces.floor_z - rules.sunk_m)
         fits &= local[:, 2] <= spaces.middle[:, 2] + spaces.half[:, 2] + rules.overhang_m
-        fits &= spaces.owners != object_id
+        fits &= (spaces.owners != object_id) & (centre[2] >= undersides)  # what lies beneath is not in it
         kind = object_type(world.type_of(object_id))
         if kind.pickupable or kind.moveable:
             fits &= spaces.enclosed | (bottom - spaces.floor_z <= rules.pile_m)

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from remqa_data.assets.model import F64, Box, Material
+from remqa_data.catalog import object_type
 from remqa_data.generators.floorplans.plan import SIDES, RoomShell
 from remqa_data.scene import Scene, SceneObject, StructureBox
 from remqa_data.sim.bullet import pybullet
@@ -27,19 +28,29 @@ LEVEL_M = 0.012
 OFF_CENTRE = 0.2
 """A surface carries a thing if it reaches at least this near to below its middle, as a share of its half width."""
 STUCK_M, TOUCH_M = 0.012, 0.004
-ASIDE_M = (0.015, 0.03, 0.045)
+ASIDE_M = (0.015, 0.03, 0.045, 0.07, 0.10, 0.13)
 """What is stuck deeper than the first is moved aside by one of these until it touches by no more than the second."""
+OFF_FLOOR_M = 0.1
 LEDGE_MARGIN_M, LEDGE_M = 0.04, 0.02
 TO_WALL_M = 0.45
 
 
 def supported(scene: Scene, shell: RoomShell, finish: Material) -> Scene:
-    """The same scene with every loose thing on top of what is under it; a ledge is built where there is nothing."""
+    """The same scene with every loose thing, and what is pushed about on worktops, on top of what is under it.
+
+    A ledge is built where there is nothing.
+    """
     with World(scene) as world:
         probe = _Probe(world)
         loose = [o for o in scene.objects if not o.is_fixed]
-        lowest = {o.id: float(world.box(o.id)[0, 2]) for o in loose}
+        lowest = {o.id: float(world.box(o.id)[0, 2]) for o in scene.objects}
         moved: dict[str, SceneObject] = {}
+        for o in scene.objects:  # appliances were recorded up to 2 cm deep in their worktops
+            if object_type(o.type).moveable and lowest[o.id] > shell.floor_z + OFF_FLOOR_M:
+                surface = probe.surface_under(o.id, world.box(o.id))
+                lift = 0.0 if surface is None else surface + SKIN_M - lowest[o.id]
+                if 0.0 < lift <= SNAP_M and (lifted := _lifted(world, o, lift)) is not None:
+                    moved[o.id] = lifted
         bare: list[F64] = []
         for o in sorted(loose, key=lambda item: (lowest[item.id], item.id)):
             box = world.box(o.id)
@@ -50,12 +61,10 @@ def supported(scene: Scene, shell: RoomShell, finish: Material) -> Scene:
             lift = surface + SKIN_M - lowest[o.id]
             if lift < -SNAP_M:
                 bare.append(box)
-            elif lift <= SNAP_M:
-                x, y, z = o.position
-                moved[o.id] = replace(o, position=(x, y, z + lift))
-                world.move_alone(o.id, moved[o.id].position)
+            elif lift <= SNAP_M and (lifted := _lifted(world, o, lift)) is not None:
+                moved[o.id] = lifted
         for o in loose:
-            freed = _freed(world, moved.get(o.id, o))
+            freed = _freed(world, probe, moved.get(o.id, o))
             if freed is not None:
                 moved[o.id] = freed
     ledges = [StructureBox("fixture", ledge, finish) for ledge in _ledges(bare, shell)]
@@ -63,19 +72,36 @@ def supported(scene: Scene, shell: RoomShell, finish: Material) -> Scene:
     return replace(scene, objects=objects, structure=scene.structure + tuple(ledges))
 
 
-def _freed(world: World, o: SceneObject) -> SceneObject | None:
+def _lifted(world: World, o: SceneObject, lift: float) -> SceneObject | None:
+    """A thing lifted or lowered, unless it would be stuck there deeper than where it was."""
+    x, y, z = o.position
+    before = _depth(world, o.id)
+    world.move_alone(o.id, (x, y, z + lift))
+    if _depth(world, o.id) > max(before, STUCK_M):
+        world.move_alone(o.id, o.position)
+        return None
+    return replace(o, position=(x, y, z + lift))
+
+
+def _freed(world: World, probe: _Probe, o: SceneObject) -> SceneObject | None:
     """A thing that is stuck in another, moved aside a little; where there is no room, held so that physics leaves it."""
     if _depth(world, o.id) < STUCK_M:
         return None
     x, y, z = o.position
+    ground = probe.surface_under(o.id, world.box(o.id))
     for radius in ASIDE_M:
         for angle in np.arange(8) * np.pi / 4:
             aside = (x + radius * float(np.cos(angle)), y + radius * float(np.sin(angle)), z)
             world.move_alone(o.id, aside)
-            if _depth(world, o.id) < TOUCH_M:
+            if _depth(world, o.id) < TOUCH_M and _is_level(probe.surface_under(o.id, world.box(o.id)), ground):
                 return replace(o, position=aside)
     world.move_alone(o.id, o.position)
     return replace(o, is_fixed=True)
+
+
+def _is_level(surface: float | None, ground: float | None) -> bool:
+    """Whether a thing that was carried at one height is carried at the same height."""
+    return ground is None or (surface is not None and abs(surface - ground) < LEVEL_M)
 
 
 def _depth(world: World, object_id: str) -> float:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,8 @@ MIN_MASS_KG = 0.05
 """Lighter things (a credit card weighs 6 g) make the solver restless; they are simulated with this mass."""
 MAX_COMPOUND = 16
 """PyBullet silently drops the shapes of a compound beyond this number."""
+STILL_M_S, STILL_RAD_S = 0.003, 0.15
+"""What moves and turns no faster than this is at rest."""
 
 STRUCTURE_NAME = "structure"
 """What the building is called where things touch it."""
@@ -63,6 +66,14 @@ class Bodies:
         """Let time pass, in steps of 1/240 s."""
         for _ in range(steps):
             pybullet.stepSimulation(physicsClientId=self.client)
+
+    def are_still(self, object_ids: Iterable[str]) -> bool:
+        """Whether none of some objects moves or turns to speak of."""
+        for object_id in object_ids:
+            velocity, turning = pybullet.getBaseVelocity(self._of[object_id], physicsClientId=self.client)
+            if math.hypot(*velocity) > STILL_M_S or math.hypot(*turning) > STILL_RAD_S:
+                return False
+        return True
 
     def pose(self, object_id: str) -> tuple[Vec3, Quaternion]:
         """Where physics has moved an object."""

@@ -23,7 +23,7 @@ from remqa_data.scene import Quaternion, Scene, SceneObject
 from remqa_data.sim.bodies import Bodies
 from remqa_data.sim.state import ObjectState
 
-SETTLE_STEPS = 240
+SETTLE_STEPS, CHECK_STEPS = 240, 20
 CARRY_MARGIN_M = 0.03
 """Things whose centre is within this distance of a space belong to it."""
 
@@ -128,16 +128,22 @@ class World:
     # ---- acting
 
     def settle(self, steps: int = SETTLE_STEPS) -> None:
-        """Let physics move the free objects for a number of steps of 1/240 s, then bring them to rest.
+        """Let physics move the free objects until all are at rest, at most for a number of steps of 1/240 s.
 
-        The outcome depends on the poses only, not on what happened before: PyBullet starts afresh, because its contact
+        Then they are held where they are. The outcome depends on the poses only, not on what happened before: PyBullet starts afresh, because its contact
         cache and the order of its pairs would remember.
         """
         self._reload()
-        self._bodies.step(steps)
-        for object_id, state in self._states.items():
-            if state.is_fixed or object_id == self.held:
-                continue
+        free = [i for i, state in self._states.items() if not state.is_fixed and i != self.held]
+        was_still = False
+        for done in range(0, steps, CHECK_STEPS):
+            self._bodies.step(min(CHECK_STEPS, steps - done))
+            is_still = self._bodies.are_still(free)
+            if is_still and was_still:  # once might be the top of a leap
+                break
+            was_still = is_still
+        for object_id in free:
+            state = self._states[object_id]
             position, quaternion = self._bodies.pose(object_id)
             self._states[object_id] = replace(state, position=position, quaternion=quaternion)
             self._tell_pose(object_id)
