@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from remqa_data.assets.model import F64, Rect
 from remqa_data.generators.floorplans.table import RecordedObject, axes_facing
@@ -50,13 +51,15 @@ BACKED = frozenset(
     ]
 )
 """Furniture that stands with its back to a wall when it stands at one."""
+BEFORE_WALLS = frozenset({"Fridge", "ShelvingUnit", "Toilet", "TVStand"})
+"""Furniture whose back is no sight: there is a wall behind it."""
 IN_FURNITURE = ("Drawer", "Cabinet", "Shelf")
 WALL_SLACK_M = 0.60
 WALL_EVIDENCE_SLACK_M = 2.6
 """A floor's recorded box may reach this far behind the wall (the second: where something hangs on the wall)."""
+LAST_M, HIGH_M = 0.20, 1.0
+"""Things that end this near to where everything ends say whether a wall is there, as do two cabinets this high up."""
 AT_WALL_M = 0.35
-CORNER_M, IN_WALL_DEPTH_M = 0.6, 0.15
-"""What is in a wall and wider than the first both ways goes round a corner; it is drawn in to the second."""
 
 SIDES: dict[str, F64] = {
     "west": np.array([1.0, 0.0, 0.0]),
@@ -105,7 +108,9 @@ def fit_shell(objects: Sequence[RecordedObject]) -> RoomShell:
     for axis, sign in ((0, -1), (1, -1), (0, 1), (1, 1)):
         edge = float((floor.low if sign < 0 else floor.high)[axis])
         reach = max(sign * _outer_face(o, axis, sign) for o in objects if o is not floor)
-        hung = any(_hangs_at(o, axis, sign, reach) for o in objects)
+        last = [o for o in objects if o is not floor and reach - sign * _outer_face(o, axis, sign) < LAST_M]
+        hung = any(_has_wall_behind(o, axis, sign) for o in last)
+        hung |= sum(o.type == "Cabinet" and o.low[2] > floor_z + HIGH_M for o in last) > 1
         slack = WALL_EVIDENCE_SLACK_M if hung else WALL_SLACK_M
         bounds.append(edge if sign * edge - reach > slack else sign * reach)
     top = max(float(o.high[2]) for o in objects if o.type != "Floor")
@@ -120,26 +125,10 @@ def _outer_face(o: RecordedObject, axis: int, sign: int) -> float:
     return float((o.low if sign < 0 else o.high)[axis])
 
 
-def flat_on_walls(objects: Sequence[RecordedObject]) -> list[RecordedObject]:
-    """The same objects, with each corner window, recorded with the corner's whole box, drawn in to the wall it faces from."""
-    flattened = []
-    for o in objects:
-        axis = int(np.abs(o.front).argmax())
-        if o.type in IN_WALLS and (o.high - o.low)[:2].min() > CORNER_M and abs(o.front[axis]) > 0.9:
-            low, high = o.low.copy(), o.high.copy()
-            if o.front[axis] > 0:
-                high[axis] = low[axis] + IN_WALL_DEPTH_M
-            else:
-                low[axis] = high[axis] - IN_WALL_DEPTH_M
-            o = replace(o, low=low, high=high, centre=(low + high) / 2, size=np.abs(o.rotation.T) @ (high - low))
-        flattened.append(o)
-    return flattened
-
-
-def _hangs_at(o: RecordedObject, axis: int, sign: int, reach: float) -> bool:
-    """Whether something hangs flat on a wall that would be where everything ends on that side."""
+def _has_wall_behind(o: RecordedObject, axis: int, sign: int) -> bool:
+    """Whether something hangs flat on a wall on one side, or stands with its back to it."""
     flat = (o.high - o.low)[axis] < 0.6 * (o.high - o.low)[1 - axis]
-    return o.type in ON_WALLS and flat and reach - sign * _outer_face(o, axis, sign) < 0.20
+    return (o.type in ON_WALLS and bool(flat)) or (o.type in BEFORE_WALLS and float(sign * o.front[axis]) < -0.9)
 
 
 def facing_right(objects: Sequence[RecordedObject], shell: RoomShell, worktops: Sequence[Rect]) -> list[RecordedObject]:
@@ -260,22 +249,22 @@ def _freedom(
     """Share of the room before one side of a box, between two distances, that is neither wall, furniture nor worktop."""
     axis = int(np.abs(direction).argmax())
     across = 1 - axis
-    x0, y0, x1, y1 = shell.bounds
     face = (o.high if direction[axis] > 0 else o.low)[axis]
-    free = 0
-    samples = [(a, b) for a in (0.2, 0.5, 0.8) for b in np.linspace(*reach, 4)]
-    for a, b in samples:
-        point = np.zeros(3)
-        point[axis] = face + direction[axis] * b
-        point[across] = o.low[across] + a * (o.high - o.low)[across]
-        point[2] = (o.low[2] + o.high[2]) / 2
-        if not (x0 < point[0] < x1 and y0 < point[1] < y1):
-            continue
-        if any(r[0] < point[0] < r[2] and r[1] < point[1] < r[3] for r in worktops):
-            continue
-        free += not any(
-            np.all(point > other.low) and np.all(point < other.high)
-            for other in blockers
-            if other is not o and other is not host and other.type != "CounterTop"
-        )
-    return free / len(samples)
+    distance, along = (grid.ravel() for grid in np.meshgrid(np.linspace(*reach, 4), (0.2, 0.5, 0.8)))
+    points = np.tile((o.low + o.high) / 2, (len(along), 1))
+    points[:, axis] = face + direction[axis] * distance
+    points[:, across] = o.low[across] + along * (o.high - o.low)[across]
+    free = _within(points[:, :2], np.array([shell.bounds]))
+    if worktops:
+        free &= ~_within(points[:, :2], np.array(worktops))
+    others = [b for b in blockers if b is not o and b is not host and b.type != "CounterTop"]
+    if others:
+        free &= ~_within(points, np.array([[*b.low, *b.high] for b in others]))
+    return float(np.mean(free))
+
+
+def _within(points: F64, boxes: F64) -> npt.NDArray[np.bool_]:
+    """(n,) whether each of (n, k) points lies in any of some boxes, (m, 2 k): their low corners, then their high ones."""
+    k = points.shape[1]
+    inside = (points[:, None] > boxes[:, :k]) & (points[:, None] < boxes[:, k:])
+    return np.asarray(np.any(np.all(inside, axis=2), axis=1))

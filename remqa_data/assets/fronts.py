@@ -10,10 +10,10 @@ from typing import Literal
 
 from remqa_data.assets import materials
 from remqa_data.assets.builder import Builder
-from remqa_data.assets.materials import BLACK_METAL, BRASS, CHROME, DARK_GLASS, STEEL
+from remqa_data.assets.materials import BLACK_METAL, BRASS, CHROME, STEEL
 from remqa_data.assets.model import Material, Rect
 
-Style = Literal["slab", "shaker", "raised", "grooved", "glass"]
+Style = Literal["slab", "shaker", "raised", "grooved"]
 Pull = Literal["bar", "knob", "cup", "lip"]
 
 FINISHES = (*materials.WOODS, *materials.PAINTED_WOODS)
@@ -73,11 +73,11 @@ def front(b: Builder, rect: Rect, y: float, thickness: float, style: Style, mate
     width, height, body = width - 2 * gap, height - 2 * gap, thickness - gasket - rear
     relief = 0.0 if style == "slab" else min(0.005, 0.4 * body)
     slab_y = y + relief + (body - relief) / 2
-    slab = DARK_GLASS if style == "glass" else materials.tinted(material, RECESS_TINT[style])
+    slab = materials.tinted(material, RECESS_TINT[style])
     rounding = min(0.003, 0.2 * body)
     b.box((width, body - relief, height), (x, slab_y, z), slab, radius=rounding, solid=False)
     rail = min(0.06, 0.22 * min(width, height))
-    if style in ("shaker", "glass"):
+    if style == "shaker":
         for side in (-1, 1):
             stile = (x + side * (width - rail) / 2, y + relief / 2, z)
             b.box((rail, relief, height), stile, material, solid=False)

@@ -174,10 +174,10 @@ def rim_spaces(b: Builder, holes: Sequence[Box], name: str = "rim") -> None:
             b.space(f"{name} {i}", (x1 - x0, y1 - y0, 0.4), ((x0 + x1) / 2, (y0 + y1) / 2, b.h + 0.2))
 
 
-def free_boxes(b: Builder, default: Box, margin: float = 0.006) -> tuple[Box, ...]:
-    """The pockets, each kept a margin away from the sides of the asset's box; a default one if there are none."""
+def free_boxes(b: Builder, basins: Sequence[Box], margin: float = 0.006) -> tuple[Box, ...]:
+    """The places of basins, each kept a margin away from the sides of the asset's box; without those too small."""
     kept = []
-    for x0, y0, z0, x1, y1, z1 in b.pockets or (default,):
+    for x0, y0, z0, x1, y1, z1 in basins:
         w, d = b.w / 2 - margin - GAP, b.d / 2 - margin - GAP
         kept.append((max(x0, -w), max(y0, -d), max(z0, 0.0), min(x1, w), min(y1, d), min(z1, b.h)))
     return tuple(box for box in kept if box[3] - box[0] > 0.05 and box[4] - box[1] > 0.05 and box[2] < b.h - 0.02)

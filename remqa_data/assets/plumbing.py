@@ -6,7 +6,9 @@ import numpy as np
 
 from remqa_data.assets import faucets, materials, primitives, toilets
 from remqa_data.assets.builder import Builder
+from remqa_data.assets.carcass import grown
 from remqa_data.assets.hollows import (
+    GAP,
     bowl,
     carved,
     corner,
@@ -40,7 +42,9 @@ def sink(b: Builder) -> None:
     material = suite(b)
     low = max(0.0, b.h - 0.16) if b.h > STANDS_M else 0.0
     default = (-0.38 * b.w, -0.38 * b.d, low, 0.38 * b.w, 0.26 * b.d, b.h)
-    holes = free_boxes(b, default)
+    basins = [pocket for pocket in b.pockets if pocket[5] > 0.8 * b.h or b.h <= STANDS_M]
+    beneath = [pocket for pocket in b.pockets if pocket not in basins]  # cabinets, which carry the sink
+    holes = free_boxes(b, basins or [default])
     lip = min(0.018, 0.15 * b.h)
     radius = _outer_radius(b, holes, b.by_variant((0.05, 0.03, 0.02, 0.008)))
     plan = (-b.w / 2, -b.d / 2, b.w / 2, b.d / 2)
@@ -48,6 +52,7 @@ def sink(b: Builder) -> None:
     rim = ring(plan, b.h - lip, radius)
     tub = _tub_rect(holes, 0.015, plan)
     bottom = max(0.0, min(hole[2] for hole in holes) - 0.025) if b.h > STANDS_M else 0.0
+    bottom = max([bottom, *(pocket[5] for pocket in beneath)])
     under = b.h - lip
     if b.h <= STANDS_M:
         rings = [ring(tub, 0.0, radius), ring(tub, under, radius)]
@@ -61,7 +66,11 @@ def sink(b: Builder) -> None:
         b.add(primitives.prism(rim[:, :2], bead, [inner]), material, (0, 0, b.h - bead / 2))
     solid_body(b, (*plan[:2], bottom, *plan[2:], b.h), holes)
     if b.h > STANDS_M:
-        _sink_stand(b, bottom)
+        if beneath:
+            case = (-0.49 * b.w, -0.49 * b.d, 0, 0.49 * b.w, 0.49 * b.d, bottom)
+            b.block(case, [grown(cabinet, GAP) for cabinet in beneath], material)
+        else:
+            _sink_stand(b, bottom)
     elif b.variant == 2 and _margin(b, holes) > 0.024:
         apron = (b.w, 0.02, b.h - lip)
         b.box(apron, (0, -b.d / 2 + 0.011, apron[2] / 2), material, radius=0.006, solid=False)
@@ -76,7 +85,7 @@ def sink(b: Builder) -> None:
             radius=0.002,
             solid=False,
         )
-    if not b.pockets:
+    if not basins:
         _default_bowl(b, holes[0], material)
     rim_spaces(b, holes)
     b.looks_like(material)
@@ -110,7 +119,7 @@ def bathtub(b: Builder) -> None:
     with b.quarter_turned(b.w < b.d):
         low = (0.32 if b.variant == 2 else 0.2) * b.h
         default = (-0.42 * b.w, -0.36 * b.d, low, 0.42 * b.w, 0.36 * b.d, b.h)
-        holes = free_boxes(b, default, 0.012)
+        holes = free_boxes(b, b.pockets or [default], 0.012)
         plan = (-b.w / 2, -b.d / 2, b.w / 2, b.d / 2)
         lip = 0.03
         soft = b.by_variant((0.04, 0.49 * b.d, 0.49 * b.d, 0.03))

@@ -1,91 +1,46 @@
-"""Meshes of simple solids with their exact normals, as plain arrays. All sizes in metres, all centred on the origin.
+"""Meshes of simple solids with their exact normals. All sizes in metres, all centred on the origin.
 
 Every function returns a `Mesh` whose triangles are counter-clockwise as seen from outside and whose normals are those
-of the ideal surface, so a 16-sided cylinder is shaded round and a box is shaded flat.
+of the ideal surface, so a 16-sided cylinder is shaded round and a box is shaded flat. What asset functions draw with
+comes from here: also the outlines, cloth and turns of the modules beside this one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.assets.grids import cushion, grid_faces, sheet
+from remqa_data.assets.mesh import AXES, Axis, Mesh, joined, turn
 from remqa_data.assets.model import F64, Vec3
+from remqa_data.assets.outlines import Points2, arc, ellipse, rounded_rect
 
-Points2 = Sequence[tuple[float, float]] | F64
-Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
-
-AXES: dict[str, F64] = {
-    "x": np.array([1.0, 0.0, 0.0]),
-    "y": np.array([0.0, 1.0, 0.0]),
-    "z": np.array([0.0, 0.0, 1.0]),
-    "-x": np.array([-1.0, 0.0, 0.0]),
-    "-y": np.array([0.0, -1.0, 0.0]),
-    "-z": np.array([0.0, 0.0, -1.0]),
-}
-
-
-@dataclass(frozen=True, eq=False)
-class Mesh:
-    """Vertices (n, 3), unit normals (n, 3), faces (m, 3), and texture coordinates (n, 2) where a shape has its own."""
-
-    vertices: F64
-    normals: F64
-    faces: npt.NDArray[np.int64]
-    uv: F64 | None = None
-
-    def moved(self, offset: Vec3 | F64) -> Mesh:
-        """The mesh shifted by an offset in metres."""
-        return Mesh(self.vertices + np.asarray(offset, dtype=np.float64), self.normals, self.faces, self.uv)
-
-    def turned(self, rotation: F64) -> Mesh:
-        """The mesh rotated about the origin by a 3x3 matrix."""
-        return Mesh(self.vertices @ rotation.T, self.normals @ rotation.T, self.faces, self.uv)
-
-    def scaled(self, factors: Vec3 | F64) -> Mesh:
-        """The mesh scaled per axis about the origin; normals follow the inverse transpose."""
-        f = np.asarray(factors, dtype=np.float64)
-        normals = self.normals / f
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-        return Mesh(self.vertices * f, normals, self.faces, self.uv)
-
-    def pointed(self, axis: Axis) -> Mesh:
-        """The mesh turned so that what pointed along +z points along an axis."""
-        return self if axis == "z" else self.turned(_Z_TO[axis])
-
-
-def joined(meshes: Sequence[Mesh]) -> Mesh:
-    """One mesh from several; texture coordinates survive only if all have them."""
-    offsets = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
-    uvs = [mesh.uv for mesh in meshes if mesh.uv is not None]
-    return Mesh(
-        np.vstack([mesh.vertices for mesh in meshes]),
-        np.vstack([mesh.normals for mesh in meshes]),
-        np.vstack([mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=False)]),
-        np.vstack(uvs) if len(uvs) == len(meshes) else None,
-    )
-
-
-def turn(axis: Axis, degrees: float) -> F64:
-    """Rotation matrix of a right-handed turn about an axis."""
-    x, y, z = AXES[axis]
-    angle = np.radians(degrees)
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross))
-
-
-_Z_TO: dict[str, F64] = {
-    "x": turn("y", 90),
-    "-x": turn("y", -90),
-    "y": turn("x", -90),
-    "-y": turn("x", 90),
-    "-z": turn("x", 180),
-    "z": np.eye(3),
-}
+__all__ = [
+    "AXES",
+    "Axis",
+    "Mesh",
+    "Points2",
+    "arc",
+    "box",
+    "cushion",
+    "cylinder",
+    "disc",
+    "ellipse",
+    "ellipsoid",
+    "grid_faces",
+    "joined",
+    "loft",
+    "prism",
+    "revolve",
+    "rounded_box",
+    "rounded_rect",
+    "sheet",
+    "tube",
+    "turn",
+]
 
 
 def box(size: Vec3) -> Mesh:
@@ -352,99 +307,3 @@ def loft(rings: Sequence[F64] | F64, crease_deg: float = 50.0, *, capped: bool =
             fan = np.column_stack([np.full(n, n), k if flip else j, j if flip else k])
             meshes.append(Mesh(centre, np.tile(normal, (n + 1, 1)), fan))
     return joined(meshes)
-
-
-def ellipse(width: float, depth: float, count: int = 24, power: float = 2.0) -> F64:
-    """Points of an ellipse (power 2) or a rounded rectangle (power 4 and more), (count, 2), counter-clockwise."""
-    t = np.arange(count) * 2 * np.pi / count
-    c, s = np.cos(t), np.sin(t)
-    x = np.sign(c) * np.abs(c) ** (2 / power) * width / 2
-    y = np.sign(s) * np.abs(s) ** (2 / power) * depth / 2
-    return np.column_stack([x, y])
-
-
-def rounded_rect(width: float, depth: float, radius: float, segments: int = 4) -> F64:
-    """Corners of a rectangle with rounded corners, (n, 2), counter-clockwise."""
-    radius = min(radius, 0.499 * min(width, depth))
-    points = []
-    for quadrant, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
-        for a in np.linspace(0, np.pi / 2, segments + 1) + quadrant * np.pi / 2:
-            points.append(
-                (
-                    sx * (width / 2 - radius) + radius * np.cos(a),
-                    sy * (depth / 2 - radius) + radius * np.sin(a),
-                )
-            )
-    return np.array(points)
-
-
-def arc(centre: tuple[float, float], radius: float, start_deg: float, end_deg: float, count: int = 8) -> F64:
-    """Points on an arc, (count, 2)."""
-    t = np.radians(np.linspace(start_deg, end_deg, count))
-    return np.column_stack([centre[0] + radius * np.cos(t), centre[1] + radius * np.sin(t)])
-
-
-def cushion(size: Vec3, puff: float = 0.35, count: int = 8) -> Mesh:
-    """A pillow: a rounded square that is thick in the middle and thin at its seam.
-
-    Parameters
-    ----------
-    size : (x, y, z)
-        The box that it fills.
-    puff : float
-        Thickness at the seam as a fraction of the middle.
-    count : int
-        Grid steps a side.
-    """
-    t = np.linspace(-1, 1, count + 1)
-    u, v = np.meshgrid(t, t, indexing="ij")
-    height = (1 - np.abs(u) ** 3.0) ** 0.5 * (1 - np.abs(v) ** 3.0) ** 0.5
-    height = height * (1 - puff * 0.5) + puff * 0.5 * (height > 0)
-    pinch = 1 - 0.06 * (1 - np.abs(u)) * np.abs(v) ** 4
-    pinch_v = 1 - 0.06 * (1 - np.abs(v)) * np.abs(u) ** 4
-    x, y = u * pinch_v, v * pinch
-    return _two_sheets(x, y, height).scaled(np.asarray(size, dtype=np.float64) / 2)
-
-
-def _two_sheets(x: F64, y: F64, z: F64) -> Mesh:
-    """Upper sheet at +z and its mirror image at -z over the same grid, sharing the rim's shape."""
-    grid = np.stack([x, y, z], axis=2)
-    du, dv = np.gradient(grid, axis=0), np.gradient(grid, axis=1)
-    normals = np.cross(du, dv)
-    normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
-    faces = grid_faces(*x.shape)
-    flip = np.array([1.0, 1.0, -1.0])
-    upper = Mesh(grid.reshape(-1, 3), normals.reshape(-1, 3), faces)
-    lower = Mesh(upper.vertices * flip, upper.normals * flip, faces[:, ::-1])
-    return joined([upper, lower])
-
-
-def grid_faces(rows: int, columns: int) -> npt.NDArray[np.int64]:
-    """Triangles of a rows x columns grid of vertices whose first axis is x and second is y, facing +z."""
-    i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
-    a = (i * columns + j).ravel()
-    b, c, d = a + columns, a + columns + 1, a + 1
-    return np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-
-
-def sheet(x: F64, y: F64, z: F64, thickness: float) -> Mesh:
-    """Cloth: a grid of points (rows, columns) with a thickness along z, closed at its rim."""
-    rows, columns = x.shape
-    top = np.stack([x, y, z + thickness / 2], axis=2)
-    du, dv = np.gradient(top, axis=0), np.gradient(top, axis=1)
-    normals = np.cross(du, dv)
-    normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
-    faces = grid_faces(rows, columns)
-    upper = Mesh(top.reshape(-1, 3), normals.reshape(-1, 3), faces)
-    lower = Mesh(upper.vertices - [0, 0, thickness], -upper.normals, faces[:, ::-1])
-    index = np.arange(rows * columns).reshape(rows, columns)
-    rim = np.concatenate([index[:, 0], index[-1, 1:], index[-2::-1, -1], index[0, -2:0:-1]])
-    n = len(rim)
-    t, b = upper.vertices[rim], lower.vertices[rim]
-    outward = np.cross(np.roll(t, -1, axis=0) - np.roll(t, 1, axis=0), [0.0, 0.0, 1.0])
-    outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-12)
-    j = np.arange(n)
-    k = (j + 1) % n
-    side_faces = np.vstack([np.column_stack([n + j, n + k, k]), np.column_stack([n + j, k, j])])
-    side = Mesh(np.vstack([t, b]), np.vstack([outward, outward]), side_faces)
-    return joined([upper, lower, side])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from remqa_data.assets import forms, materials, primitives
@@ -242,10 +244,16 @@ def _tub(b: Builder, plan: _Plan) -> None:
         (0.93, plan.seat),
     ]
     b.add(primitives.loft([np.column_stack([f * seat, np.full(28, z)]) for f, z in pad]), cloth)
-    _solid_seat(b, plan)
-    for side in (-1, 1):
-        b.solid((plan.arm, 0.8 * b.d, low - foot), (side * (b.w - plan.arm) / 2, 0.05 * b.d, (low + foot) / 2))
-    b.solid((b.w, plan.back, b.h - foot), (0, (b.d - plan.back) / 2, (b.h + foot) / 2))
+    for across, deep in ((1.0, 0.6), (0.7, 0.94)):  # the seat is round
+        b.solid((across * plan.inner, deep * b.d, plan.seat), (0, -0.02 * b.d, plan.seat / 2))
+    _seat_space(b, plan, 0.78 * b.w - 2 * plan.arm)  # the arms come together towards the front
+    bends = rim[np.linspace(0, len(rim) - 1, 10).astype(int)]
+    for start, end in pairwise(bends):
+        x, y, top = (float(value) for value in (start + end) / 2 + [0, 0, roll])
+        along = end - start
+        turned = primitives.turn("z", float(np.degrees(np.arctan2(along[1], along[0]))))
+        size = (float(np.hypot(*along[:2])), plan.arm, top - foot)
+        b.solid(size, (x, y, (top + foot) / 2), turned)
     b.looks_like(cloth)
 
 
@@ -335,9 +343,9 @@ def _solid_seat(b: Builder, plan: _Plan) -> None:
     _seat_space(b, plan)
 
 
-def _seat_space(b: Builder, plan: _Plan) -> None:
+def _seat_space(b: Builder, plan: _Plan, width: float | None = None) -> None:
     deep = plan.depth - plan.back - 0.16
-    size = (0.94 * plan.inner, deep, FREE_ABOVE_M)
+    size = (width or 0.94 * plan.inner, deep, FREE_ABOVE_M)
     b.space("seat", size, (0, plan.front + 0.02 + deep / 2, plan.seat + FREE_ABOVE_M / 2))
 
 

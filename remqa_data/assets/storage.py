@@ -55,7 +55,7 @@ def drawer(b: Builder) -> None:
 
 
 def cabinet(b: Builder) -> None:
-    """A cupboard with one door (even variants hinge it left, odd ones right) or two: slab, shaker, glass, grooved.
+    """A cupboard with one door (even variants hinge it left, odd ones right) or two: slab, shaker, raised, grooved.
 
     A sink that hangs into it from above is a pocket.
     """
@@ -74,9 +74,10 @@ def cabinet(b: Builder) -> None:
         (inside[0], liner, lining), (0, back - wall - liner / 2, wall + lining / 2), materials.WHITE_WOOD, solid=False
     )
     _boards(b, inside, y + inside[1] / 2, wall, top)
-    style: Style = b.by_variant(("slab", "shaker", "glass", "grooved"))
-    pull: Pull = b.by_variant(("bar", "knob", "bar", "knob"))
-    height = b.by_variant((0.5, 0.5, 0.3, 0.5)) if b.h > 1.0 else b.by_variant((0.72, 0.72, 0.3, 0.72))
+    styles: tuple[Style, ...] = ("slab", "shaker", "raised", "grooved")
+    style = styles[b.variant // 2]
+    pull: Pull = "bar" if style in ("slab", "raised") else "knob"
+    height = 0.5 if b.h > 1.0 else 0.72
     left_hinged = b.variant % 2 == 0
     edges = (-b.w / 2, 0.0, b.w / 2) if b.w >= 0.6 else (-b.w / 2, b.w / 2)
     for i, (x0, x1) in enumerate(pairwise(edges)):
@@ -352,7 +353,7 @@ TILES = (
 
 KINDS = {
     "Drawer": Kind(drawer),
-    "Cabinet": Kind(cabinet),
+    "Cabinet": Kind(cabinet, 8),
     "CounterTop": Kind(counter_top),
     "Shelf": Kind(shelf),
     "ShelvingUnit": Kind(shelving_unit),

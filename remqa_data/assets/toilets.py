@@ -12,6 +12,8 @@ from remqa_data.assets.model import F64, Material
 WATER = Material("glass", "blue", (0.66, 0.80, 0.86), gloss=0.9)
 LEDGE_M = 0.75
 """A wider box has a wall-to-wall ledge instead of a cistern."""
+SHELF = 0.60
+"""Height of the water as a share of the rim's: a film over a flat floor, as in a washout toilet; things rest on it."""
 
 
 def toilet(b: Builder) -> None:
@@ -98,19 +100,21 @@ def _bowl(b: Builder, shape: _Bowl, top: float, hollow_back: float, glaze: Mater
         )
     rings = [shape.ring(scale, z * top, shift * back) for scale, z, shift in profile]
     b.add(primitives.loft(rings, capped=False), glaze)
-    inside = [(0.02, 0.46), (0.24, 0.46), (0.4, 0.55), (0.58, 0.72), (0.7, 0.9), (0.72, 1.0)]
+    water = SHELF * top
+    inside = ((0.02, SHELF - 0.004), (0.57, SHELF - 0.004), (0.63, 0.66), (0.69, 0.8), (0.72, 0.92), (0.72, 1.0))
     hollow = [shape.ring(scale, z * top, 0.2 * back * (1 - z) / 0.5, hollow_back)[::-1] for scale, z in inside]
     b.add(primitives.loft(hollow, capped=False), glaze)
     b.add(primitives.loft([rings[-1], hollow[-1][::-1]], capped=False), glaze)
-    water = shape.outline(0.42) + np.array([0.0, 0.18 * back])
-    b.add(primitives.prism(water, 0.004), WATER, (0, 0, 0.565 * top))
-    w, long, y = shape.width, shape.length, shape.y
-    b.solid((0.6 * w, 0.9 * long, 0.46 * top), (0, y, 0.23 * top))
-    wall, high = 0.15, 0.54 * top
+    middle = shape.y + 0.16 * back
+    film = shape.outline(0.58, hollow_back - 0.16 * back) + np.array([0.0, 0.16 * back])
+    b.add(primitives.prism(film, 0.003), WATER, (0, 0, water - 0.0018))
+    w, long, y, deep = shape.width, shape.length, shape.y, top - water
+    b.solid((0.6 * w, 0.9 * long, water), (0, y, water / 2))
+    wall = 0.2  # of the bowl's width and length, so that things stay over the flat floor
     for side in (-1, 1):
-        b.solid((wall * w, 0.8 * long, high), (side * (0.5 - wall / 2) * w, y, top - high / 2))
-        b.solid((0.6 * w, wall * long, high), (0, y + side * (0.5 - wall / 2) * long, top - high / 2))
-    b.space("bowl", (0.26 * w, 0.26 * long, 0.44 * top), (0, y + 0.17 * back, 0.57 * top + 0.22 * top), enclosed=True)
+        b.solid((wall * w, 0.8 * long, deep), (side * (0.5 - wall / 2) * w, y, top - deep / 2))
+        b.solid((0.6 * w, wall * long, deep), (0, y + side * (0.5 - wall / 2) * long, top - deep / 2))
+    b.space("bowl", (0.4 * w, 0.38 * long, deep), (0, middle, top - deep / 2), enclosed=True)
 
 
 def _cistern(b: Builder, glaze: Material, deep: float, rim_z: float) -> None:

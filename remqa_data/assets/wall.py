@@ -209,10 +209,16 @@ def _on_rails(b: Builder, image: Material) -> None:
 
 
 def _on_board(b: Builder, image: Material) -> None:
-    """Paper clipped to a board."""
+    """Paper clipped to a board, which stands off the wall on pegs where its box is deep."""
     proud, clip = min(0.006, 0.3 * b.d), b.pick((materials.BLACK_METAL, materials.CHROME))
     board = materials.paint("black" if clip.color == "black" else "white")
-    b.box((b.w, b.d - proud, b.h), (0, proud / 2, b.h / 2), board)
+    thick = min(0.02, b.d - proud)
+    b.box((b.w, thick, b.h), (0, proud + (thick - b.d) / 2, b.h / 2), board)
+    peg = b.d - proud - thick
+    if peg > 0:
+        for x in (-0.38 * b.w, 0.38 * b.w):
+            for z in (0.15 * b.h, 0.85 * b.h):
+                b.cylinder(0.012, peg, (x, (b.d - peg) / 2, z), materials.CHROME, axis="y", sections=10)
     b.panel((b.w - 0.024, b.h - 0.024), (0, -b.d / 2 + 0.85 * proud, b.h / 2), image)
     for x in (-0.25 * b.w, 0.25 * b.w):
         for z in (0.016, b.h - 0.016):

@@ -134,3 +134,18 @@ def test_a_corner_of_shower_glass_encloses_free_room(variant: int) -> None:
     for box in asset.links[0].boxes:
         size = np.abs(np.array(box.size))
         assert min(size[0], size[1]) < 0.06
+
+
+@pytest.mark.parametrize("size", [(0.53, 0.973, 1.038), (1.12, 1.165, 0.945)])
+@pytest.mark.parametrize("variant", range(4))
+def test_what_is_in_a_toilet_rests_on_the_bottom_of_its_bowl(size: Vec3, variant: int) -> None:
+    """The collision boxes under the space "bowl" end where the space begins, and none reaches into it."""
+    asset = build(AssetSpec("Toilet", size, variant))
+    bowl = np.array(next(s for s in asset.spaces if s.name == "bowl").box)
+    tops = []
+    for box in asset.links[0].boxes:
+        low, high = np.array(box.centre) - np.array(box.size) / 2, np.array(box.centre) + np.array(box.size) / 2
+        if np.all(low[:2] < bowl[3:5]) and np.all(high[:2] > bowl[:2]) and low[2] < bowl[5]:
+            tops.append(float(high[2]))
+    assert max(tops) == pytest.approx(bowl[2], abs=0.001)
+    assert min(bowl[3:5] - bowl[:2]) > 0.14

@@ -5,6 +5,7 @@ import pytest
 
 from remqa_data.assets import Asset, AssetSpec, build, variant_count
 from remqa_data.assets.sizes import typical_size
+from remqa_data.rotations import rotation_of
 
 SEATS = {"ArmChair": 0.45, "Bed": 0.55, "Chair": 0.44, "DogBed": 0.09, "Sofa": 0.46}
 """Heights above the floor in metres, chosen inside what the floor plans record."""
@@ -79,7 +80,7 @@ def test_no_part_stands_in_the_room_above_a_seat(type_: str, variant: int) -> No
         low[2] += 0.03
         for link in asset.links:
             for box in link.boxes:
-                centre, half = np.array(box.centre), np.array(box.size) / 2
+                centre, half = np.array(box.centre), np.abs(rotation_of(box.quaternion)) @ np.array(box.size) / 2
                 overlap = np.minimum(high, centre + half) - np.maximum(low, centre - half)
                 assert overlap.min() < 0.03, (space.name, box)
 

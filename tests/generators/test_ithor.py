@@ -25,7 +25,6 @@ class Tally:
     loose: int = 0
     at_rest: int = 0
     pairs: int = 0
-    too_deep: int = 0
     openable: int = 0
     usable: int = 0
 
@@ -41,7 +40,7 @@ def survey(names: tuple[str, ...]) -> tuple[Tally, list[str]]:
         with World(scene) as world:
             count_fit(world, rows, tally)
             count_settling(world, rows, tally, wrong)
-            count_depths(world, rows, tally)
+            count_depths(world, rows, tally, wrong)
             grid = reachable_grid(world)
             if len(grid.cells) < 30:
                 wrong.append(f"{name}: only {len(grid.cells)} reachable cells")
@@ -72,15 +71,19 @@ def count_settling(world, rows, tally: Tally, wrong: list[str]) -> None:
             wrong.append(f"{world.scene.name}: {object_id} fell through or flew off to {position.round(2)}")
 
 
-def count_depths(world, rows, tally: Tally) -> None:
+def count_depths(world, rows, tally: Tally, wrong: list[str]) -> None:
     for object_id in world.ids:
         for other, distance in world.overlapping(object_id):
             if other == "structure" or other < object_id:
                 continue
-            a, b = rows[object_id], rows[other]
-            recorded = max(0.0, float(np.min(np.minimum(a.high, b.high) - np.maximum(a.low, b.low))))
             tally.pairs += 1
-            tally.too_deep += bool(-distance > recorded + 0.01)
+            if -distance > recorded_depth(rows[object_id], rows[other]) + 0.01:
+                wrong.append(f"{world.scene.name}: {object_id} is {-distance:.3f} m deep in {other}")
+
+
+def recorded_depth(a, b) -> float:
+    """How far the recorded boxes of two objects have to be moved to come apart: what PyBullet calls the distance."""
+    return max(0.0, float(np.min(np.minimum(a.high - b.low, b.high - a.low))))
 
 
 def count_usable(world, grid, tally: Tally) -> None:
@@ -98,7 +101,7 @@ def check(tally: Tally, wrong: list[str]) -> None:
     assert tally.fitting / tally.objects >= 0.97
     assert tally.at_rest / tally.loose >= 0.95
     assert tally.usable / tally.openable >= 0.95
-    assert tally.too_deep / max(tally.pairs, 1) <= 0.015
+    assert tally.pairs > 0
 
 
 def test_four_rooms_are_as_recorded() -> None:
