@@ -62,6 +62,22 @@ class ActionError(RemqaError):
     """An action that the simulated world refuses, with the reason."""
 
 
+class MisuseError(RemqaError, ValueError):
+    """An action of AI2-THOR that cannot be read: unknown, or with arguments that do not fit it.
+
+    Parameters
+    ----------
+    code : str
+        AI2-THOR's errorCode, such as "InvalidAction".
+    message : str
+        What is wrong.
+    """
+
+    def __init__(self, code: str, message: str) -> None:
+        super().__init__(message)
+        self.code = code
+
+
 class SchemaError(RemqaError, ValueError):
     """A row that does not fit its table: says which table, row and field, and what was expected."""
 
@@ -123,6 +139,31 @@ class ArrangementError(RemqaError):
 
 class NoPathError(RemqaError):
     """There is no way between two places, or one of them is not a place where the agent can be."""
+
+
+class SubmissionError(RemqaError, ValueError):
+    """A file of predictions that cannot be scored.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    where : str
+        Such as "line 12, field actions[3]"; empty for the file as a whole.
+    reason : str
+        What is wrong, and what is expected.
+    """
+
+    def __init__(self, path: object, where: str, reason: str) -> None:
+        self.path, self.where, self.reason = path, where, reason
+        super().__init__(f"{path}: {where}: {reason}" if where else f"{path}: {reason}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.path, self.where, self.reason)
+
+
+class ResultsError(RemqaError, ValueError):
+    """A results.json that cannot be read, or two that cannot be compared: says which file and why."""
 
 
 class MissingExtraError(RemqaError, ImportError):

@@ -1,0 +1,166 @@
+"""The evaluator's speed: a million navigation rows without replay, IoU beside pycocotools, questions replayed per second.
+
+Run it alone on an idle machine: `python benchmarks/evaluation.py [DATASET]`. The figures are printed and stored in
+out/benchmarks/evaluation.json; replays are timed only if a dataset is given.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from rich.console import Console
+from rich.table import Table
+
+from remqa_data.evaluation.parquet_rows import METADATA_KEY
+from remqa_data.evaluation.reference import reference_rows
+from remqa_data.evaluation.scoring import score
+from remqa_data.evaluation.submission import Header, open_submission, write_submission
+from remqa_data.evaluation.truth import Truth, load_truth
+from remqa_data.manifest import make_manifest
+from remqa_data.measures import box_iou
+
+OUTPUT = Path("out/benchmarks/evaluation.json")
+ROWS, JSON_ROWS, POSES, BOXES, REPEATS = 1_000_000, 100_000, 8, 1000, 15
+
+
+def main() -> None:
+    """Measure, print and store."""
+    if sys.argv[1:2] == ["--rows"]:  # a process of its own, whose peak memory is that of scoring
+        print(json.dumps(score_rows(Path(sys.argv[2]), Path(sys.argv[3]))))
+        return
+    figures = rows_without_replay() | iou_beside_pycocotools()
+    if len(sys.argv) > 1:
+        figures |= replays(Path(sys.argv[1]))
+    table = Table(
+        "measured", "figure", title=f"{platform.processor() or platform.machine()}, Python {platform.python_version()}"
+    )
+    for name, value in figures.items():
+        table.add_row(name, f"{value:.4g}")
+    Console().print(table)
+    OUTPUT.parent.mkdir(parents=True, exist_ok=True)
+    OUTPUT.write_text(json.dumps(figures, indent=1) + "\n")
+
+
+def rows_without_replay() -> dict[str, float]:
+    """Seconds and peak memory of scoring a million rows of Parquet, or fewer of JSON, in a fresh process on one core."""
+    figures: dict[str, float] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        asked, claimed = million_rows()
+        pq.write_table(asked, Path(folder) / "asked.parquet")
+        about = Header(track="nav", split="test").model_dump_json(exclude_none=True)
+        pq.write_table(claimed.replace_schema_metadata({METADATA_KEY: about}), Path(folder) / "rows.parquet")
+        with (Path(folder) / "rows.jsonl").open("w") as lines:
+            lines.write(about + "\n")
+            for batch in claimed.slice(0, JSON_ROWS).to_batches(10_000):
+                lines.writelines(json.dumps(row) + "\n" for row in batch.to_pylist())
+        for suffix, rows in ((".parquet", ROWS), (".jsonl", JSON_ROWS)):
+            command = [sys.executable, __file__, "--rows", f"{folder}/asked.parquet", f"{folder}/rows{suffix}"]
+            done = subprocess.run(command, check=True, capture_output=True, text=True)
+            for name, value in json.loads(done.stdout).items():
+                figures[f"{rows:,} nav rows of {POSES} poses, {suffix[1:]}: {name}"] = value
+    return figures
+
+
+def million_rows() -> tuple[pa.Table, pa.Table]:
+    """Questions as `Truth` has them, and claimed walks."""
+    rng = np.random.default_rng(0)
+    ids = pa.array([f"FloorPlan{i // 1000}-EXISTENCE-{i % 1000:03}-c0" for i in range(ROWS)])
+    starts = np.round(rng.uniform(-3, 3, (ROWS, 2)) * 4) / 4
+    goals = starts + rng.integers(-8, 9, (ROWS, 2)) / 4
+    angles = {"yaw_deg": pa.array(np.zeros(ROWS)), "horizon_deg": pa.array(np.zeros(ROWS))}
+    asked = pa.table(
+        {
+            "question_id": ids,
+            "start": poses(starts, angles),
+            "goal_poses": pa.ListArray.from_arrays(np.arange(ROWS + 1, dtype=np.int32), poses(goals, angles)),
+            "path_length_m": np.abs(goals - starts).sum(axis=1),
+        }
+    )
+    share = np.linspace(0, 1, POSES)[:, None]
+    ways = starts[:, None] + share * (goals - starts)[:, None]
+    numbers = np.concatenate([ways, np.zeros((ROWS, POSES, 2))], axis=2)
+    of_four = pa.ListArray.from_arrays(np.arange(0, numbers.size + 1, 4, dtype=np.int32), pa.array(numbers.ravel()))
+    boxes = np.tile([10.0, 10.0, 50.0, 50.0], ROWS)
+    claimed = pa.table(
+        {
+            "question_id": ids,
+            "poses": pa.ListArray.from_arrays(np.arange(0, ROWS * POSES + 1, POSES, dtype=np.int32), of_four),
+            "target_box": pa.ListArray.from_arrays(np.arange(0, 4 * ROWS + 1, 4, dtype=np.int32), pa.array(boxes)),
+        }
+    )
+    return asked, claimed.take(rng.permutation(ROWS))
+
+
+def poses(positions: np.ndarray, angles: dict[str, pa.Array]) -> pa.StructArray:
+    """Agent states on a floor at 0."""
+    flat = np.column_stack([positions, np.zeros(len(positions))]).ravel()
+    lists = pa.ListArray.from_arrays(np.arange(0, len(flat) + 1, 3, dtype=np.int32), pa.array(flat))
+    return pa.StructArray.from_arrays([lists, *angles.values()], ["position", *angles])
+
+
+def score_rows(asked: Path, rows: Path) -> dict[str, float]:
+    """Score a file; the questions are in memory before the clock starts."""
+    manifest = make_manifest((), seed=0, config={}, questions={}, refused={})
+    truth = Truth(Path("."), "nav", "test", manifest, pq.read_table(asked))
+    started = time.process_time()
+    scores = score(open_submission(rows), truth, replay=False)
+    seconds = time.process_time() - started
+    assert scores.measures["success@25"].sum() == scores.answered.sum() > 0
+    status = Path("/proc/self/status").read_text()  # getrusage would give the parent's peak if that is higher
+    return {"CPU seconds": seconds, "peak GB": int(status.split("VmHWM:")[1].split()[0]) / 1e6}
+
+
+def iou_beside_pycocotools() -> dict[str, float]:
+    """Milliseconds for all pairs of a thousand boxes with a thousand others."""
+    from pycocotools import mask
+
+    rng = np.random.default_rng(0)
+    corners = rng.uniform(0, 300, (2, BOXES, 2))
+    sizes = rng.uniform(0, 150, (2, BOXES, 2))
+    first, second = np.concatenate([corners, corners + sizes], axis=2)
+    widths, others = np.concatenate([corners, sizes], axis=2)
+    crowd = [0] * BOXES
+    ours, theirs = box_iou(first[:, None], second), mask.iou(widths, others, crowd)
+    assert np.abs(ours - theirs).max() < 1e-12
+    return {
+        f"IoU of {BOXES} x {BOXES} boxes, ours: ms": median_ms(lambda: box_iou(first[:, None], second)),
+        f"IoU of {BOXES} x {BOXES} boxes, pycocotools: ms": median_ms(lambda: mask.iou(widths, others, crowd)),
+    }
+
+
+def median_ms(run: Callable[[], object]) -> float:
+    """Median of some runs."""
+    times = []
+    for _ in range(REPEATS):
+        started = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - started)
+    return float(np.median(times)) * 1e3
+
+
+def replays(root: Path) -> dict[str, float]:
+    """Seconds to replay the oracle on the test split, with two workers, from the start of the processes."""
+    rows = reference_rows("oracle", root, "remqa", "test", np.random.default_rng(0))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "oracle.jsonl"
+        write_submission(path, Header(track="remqa", split="test"), rows)
+        truth = load_truth(root, "remqa", "test")
+        started = time.perf_counter()
+        scores = score(open_submission(path), truth, workers=2)
+        seconds = time.perf_counter() - started
+    assert scores.measures["S_QA"].all()
+    return {f"{len(rows)} test questions replayed by 2 workers: s": seconds}
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,187 @@
+"""The command `remqa-eval`: scores of submissions, reference submissions, comparisons."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from remqa_data.cli import OneLineErrors
+from remqa_data.errors import SubmissionError
+from remqa_data.evaluation.reference import Agent
+from remqa_data.evaluation.tracks import Track
+
+SCORE = "score"
+
+
+class ScoreByDefault(OneLineErrors):
+    """A group in which `remqa-eval FILE ...` means `remqa-eval score FILE ...`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        """Put the command's name before the file's."""
+        if args and args[0] not in self.commands and args[0] not in ("-h", "--help"):
+            args = [SCORE, *args]
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(
+    name="remqa-eval",
+    cls=ScoreByDefault,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Data = Annotated[Path, typer.Option("--data", metavar="DIR", help="A dataset.")]
+Out = Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="A .jsonl or .parquet file to write.")]
+Split = Annotated[str, typer.Option(help="Which questions.")]
+OfTrack = Annotated[Track, typer.Option(help="What to submit to.")]
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+@app.callback()
+def _about() -> None:
+    """Score predictions: remqa-eval predictions.jsonl --data DIR --split test."""
+
+
+@app.command(name=SCORE)
+def score(
+    predictions: Annotated[Path, typer.Argument(metavar="FILE", help="A submission, .jsonl or .parquet.")],
+    data: Data,
+    split: Annotated[str | None, typer.Option(help="Which questions; by default what the file says.")] = None,
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for results and report.")] = Path(
+        "out/eval"
+    ),
+    no_replay: Annotated[
+        bool, typer.Option("--no-replay", help="Believe the poses and true boxes that the file claims.")
+    ] = False,
+    report: Annotated[bool, typer.Option(help="Write report.html too.")] = True,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes; the scores do not depend on it.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the resampling.")] = 0,
+) -> None:
+    """Score a submission (the word "score" may be left out)."""
+    from rich.console import Console
+
+    from remqa_data.evaluation.results import make_results, write_results
+    from remqa_data.evaluation.scoring import score as run
+    from remqa_data.evaluation.submission import open_submission
+    from remqa_data.evaluation.tables import markdown, print_results
+    from remqa_data.evaluation.truth import dataset_sha256, load_truth
+    from remqa_data.files import atomic_path
+
+    submission = open_submission(predictions)
+    header = submission.header
+    if split is not None and split != header.split:
+        raise SubmissionError(
+            predictions, "the header", f"the predictions are for split {header.split!r}, not {split!r}"
+        )
+    truth = load_truth(data, header.track, header.split)
+    sha256 = dataset_sha256(truth.manifest)
+    if header.dataset is not None and header.dataset != sha256:
+        reason = f"the predictions are for dataset {header.dataset[:16]}, but {data} is {sha256[:16]}"
+        raise SubmissionError(predictions, "the header", reason)
+    with _progress(len(truth.ids)) as on_replayed:
+        scores = run(
+            submission, truth, replay=not no_replay, workers=workers or os.cpu_count() or 1, progress=on_replayed
+        )
+    results = make_results(submission, truth, scores, replay=not no_replay, seed=seed)
+    if report:
+        from remqa_data.evaluation.report import write_report
+
+        write_report(out / "report.html", results, submission, truth)
+    with atomic_path(out / "results.md") as temporary:
+        temporary.write_text(markdown(results), encoding="utf-8")
+    write_results(out / "results.json", results)
+    print_results(Console(), results)
+    typer.echo(f"{out}: results.json, results.md{', report.html' * report}")
+
+
+@app.command()
+def oracle(data: Data, output: Out, track: OfTrack = "remqa", split: Split = "test") -> None:
+    """Write what an agent that knows everything submits."""
+    _write_reference("oracle", data, output, track, split, 0)
+
+
+@app.command()
+def random(
+    data: Data,
+    output: Out,
+    track: OfTrack = "remqa",
+    split: Split = "test",
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+) -> None:
+    """Write what an agent that does anything submits."""
+    _write_reference("random", data, output, track, split, seed)
+
+
+@app.command()
+def blind(data: Data, output: Out, track: OfTrack = "remqa", split: Split = "test") -> None:
+    """Write what an agent submits that reads the question, stands still and guesses."""
+    _write_reference("blind", data, output, track, split, 0)
+
+
+@app.command()
+def compare(
+    first: Annotated[Path, typer.Argument(metavar="A.json", help="A results.json.")],
+    second: Annotated[Path, typer.Argument(metavar="B.json", help="Another, for the same questions.")],
+    seed: Annotated[int, typer.Option(min=0, help="Of the resampling.")] = 0,
+) -> None:
+    """Say how much better the second submission is than the first, and whether that is luck."""
+    from rich.console import Console
+
+    from remqa_data.evaluation.compare import compare as run
+    from remqa_data.evaluation.compare import comparison_grid, comparison_notes
+    from remqa_data.evaluation.tables import print_grid
+
+    compared = run(first, second, seed)
+    print_grid(Console(), comparison_grid(first, second, compared))
+    for line in comparison_notes(first, second, compared):
+        typer.echo(line)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of results.json."""
+    from remqa_data.evaluation.results import schema_json
+
+    typer.echo(schema_json(), nl=False)
+
+
+def _write_reference(agent: Agent, data: Path, output: Path, track: Track, split: str, seed: int) -> None:
+    import numpy as np
+
+    from remqa_data.evaluation.reference import reference_rows
+    from remqa_data.evaluation.submission import Header, write_submission
+    from remqa_data.evaluation.truth import dataset_sha256
+    from remqa_data.manifest import load_manifest
+
+    rows = reference_rows(agent, data, track, split, np.random.default_rng(seed))
+    header = Header(track=track, split=split, dataset=dataset_sha256(load_manifest(data)), agent=agent)
+    write_submission(output, header, rows)
+    typer.echo(f"{output}: {len(rows)} rows")
+
+
+class _progress:
+    """Shows how many questions have been replayed, on a terminal."""
+
+    def __init__(self, total: int) -> None:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        console = Console(stderr=True)
+        self.bar = Progress(console=console, transient=True, disable=not console.is_terminal)
+        self.task = self.bar.add_task("replaying", total=total)
+
+    def __enter__(self) -> Callable[[int], None]:
+        self.bar.start()
+        return lambda count: self.bar.update(self.task, advance=count)
+
+    def __exit__(self, *error: object) -> None:
+        self.bar.stop()
