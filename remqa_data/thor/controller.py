@@ -1,0 +1,72 @@
+"""AI2-THOR's Controller over our rooms: the same Python class, with the Unity process replaced."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ai2thor.controller import Controller as ThorController
+from ai2thor.server import Event
+
+from remqa_data.thor.server import Server
+from remqa_data.thor.session import Session
+
+
+class Controller(ThorController):  # type: ignore[misc]  # AI2-THOR has no types
+    """Drop-in replacement of `ai2thor.controller.Controller`.
+
+    Parameters
+    ----------
+    *args, **parameters
+        As of AI2-THOR's Controller: scene, width, height, gridSize, renderDepthImage, agentMode and so on. What chooses a
+        Unity build, a display or a graphics card is accepted and has no effect.
+
+    Examples
+    --------
+    >>> controller = Controller(scene="FloorPlan401", width=64, height=64)
+    >>> event = controller.step("RotateRight")
+    >>> event.frame.shape, event.metadata["lastActionSuccess"]
+    ((64, 64, 3), True)
+    >>> controller.stop()
+
+    Notes
+    -----
+    docs/AI2THOR.md says, action by action, what is supported, approximated or missing.
+    """
+
+    server: Server | None
+    width: int
+    height: int
+
+    def __init__(self, *args: Any, **parameters: Any) -> None:
+        super().__init__(*args, **{**parameters, "start_unity": False})
+
+    def reset(self, scene: str | None = None, **init_params: Any) -> Event:
+        """Load a room, or the same room again, and place the agent at its start.
+
+        Parameters
+        ----------
+        scene : str, optional
+            Such as "FloorPlan1"; by default the last one.
+        **init_params
+            New initialization parameters, also width and height; the others stay as they are.
+
+        Raises
+        ------
+        ValueError
+            If there is no such scene, or a parameter is not supported.
+        """
+        assert self.server is not None
+        self.width, self.height = init_params.get("width", self.width), init_params.get("height", self.height)
+        self.server.session.resize(self.width, self.height)
+        return super().reset(scene, **init_params)
+
+    def _build_server(self, host: str, port: int, width: int, height: int) -> None:
+        if self.server is None:
+            self.server = Server(
+                Session(width, height),
+                width=width,
+                height=height,
+                timeout=self.server_timeout,
+                depth_format=self.depth_format,
+                add_depth_noise=self.add_depth_noise,
+            )

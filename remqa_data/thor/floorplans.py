@@ -1,0 +1,31 @@
+"""The recorded floor plans: the only module of the facade that reaches into `remqa_data.generators`, when it is asked."""
+
+from __future__ import annotations
+
+from remqa_data.assets.model import F64
+from remqa_data.errors import UnknownNameError
+from remqa_data.scene import Scene
+
+
+def scene_names() -> tuple[str, ...]:
+    """The names of all floor plans, such as "FloorPlan1"."""
+    from remqa_data.generators.floorplans import ithor
+
+    return ithor.scene_names()
+
+
+def load_scene(name: str) -> Scene:
+    """A floor plan as a scene."""
+    from remqa_data.generators.floorplans import ithor
+
+    return ithor.load_scene(name)
+
+
+def recorded_pivots(name: str) -> dict[str, F64]:
+    """AI2-THOR's `position` of each object in a floor plan, metres in the room; none for a room that was not recorded."""
+    from remqa_data.generators.floorplans.table import recorded_objects
+
+    try:
+        return {row.id: row.pivot for row in recorded_objects(name)}
+    except UnknownNameError:
+        return {}

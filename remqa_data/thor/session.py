@@ -1,0 +1,66 @@
+"""Executes AI2-THOR's actions, one after the other, and answers each with a state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from remqa_data.errors import MisuseError, RemqaError
+from remqa_data.sim.agent import ActionResult
+from remqa_data.thor import actions_arm, actions_navigation, actions_objects, actions_scene, actions_search
+from remqa_data.thor.dispatch import call, checked
+from remqa_data.thor.events import Reply, reply
+from remqa_data.thor.settings import FrameSize, Images
+from remqa_data.thor.stage import Stage
+
+ACTIONS = checked(actions_scene.ACTIONS | actions_navigation.ACTIONS | actions_search.ACTIONS | actions_objects.ACTIONS)
+"""What the agent without an arm can do."""
+ARM_ACTIONS = ACTIONS | checked(actions_arm.ACTIONS)
+"""What the agent with an arm can do; it picks up and lets go in its own way."""
+
+
+class Session:
+    """One simulation.
+
+    Parameters
+    ----------
+    width, height : int
+        Of every picture, pixels.
+    """
+
+    def __init__(self, width: int, height: int) -> None:
+        self._stage = Stage(FrameSize(width, height))
+
+    def execute(self, request: Mapping[str, Any]) -> Reply:
+        """Execute an action: "action" and its arguments. What cannot be done is said in the reply's metadata."""
+        actions = ARM_ACTIONS if self._stage.settings.has_arm else ACTIONS
+        code = None
+        try:
+            result = call(actions, self._stage, request)
+        except MisuseError as error:
+            result, code = ActionResult(False, str(error)), error.code
+        except RemqaError as error:
+            result = ActionResult(False, str(error))
+        return reply(self._stage, str(request.get("action")), result, code, self._images(request))
+
+    def resize(self, width: int, height: int) -> None:
+        """Change the size of all pictures."""
+        self._stage.resize(FrameSize(width, height))
+
+    def first_reply(self) -> Reply:
+        """What AI2-THOR sends when it has started."""
+        return reply(self._stage, "", ActionResult(True), None, Images())
+
+    def close(self) -> None:
+        """Give the simulator's memory back."""
+        self._stage.close()
+
+    def _images(self, request: Mapping[str, Any]) -> Images:
+        """The pictures that Initialize has asked for, and those that this action asks for."""
+        always = self._stage.settings.images
+        return Images(
+            color=bool(request.get("renderImage", True)),
+            depth=always.depth or bool(request.get("renderDepthImage")),
+            instances=always.instances or bool(request.get("renderInstanceSegmentation")),
+            types=always.types or bool(request.get("renderSemanticSegmentation")),
+        )

@@ -1,0 +1,89 @@
+import pytest
+
+APPLE = "Apple|-00.47|+01.15|+00.48"
+BEFORE_APPLE = {"x": -1.0, "y": 0.9, "z": 0.5, "rotation": 90, "horizon": 30, "standing": True}
+
+
+@pytest.fixture
+def before_apple(armed):
+    assert armed.step("TeleportFull", **BEFORE_APPLE)
+    return armed
+
+
+def hand(event) -> dict[str, float]:
+    return event.metadata["arm"]["handSphereCenter"]
+
+
+def test_the_shoulder_slides(before_apple) -> None:
+    floor = -0.0083
+    for share, height in ((0.5, 1.126), (0.3, 0.856)):  # of 0.451 to 1.801 m
+        event = before_apple.step("MoveArmBase", y=share)
+        assert event, event.metadata["errorMessage"]
+        assert event.metadata["arm"]["joints"][1]["position"]["y"] == pytest.approx(height + floor, abs=0.002)
+    event = before_apple.step("MoveArmBaseUp", distance=0.1)
+    assert event.metadata["arm"]["joints"][1]["position"]["y"] == pytest.approx(0.956 + floor, abs=0.002)
+    assert before_apple.step("MoveArmBaseDown", distance=0.1)
+    assert not before_apple.step("MoveArmBase", y=1.2)
+
+
+def test_the_hand_goes_where_it_is_sent(before_apple) -> None:
+    before_apple.step("RotateAgent", degrees=180)  # away from the island, looking along -x
+    assert before_apple.step("MoveArmBase", y=0.5)
+    event = before_apple.step("MoveArm", position={"x": 0.1, "y": 0.05, "z": 0.4})
+    assert event, event.metadata["errorMessage"]
+    shoulder = event.metadata["arm"]["joints"][1]["position"]
+    # Looking along -x: ahead is -x, right is +z.
+    assert hand(event)["x"] == pytest.approx(-1.0 - 0.15 - 0.4, abs=0.01)
+    assert hand(event)["z"] == pytest.approx(0.5 + 0.1, abs=0.01)
+    assert hand(event)["y"] == pytest.approx(shoulder["y"] + 0.05, abs=0.01)
+    event = before_apple.step("MoveArmRelative", offset={"x": 0, "y": 0.05, "z": 0})
+    assert event
+    there = hand(event)
+    event = before_apple.step("MoveArm", position=there, coordinateSpace="world")
+    assert hand(event) == pytest.approx(there, abs=1e-3)
+
+
+def test_the_arm_comes_back_from_what_it_cannot_do(before_apple) -> None:
+    before = hand(before_apple.last_event)
+    event = before_apple.step("MoveArm", position={"x": 0, "y": 0, "z": 2.0})
+    assert not event
+    assert "not within reach" in event.metadata["errorMessage"]
+    assert hand(event) == before
+
+
+def test_the_hand_takes_hold_of_what_it_touches(before_apple) -> None:
+    assert not before_apple.step("PickupObject")
+    assert before_apple.step("MoveArmBase", y=0.6)
+    apple = before_apple.last_event.get_object(APPLE)["position"]
+    event = before_apple.step(
+        "MoveArm",
+        position={"x": apple["x"], "y": apple["y"] + 0.06, "z": apple["z"]},
+        coordinateSpace="world",
+        returnToStart=False,
+    )
+    assert APPLE in event.metadata["arm"]["pickupableObjects"], event.metadata["errorMessage"]
+    assert not before_apple.step("PickupObject", objectIdCandidates=["Mug|-01.76|+00.90|-00.62"])
+    event = before_apple.step("PickupObject", objectIdCandidates=[APPLE])
+    assert event
+    assert event.metadata["arm"]["heldObjects"] == [APPLE]
+    assert event.get_object(APPLE)["axisAlignedBoundingBox"]["center"] == pytest.approx(hand(event))
+    assert before_apple.step("MoveAgent", ahead=-0.25)
+    event = before_apple.step("ReleaseObject")
+    assert event
+    assert not event.get_object(APPLE)["isPickedUp"]
+    assert event.get_object(APPLE)["position"]["y"] < 0.2
+
+
+def test_the_sphere_grows(before_apple) -> None:
+    assert before_apple.step("MoveArmBase", y=0.6)
+    few = before_apple.step("SetHandSphereRadius", radius=0.04).metadata["arm"]
+    many = before_apple.step("SetHandSphereRadius", radius=0.5).metadata["arm"]
+    assert (few["handSphereRadius"], many["handSphereRadius"]) == (0.04, 0.5)
+    assert set(few["touchedNotHeldObjects"]) < set(many["touchedNotHeldObjects"])
+    assert not before_apple.step("SetHandSphereRadius", radius=0.6)
+
+
+def test_the_arm_belongs_to_arm_mode(kitchen) -> None:
+    with pytest.raises(ValueError, match="Invalid action: MoveArm"):
+        kitchen.step("MoveArm", position={"x": 0, "y": 0, "z": 0.4})
+    assert kitchen.last_event.metadata["arm"] is None

@@ -1,0 +1,138 @@
+"""The metadata against AI2-THOR's own: its schema, and what it recorded in FloorPlan1 (figures typed in by hand)."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+SCHEMA = json.loads((Path(__file__).parent / "ai2thor_schema.json").read_text())
+TYPES = {
+    "bool": bool,
+    "float": float,
+    "str": str,
+    "str|None": (str, type(None)),
+    "list[str]|None": (list, type(None)),
+    "dict": dict,
+    "dict|None": (dict, type(None)),
+}
+ROUND_TRIP = (
+    {"action": "Pass"},
+    {"action": "MoveAhead", "moveMagnitude": 100.0},
+    {"action": "RotateLeft"},
+    {"action": "GetReachablePositions"},
+    {"action": "PickupObject", "objectId": "Apple|-00.47|+01.15|+00.48", "forceAction": True},
+    {"action": "OpenObject", "objectId": "Fridge|-02.10|+00.00|+01.07", "forceAction": True},
+    {"action": "DropHandObject"},
+)
+
+
+def check(metadata: dict) -> None:
+    assert set(metadata) == set(SCHEMA["event"])
+    assert set(metadata["agent"]) == set(SCHEMA["agent"])
+    for record in metadata["objects"]:
+        assert set(record) == {name for names in SCHEMA["object"].values() for name in names}
+        for kind, names in SCHEMA["object"].items():
+            for name in names:
+                assert isinstance(record[name], TYPES[kind]), (name, record[name])
+        assert (record["receptacleObjectIds"] is not None) == record["receptacle"]
+        assert (record["objectOrientedBoundingBox"] is not None) == (record["pickupable"] or record["moveable"])
+        assert set(record["axisAlignedBoundingBox"]) == {"center", "size", "cornerPoints"}
+        assert len(record["axisAlignedBoundingBox"]["cornerPoints"]) == 8
+        assert 0 <= record["openness"] <= 1
+    assert json.loads(json.dumps(metadata)) == metadata
+
+
+@pytest.mark.parametrize("mode", ["default", "arm"])
+def test_every_event_follows_the_schema(kitchen, mode) -> None:
+    check(kitchen.reset(agentMode=mode, renderInstanceSegmentation=True).metadata)
+    for action in ROUND_TRIP:
+        request = {k: v for k, v in action.items() if mode == "default" or k not in ("objectId", "forceAction")}
+        if mode == "arm" and action["action"] == "OpenObject":
+            request = action
+        check(kitchen.step(**request).metadata)
+
+
+def test_the_arm_follows_the_schema(armed) -> None:
+    arm = armed.last_event.metadata["arm"]
+    assert set(arm) == set(SCHEMA["arm"])
+    assert [joint["name"] for joint in arm["joints"]] == [f"robot_arm_{k}_jnt" for k in (1, 2, 3, 4)]
+    for joint in arm["joints"]:
+        assert set(joint["position"]) == set("xyz")
+        assert set(joint["rotation"]) == set("xyzw")
+
+
+@pytest.mark.parametrize(
+    ("object_id", "position", "rotation_y", "parent"),
+    [
+        ("Fridge|-02.10|+00.00|+01.07", (-2.097, 0.0, 1.072), 90.0, "Floor|+00.00|+00.00|+00.00"),
+        ("StoveBurner|-00.04|+00.92|-02.37", (-0.0361, 0.9151, -2.3722), 0.0, None),
+        ("Book|+00.15|+01.10|+00.62", (0.155, 1.0993, 0.617), 315.8263, "CounterTop|-00.08|+01.15|00.00"),
+    ],
+)
+def test_objects_are_where_ai2thor_recorded_them(kitchen, object_id, position, rotation_y, parent) -> None:
+    record = kitchen.last_event.get_object(object_id)
+    assert tuple(record["position"].values()) == pytest.approx(position, abs=0.005)
+    assert record["rotation"]["y"] == pytest.approx(rotation_y, abs=1.0)
+    if parent is not None:
+        assert record["parentReceptacles"] == [parent]
+        assert object_id in kitchen.last_event.get_object(parent)["receptacleObjectIds"]
+
+
+def test_facts_of_one_object(kitchen) -> None:
+    book = kitchen.last_event.get_object("Book|+00.15|+01.10|+00.62")
+    assert (book["mass"], book["salientMaterials"], book["objectType"]) == (0.5, ["Paper"], "Book")
+    assert book["pickupable"]
+    assert not book["moveable"]
+    size = book["axisAlignedBoundingBox"]["size"]
+    assert (size["x"], size["y"], size["z"]) == pytest.approx((0.5339, 0.062, 0.5321), abs=0.02)
+
+
+def test_the_agent_is_described_as_in_ai2thor(kitchen) -> None:
+    metadata = kitchen.last_event.metadata
+    assert metadata["sceneName"] == "FloorPlan1_physics"
+    assert metadata["agent"]["position"]["y"] == 0.900999
+    assert metadata["agent"]["rotation"]["x"] == metadata["agent"]["rotation"]["z"] == 0.0
+    assert metadata["agent"]["isStanding"] is True
+    assert metadata["cameraPosition"]["y"] == pytest.approx(1.576, abs=0.05)
+    assert metadata["errorCode"] is None
+    assert metadata["fov"] == 90.0
+
+
+def test_distance_is_from_the_middle_of_the_agent_to_the_pivot(kitchen) -> None:
+    event = kitchen.step("RotateRight")
+    here = event.metadata["agent"]["position"]
+    for record in event.metadata["objects"]:
+        there = record["position"]
+        expected = sum((here[axis] - there[axis]) ** 2 for axis in "xyz") ** 0.5
+        assert record["distance"] == pytest.approx(expected, abs=1e-9)
+
+
+def test_events_do_not_share_positions(kitchen) -> None:
+    first = kitchen.step("Pass")
+    apple = first.get_object("Apple|-00.47|+01.15|+00.48")
+    apple["position"]["x"] = 99.0
+    apple["visible"] = "spoilt"
+    again = kitchen.step("Pass").get_object(apple["objectId"])
+    assert again["position"]["x"] == pytest.approx(-0.47, abs=0.01)
+    assert again["visible"] in (True, False)
+
+
+def test_what_is_held_is_in_the_hand(kitchen) -> None:
+    apple = "Apple|-00.47|+01.15|+00.48"
+    event = kitchen.step("PickupObject", objectId=apple, forceAction=True)
+    record = event.get_object(apple)
+    hand = event.metadata["heldObjectPose"]["position"]
+    assert record["isPickedUp"]
+    assert record["parentReceptacles"] is None
+    assert record["axisAlignedBoundingBox"]["center"] == pytest.approx(hand)
+    assert event.metadata["inventoryObjects"] == [{"objectId": apple, "objectType": "Apple"}]
+    moved = kitchen.step("RotateLeft")
+    assert moved.get_object(apple)["position"] != record["position"]
+
+
+def test_filter(kitchen) -> None:
+    some = [record["objectId"] for record in kitchen.last_event.metadata["objects"][:3]]
+    event = kitchen.step("SetObjectFilter", objectIds=some)
+    assert [record["objectId"] for record in event.metadata["objects"]] == some
+    assert kitchen.step("SetObjectFilter", objectIds=[]).metadata["objects"] == []
+    assert len(kitchen.step("ResetObjectFilter").metadata["objects"]) > 3

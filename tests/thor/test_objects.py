@@ -1,0 +1,158 @@
+import pytest
+
+FRIDGE = "Fridge|-02.10|+00.00|+01.07"
+APPLE = "Apple|-00.47|+01.15|+00.48"
+EGG = "Egg|-02.04|+00.81|+01.24"
+ISLAND = "CounterTop|-00.08|+01.15|00.00"
+
+
+def pose(x: float, z: float, rotation: float, horizon: float) -> dict:
+    """Arguments of TeleportFull."""
+    return {"x": x, "y": 0.9, "z": z, "rotation": {"x": 0, "y": rotation, "z": 0}, "horizon": horizon, "standing": True}
+
+
+BEFORE_FRIDGE = pose(-0.75, 1.5, 270, 30)
+BEFORE_APPLE = pose(-1.0, 0.5, 90, 30)
+BEFORE_STOOL = pose(1.5, 0.5, 270, 60)
+STOOL = {
+    "position": {"x": 1.5, "y": 0.9, "z": 0.5},
+    "rotation": {"x": 0, "y": 270, "z": 0},
+    "horizon": 60,
+    "standing": True,
+}
+STOOL = "Stool|+00.74|+00.00|+00.56"
+
+
+@pytest.fixture
+def before_fridge(kitchen):
+    assert kitchen.step("TeleportFull", **BEFORE_FRIDGE)
+    return kitchen
+
+
+@pytest.fixture
+def before_apple(kitchen):
+    assert kitchen.step("TeleportFull", **BEFORE_APPLE)
+    return kitchen
+
+
+def test_opens_and_closes(before_fridge) -> None:
+    closed = before_fridge.last_event.get_object(FRIDGE)
+    assert (closed["isOpen"], closed["openness"]) == (False, 0.0)
+    event = before_fridge.step("OpenObject", objectId=FRIDGE)
+    opened = event.get_object(FRIDGE)
+    assert (opened["isOpen"], opened["openness"]) == (True, 1.0)
+    assert event.metadata["actionReturn"] is None
+    assert opened["axisAlignedBoundingBox"]["size"] != closed["axisAlignedBoundingBox"]["size"]
+    assert not before_fridge.step("OpenObject", objectId=FRIDGE)
+    shut = before_fridge.step("CloseObject", objectId=FRIDGE).get_object(FRIDGE)
+    assert shut["axisAlignedBoundingBox"] == closed["axisAlignedBoundingBox"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "openness"), [({"openness": 0.5}, 0.5), ({"moveMagnitude": 0}, 1.0), ({"moveMagnitude": 0.65}, 0.65)]
+)
+def test_opens_partly(kitchen, arguments, openness) -> None:
+    event = kitchen.step("OpenObject", objectId=FRIDGE, forceAction=True, **arguments)
+    assert event.get_object(FRIDGE)["openness"] == openness
+
+
+def test_what_it_refuses_to_open(before_fridge) -> None:
+    for object_id, text in ((APPLE, "is not openable"), ("Fridge|+99.00|+00.00|+01.07", "unknown object")):
+        event = before_fridge.step("OpenObject", objectId=object_id)
+        assert text in event.metadata["errorMessage"]
+        assert not event
+    assert not before_fridge.step("OpenObject", objectId=FRIDGE, openness=1.5, forceAction=True)
+    assert not before_fridge.step("OpenObject", x=1.5, y=0.5)
+    before_fridge.step("TeleportFull", **pose(-1.0, 1.0, 270, 30))
+    event = before_fridge.step("OpenObject", objectId=FRIDGE)
+    assert "Agent is blocking" in event.metadata["errorMessage"]  # it stands in the way of the door
+    before_fridge.step("RotateRight", degrees=180)
+    event = before_fridge.step("OpenObject", objectId=FRIDGE)
+    assert "is not visible" in event.metadata["errorMessage"]
+
+
+def test_acts_on_what_a_point_of_the_frame_shows(before_fridge) -> None:
+    for width, height in ((300, 300), (400, 200)):
+        before_fridge.step("ChangeResolution", x=width, y=height)
+        event = before_fridge.step("Pass", renderInstanceSegmentation=True)
+        x1, y1, x2, y2 = event.instance_detections2D[FRIDGE]
+        x, y = (x1 + x2 + 1) / 2 / width, (y1 + y2 + 1) / 2 / height
+        assert before_fridge.step("GetObjectInFrame", x=x, y=y).metadata["actionReturn"] == FRIDGE
+        assert before_fridge.step("OpenObject", x=x, y=y).get_object(FRIDGE)["isOpen"]
+        assert before_fridge.step("CloseObject", objectId=FRIDGE)
+
+
+@pytest.mark.parametrize("size", [(300, 300), (640, 240), (120, 120)])
+def test_what_is_visible_can_be_picked_up(kitchen, size) -> None:
+    """Whatever the frame: `visible` in the metadata is what decides."""
+    kitchen.step("ChangeResolution", x=size[0], y=size[1])
+    for rotation in (45, 90, 135):
+        event = kitchen.step("TeleportFull", **{**BEFORE_APPLE, "rotation": {"x": 0, "y": rotation, "z": 0}})
+        for record in [o for o in event.metadata["objects"] if o["pickupable"] and o["distance"] < 2.5]:
+            picked = kitchen.step("PickupObject", objectId=record["objectId"])
+            assert bool(picked) == record["visible"], picked.metadata["errorMessage"]
+            if picked:
+                kitchen.reset(width=size[0], height=size[1])
+                kitchen.step("TeleportFull", **{**BEFORE_APPLE, "rotation": {"x": 0, "y": rotation, "z": 0}})
+
+
+def test_picks_up_and_puts_down(before_apple) -> None:
+    event = before_apple.step("PickupObject", objectId=APPLE)
+    assert event
+    assert event.get_object(APPLE)["isPickedUp"]
+    assert "already holding" in before_apple.step("PickupObject", objectId=APPLE).metadata["errorMessage"]
+    event = before_apple.step("PutObject", objectId=ISLAND)
+    assert event
+    apple = event.get_object(APPLE)
+    assert (apple["isPickedUp"], apple["parentReceptacles"]) == (False, [ISLAND])
+    assert event.metadata["inventoryObjects"] == []
+    assert not before_apple.step("PutObject", objectId=ISLAND)
+    assert "nothing is held" in before_apple.last_event.metadata["errorMessage"]
+
+
+def test_says_what_clients_look_for_when_there_is_no_place(kitchen) -> None:
+    kitchen.step("PickupObject", objectId="Book|+00.15|+01.10|+00.62", forceAction=True)
+    event = kitchen.step("PutObject", objectId="Bowl|+00.27|+01.10|-00.75", forceAction=True)
+    assert event.metadata["errorMessage"] == "No valid positions to place object found"
+
+
+def test_drops(before_apple) -> None:
+    before_apple.step("PickupObject", objectId=APPLE)
+    before_apple.step("Teleport", position={"x": 1.5, "y": 0.9, "z": 0.0}, rotation={"x": 0, "y": 180, "z": 0})
+    event = before_apple.step("DropHandObject")
+    assert event
+    assert event.get_object(APPLE)["position"]["y"] < 0.15
+    assert not before_apple.step("DropHeldObject")
+
+
+def test_pushes_along_the_heading(kitchen) -> None:
+    before = kitchen.step("TeleportFull", **BEFORE_STOOL).get_object(STOOL)["position"]
+    event = kitchen.step("DirectionalPush", objectId=STOOL, moveMagnitude=400.0, pushAngle=90)
+    assert event, event.metadata["errorMessage"]
+    after = event.get_object(STOOL)["position"]
+    assert after["z"] - before["z"] > 0.05  # facing -x, clockwise by 90 degrees is +z
+    assert abs(after["x"] - before["x"]) < 0.02
+    event = kitchen.step("PullObject", objectId=STOOL, moveMagnitude=300.0)
+    assert event, event.metadata["errorMessage"]
+    assert event.get_object(STOOL)["position"]["x"] > after["x"]
+    assert not kitchen.step("PushObject", objectId=FRIDGE, moveMagnitude=100.0)
+    assert not kitchen.step("PushObject", objectId=STOOL, moveMagnitude=0)
+
+
+def test_switches_on_and_off(kitchen) -> None:
+    switch = "LightSwitch|+02.33|+01.31|-00.16"
+    kitchen.step("TeleportFull", position={"x": 1.5, "y": 0.9, "z": 0.0}, rotation=90, horizon=0, standing=True)
+    assert kitchen.step("ToggleObjectOn", objectId=switch).get_object(switch)["isToggled"]
+    assert not kitchen.step("ToggleObjectOn", objectId=switch)
+    assert not kitchen.step("ToggleObjectOff", objectId=switch).get_object(switch)["isToggled"]
+    assert not kitchen.step("ToggleObjectOn", objectId=APPLE, forceAction=True)
+    kitchen.step("RotateRight")
+    assert not kitchen.step("ToggleObjectOn", objectId=switch)
+
+
+def test_what_is_in_the_fridge_comes_out(before_fridge) -> None:
+    assert not before_fridge.step("PickupObject", objectId=EGG)
+    assert before_fridge.step("OpenObject", objectId=FRIDGE)
+    (pose,) = before_fridge.step("GetInteractablePoses", objectId=EGG, maxPoses=1).metadata["actionReturn"]
+    assert before_fridge.step("TeleportFull", **pose).get_object(EGG)["visible"]
+    assert before_fridge.step("PickupObject", objectId=EGG).get_object(EGG)["isPickedUp"]
