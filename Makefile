@@ -9,9 +9,8 @@ INSTALLED := .venv/.installed
 INSTALLED_DEV := .venv/.installed-dev
 PINS := pyproject.toml constraints.txt
 
-PREVIEW_SCENES := FloorPlan1 FloorPlan2 FloorPlan3 FloorPlan201 FloorPlan202 FloorPlan203 \
-	FloorPlan301 FloorPlan302 FloorPlan303 FloorPlan401 FloorPlan402 FloorPlan403
-PREVIEWS := out/previews
+SCENES ?= 120
+DATASET := out/remqa
 
 .DEFAULT_GOAL := help
 .PHONY: help setup dataset test test-fast lint bench clean
@@ -21,9 +20,8 @@ help:  ## list the targets
 
 setup: $(INSTALLED_DEV)  ## make .venv and install the package with its development tools
 
-dataset: $(INSTALLED)  ## the main job: preview sheets of three rooms of each type, in out/previews
-	@for scene in $(PREVIEW_SCENES); do \
-		$(BIN)/remqa-data preview $$scene --output $(PREVIEWS)/$$scene.png || exit; done
+dataset: $(INSTALLED)  ## the main job: the whole benchmark, in out/remqa; `make dataset SCENES=12` for less
+	$(BIN)/remqa-gen --scenes $(SCENES) --out $(DATASET) --resume
 
 test: lint  ## lint, then all tests on two cores
 	$(BIN)/python -m pytest -n 2

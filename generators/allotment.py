@@ -201,14 +201,14 @@ def _deal(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, total:
 
 
 def _deal_groups(easy: Mapping[str, int], most: Mapping[str, int], count: int) -> dict[str, int]:
-    """Deal groups to rooms one by one, each to the room that has fewest for its size, and first what rooms take easily.
+    """Deal groups to rooms one by one, each to the room that is least full, and first what rooms take easily.
 
-    A room's size is the root of what it has room for: large rooms get more, but not in proportion.
+    So all rooms keep some room, in case things cannot be arranged as planned.
     """
     dealt = dict.fromkeys(easy, 0)
     for limit in (easy, most):
         waiting = [
-            ((dealt[name] + 1) / math.sqrt(room), order, name)
+            ((dealt[name] + 1) / room, order, name)
             for order, (name, room) in enumerate(limit.items())
             if dealt[name] < room
         ]
@@ -217,7 +217,7 @@ def _deal_groups(easy: Mapping[str, int], most: Mapping[str, int], count: int) -
             _, order, name = heapq.heappop(waiting)
             dealt[name] += 1
             if dealt[name] < limit[name]:
-                heapq.heappush(waiting, ((dealt[name] + 1) / math.sqrt(limit[name]), order, name))
+                heapq.heappush(waiting, ((dealt[name] + 1) / limit[name], order, name))
     return dealt
 
 

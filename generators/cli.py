@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import time
 from collections.abc import Callable, Mapping
@@ -37,7 +38,13 @@ def generate(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the dataset.")] = Path("out/remqa"),
     config: Annotated[Path | None, typer.Option(metavar="FILE", help="A file such as configs/paper.yaml.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of the whole dataset.")] = None,
-    workers: Annotated[int, typer.Option(min=1, help="Processes; the dataset does not depend on it.")] = 1,
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes, by default one for each core; the dataset does not depend on it."),
+    ] = None,
+    layouts: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Where rooms come from: ithor, the 120 floor plans of AI2-THOR.")
+    ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in the folder.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with an interrupted run.")] = False,
 ) -> None:
@@ -47,6 +54,8 @@ def generate(
     from remqa_data.generators.pipeline import generate as run
 
     settings = paper_config() if config is None else load_config(config)
+    if layouts is not None:
+        settings = settings.with_layouts(layouts)
     if seed is not None:
         settings = settings.with_seed(seed)
     if scenes is not None:
@@ -56,7 +65,7 @@ def generate(
         shutil.rmtree(out)
     started = time.monotonic()
     with _progress(len(settings.scene_names)) as on_scene:
-        manifest = run(out, settings, workers, on_scene)
+        manifest = run(out, settings, workers or os.cpu_count() or 1, on_scene)
     _summary(out, settings, manifest.questions, time.monotonic() - started)
 
 

@@ -28,6 +28,8 @@ from remqa_data.images import RgbFormat
 from remqa_data.manifest import config_hash
 from remqa_data.rows import QuestionKind
 
+LAYOUTS = ("ithor",)
+
 
 class _Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
@@ -163,6 +165,18 @@ class Config(_Section):
             totals[split] = KindCounts(**counts)
         scenes = count if isinstance(self.scenes, int) else after
         return self.model_copy(update={"scenes": scenes, "questions": Totals(**totals)})
+
+    def with_layouts(self, layouts: str) -> Config:
+        """The same with rooms from elsewhere.
+
+        Raises
+        ------
+        ConfigError
+            If there are no such layouts.
+        """
+        if layouts not in LAYOUTS:
+            raise ConfigError(f"layouts: there are no layouts {layouts!r}; use {' or '.join(LAYOUTS)}")
+        return self.model_copy(update={"layouts": layouts})
 
     def with_seed(self, seed: int) -> Config:
         """The same with another seed."""

@@ -133,6 +133,22 @@ def arrange(
     raise ArrangementError(msg, first.place.object_id, first.place.relation, [first.type])
 
 
+def check_room(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> None:
+    """Look whether places have room for all that is wished there, without making anything.
+
+    Raises
+    ------
+    ArrangementError
+        If one has not: names the place and the things.
+    """
+    by_place: dict[Key, tuple[HidingPlace, list[str]]] = {}
+    for wish in wishes:
+        key = (wish.place.object_id, wish.place.manipulation)
+        by_place.setdefault(key, (wish.place, []))[1].extend([wish.type] * wish.count)
+    for place, types in by_place.values():
+        _packed(scene, place, types, [_largest_size(name) for name in types], rng)
+
+
 Key = tuple[str, str]
 Wished = tuple[tuple[Hidden, tuple[str, ...]], ...]
 
@@ -184,12 +200,24 @@ def _pack(
 ) -> list[Put]:
     place, ids = place_and_ids
     sizes = [_plan_size(world.assets[object_id].spec) for object_id in ids]
+    return _packed(scene, place, [world.type_of(object_id) for object_id in ids], sizes, rng)
+
+
+def _packed(
+    scene: Scene, place: HidingPlace, types: Sequence[str], sizes: Sequence[Vec3], rng: np.random.Generator
+) -> list[Put]:
     puts = packed(place.areas, sizes, hiding_rules().gap_m, rng)
     if puts is None:
-        names = ", ".join(world.type_of(object_id) for object_id in ids)
+        names = ", ".join(types)
         msg = f"{scene.name}: no room {place.relation} {place.object_id} for {names}; wish for fewer or smaller things"
-        raise ArrangementError(msg, place.object_id, place.relation, {world.type_of(object_id) for object_id in ids})
+        raise ArrangementError(msg, place.object_id, place.relation, sorted(set(types)))
     return puts
+
+
+def _largest_size(type_name: str) -> Vec3:
+    grown = 1.0 + hiding_rules().size_spread
+    width, depth, height = (grown * side for side in typical_size(type_name))
+    return width, depth, height
 
 
 def _plan_size(spec: AssetSpec) -> Vec3:
@@ -205,7 +233,8 @@ def _put_all(
     puts: dict[Key, list[Put]],
 ) -> None:
     """Hidden things at their spots, a hair above what they lie on, and what covers them raised by their height."""
-    for key, (place, ids) in by_place.items():
+    for key, (place, ids) in sorted(by_place.items(), key=lambda item: item[1][0].relation):
+        # What is "in" comes before what is "under": a box that is raised takes its contents along.
         heights = [np.ptp(world.assets[object_id].bounds()[:, 2]) for object_id in ids]
         if place.relation == "under" and ids:  # first, because it would carry along what is beneath it
             x, y, z = scene.object(place.object_id).position

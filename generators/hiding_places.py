@@ -150,11 +150,10 @@ class _Finder:
             return None
         with _Shown(self.sight.view, world, object_id):
             closed, front = world.link_poses(object_id), front_points(self.sight.view, object_id)
-            moving = range(1, len(world.assets[object_id].links))
             swept: list[Outline] = []
             for openness in SWEPT:
                 world.open(object_id, openness)
-                swept += plan_outlines(world, object_id, moving)
+                swept += plan_outlines(world, object_id, first_link=1)
             motion = world.link_poses(object_id) @ np.linalg.inv(closed)
             poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept)
             after = {pose: self.sight.depth(pose) for pose in poses}
@@ -260,7 +259,7 @@ class _Finder:
             points, outlines = surface_points(world, object_id), list[Outline]()
             if move_to is not None:
                 world.move_alone(object_id, move_to)
-                outlines = plan_outlines(world, object_id, range(len(world.assets[object_id].links)))
+                outlines = plan_outlines(world, object_id)
                 world.move_alone(object_id, (x, y, z + RAISED_M))
             poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines)
             before = {pose: self.sight.depth(pose) for pose in poses}
@@ -299,7 +298,9 @@ class _Finder:
         areas = goals.parts[best]
         others = (pose for pose in goals.poses[best + 1 :] if self._shows(object_id, pose))
         spots = [spot for area in areas for spot in area.spots(self.rules.spot_side_m)]
-        count = min(len(spots), self.rules.max_spots if relation == "in" else 1)
+        # Two phones need more than the room of two mugs.
+        long_ones = sum(area.capacity((*self.rules.long_thing_m, 0.0), self.rules.gap_m) for area in areas)
+        count = max(1, min(len(spots), long_ones, self.rules.max_spots if relation == "in" else 1))
         return HidingPlace(
             object_id=object_id,
             type=self.world.type_of(object_id),

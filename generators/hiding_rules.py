@@ -36,6 +36,7 @@ class HidingRules(BaseModel):
     other_goals: int = Field(ge=0)
     scout_px: int = Field(gt=0)
     spot_side_m: float = Field(gt=0)
+    long_thing_m: tuple[float, float]
     max_spots: int = Field(gt=0)
     size_spread: float = Field(ge=0, lt=1)
     gap_m: float = Field(ge=0)

@@ -155,7 +155,6 @@ def make_sample(room: Room, group: GroupPlan[HidingPlace], start: AgentPose) -> 
     name = f"{group.name}-c{room.place.configuration}"
     ids = room.replay.world.ids
     form = room.rgb_format
-    suffix = "png" if form == "png" else "jpg"
     goals = [goal, *(pose for pose in (hiding.goal, *hiding.other_goals) if pose != goal and _stands(room.grid, pose))]
     return QuestionRow(
         question_id=name,
@@ -181,12 +180,12 @@ def make_sample(room: Room, group: GroupPlan[HidingPlace], start: AgentPose) -> 
         path_length_m=path_length_m(room.grid, start.cell, goal.cell),
         path_steps=len(way),
         actions=actions,
-        start_rgb=encode_rgb(before.rgb, f"{name}-start.{suffix}", form=form),
-        start_depth=encode_depth(before.depth, f"{name}-start-depth.png"),
-        start_instances=encode_instances(before.objects, ids, ids, f"{name}-start-instances.png"),
-        end_rgb=encode_rgb(after.rgb, f"{name}-end.{suffix}", form=form),
-        end_depth=encode_depth(after.depth, f"{name}-end-depth.png"),
-        end_instances=encode_instances(after.objects, ids, ids, f"{name}-end-instances.png"),
+        start_rgb=encode_rgb(before.rgb, f"{name}-start", form=form),
+        start_depth=encode_depth(before.depth, f"{name}-start-depth"),
+        start_instances=encode_instances(before.objects, ids, ids, f"{name}-start-instances"),
+        end_rgb=encode_rgb(after.rgb, f"{name}-end", form=form),
+        end_depth=encode_depth(after.depth, f"{name}-end-depth"),
+        end_instances=encode_instances(after.objects, ids, ids, f"{name}-end-instances"),
         object_ids=ids,
     )
 
@@ -236,8 +235,9 @@ def _manipulation(hiding: HidingPlace) -> str:
 
 
 def _share_in_view(room: Room, hiding: HidingPlace, goal: AgentPose, views: Views) -> float:
-    """Share of the surface on which things could lie that nothing hides after the manipulation."""
-    camera = goal.camera(room.grid)
+    """Share of the surface on which things could lie that comes to light, or on which other things come to light."""
+    camera, after = goal.camera(room.grid), views.after
+    others = np.setdiff1d(after.objects, views.before.objects)
     shown = []
     for area in hiding.areas:
         points = area.to_room(at_height(area.lattice(LOOK_M).reshape(-1, 2), area.seen_from_m + ABOVE_M))
@@ -247,7 +247,8 @@ def _share_in_view(room: Room, hiding: HidingPlace, goal: AgentPose, views: View
         x, y, z = camera.project(points).T
         inside = (z > 0) & (x >= 0) & (y >= 0) & (x < camera.width) & (y < camera.height)
         row, column = np.where(inside, y, 0).astype(int), np.where(inside, x, 0).astype(int)
-        shown.append(inside & (views.after.depth[row, column] > z - SURFACE_M))
+        is_bare = after.depth[row, column] > z - SURFACE_M
+        shown.append(inside & (is_bare | np.isin(after.objects[row, column], others)))
     return float(np.mean(np.concatenate(shown)))
 
 

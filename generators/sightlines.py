@@ -10,9 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.assets.model import F32, F64
-from remqa_data.rotations import rotation_of
 from remqa_data.sim.camera import Camera
-from remqa_data.sim.navigation import AGENT_HEIGHT_M, STEP_OVER_M, Cell, ReachableGrid, reach_distance
+from remqa_data.sim.navigation import Cell, ReachableGrid, body_outlines, reach_distance
 from remqa_data.sim.view import WorldView
 from remqa_data.sim.viewpoints import AgentPose
 from remqa_data.sim.world import World
@@ -86,23 +85,14 @@ def cells_that_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[C
     return [cell for _, cell in sorted(found)]
 
 
-def plan_outlines(world: World, object_id: str, links: Iterable[int]) -> list[Outline]:
+def plan_outlines(world: World, object_id: str, first_link: int = 0) -> list[Outline]:
     """Convex outlines, seen from above, of an object's links between ankle and head height, as they are now."""
-    low, high = world.scene.floor_z + STEP_OVER_M, world.scene.floor_z + AGENT_HEIGHT_M
-    poses, asset = world.link_poses(object_id), world.assets[object_id]
-    outlines = []
-    for link in links:
-        pose = poses[link]
-        for box in asset.links[link].boxes:
-            corners = (_CORNERS * box.size @ rotation_of(box.quaternion).T + box.centre) @ pose[:3, :3].T + pose[:3, 3]
-            if corners[:, 2].max() > low and corners[:, 2].min() < high:
-                outlines.append(cv2.convexHull(corners[:, :2].astype(np.float32)))
-    return outlines
+    outlines = body_outlines(
+        world.assets[object_id], world.link_poses(object_id), world.scene.floor_z, first_link=first_link
+    )
+    return [np.asarray(cv2.convexHull(outline.astype(np.float32)), dtype=np.float32) for outline in outlines]
 
 
 def is_clear(position: tuple[float, float], outlines: Iterable[Outline], radius_m: float) -> bool:
     """Whether outlines stay farther from a position than a radius."""
     return all(-cv2.pointPolygonTest(outline, position, True) > radius_m for outline in outlines)
-
-
-_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])

@@ -1,46 +1,52 @@
-"""Checking a dataset from its files alone: checksums, answers worked out anew, and the oracle's actions replayed."""
+"""Checking a dataset from its files alone: checksums, balance, and every question in a freshly loaded world."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from itertools import groupby
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
-from remqa_data.answers import execute
-from remqa_data.errors import ActionError
-from remqa_data.generators.sample_picture import stored_pose
-from remqa_data.images import decode_rgb, encode_depth, encode_instances, encode_rgb
+from remqa_data.errors import RemqaError
+from remqa_data.generators.balance import AskedQuestion, asked_questions, balance_failures
+from remqa_data.generators.truths import CheckedRoom, Failure
 from remqa_data.manifest import load_manifest
-from remqa_data.metadata import object_metadata
-from remqa_data.referring import resolve
 from remqa_data.rows import QuestionRow, SceneRow
-from remqa_data.scene import Scene
-from remqa_data.scene_graph import SceneGraph
-from remqa_data.shards import check_files, read_rows
-from remqa_data.sim.replay import Replay
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A question that does not hold, and why."""
-
-    question_id: str
-    reason: str
+from remqa_data.schema import R, to_rows
+from remqa_data.shards import Shard, check_files, shard_paths
 
 
 @dataclass(frozen=True)
 class Verification:
-    """How many questions were checked, and which failed."""
+    """How many questions were checked, and what does not hold.
 
-    checked: int
+    Attributes
+    ----------
+    checked : tuple of str
+        Ids of the questions that were replayed.
+    failures : tuple of Failure
+        Those of the dataset as a whole, then by room in the order of the dataset.
+    """
+
+    checked: tuple[str, ...]
     failures: tuple[Failure, ...]
+
+    @property
+    def failed(self) -> frozenset[str]:
+        """Ids of the questions that were replayed and do not hold."""
+        return frozenset(failure.where for failure in self.failures).intersection(self.checked)
 
 
 def verify(
-    root: Path, sample: int | None = None, seed: int = 0, progress: Callable[[int, int], None] | None = None
+    root: Path,
+    sample: int | None = None,
+    seed: int = 0,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Verification:
     """Check a finished dataset.
 
@@ -49,11 +55,14 @@ def verify(
     root : Path
         Folder of the dataset.
     sample : int, optional
-        How many questions to replay, drawn at random; all by default. Checksums are always checked in full.
+        How many questions to replay, drawn at random; all by default. Checksums, schemas and balance are always checked
+        in full.
     seed : int
         Of the draw.
+    workers : int
+        Number of processes. What is found does not depend on it.
     progress : callable, optional
-        Called with the numbers of questions checked and to check.
+        Called with the numbers of questions replayed and to replay.
 
     Raises
     ------
@@ -61,66 +70,102 @@ def verify(
         If the folder is not a finished dataset, or a shard is damaged.
     """
     check_files(root)
-    splits = load_manifest(root).splits("questions")
-    questions = [row for split in splits for row in read_rows(root, QuestionRow, split)]
+    manifest = load_manifest(root)
+    questions = asked_questions(root, manifest)
+    failures = list(balance_failures(questions, manifest))
     if sample is not None and sample < len(questions):
         chosen = np.random.default_rng(seed).choice(len(questions), sample, replace=False)
         questions = [questions[i] for i in sorted(chosen)]
-    asked: dict[tuple[str, int], list[QuestionRow]] = {}
-    for question in questions:
-        asked.setdefault((question.scene, question.configuration), []).append(question)
+    tell, done = progress or (lambda done, total: None), 0
+    tell(done, len(questions))
+    found: dict[str, list[Failure]] = {}
+    for room, wrong in _in_processes(_rooms(root, questions), workers):
+        found[room.scene] = wrong
+        done += len(room.question_ids)
+        tell(done, len(questions))
+    failures += [failure for scene in dict.fromkeys(q.scene for q in questions) for failure in found[scene]]
+    return Verification(tuple(question.question_id for question in questions), tuple(failures))
+
+
+Piece = tuple[Path, int]
+"""A shard and a row group in it."""
+
+
+@dataclass(frozen=True)
+class _RoomJob:
+    """Questions of one room, and where the rows lie."""
+
+    scene: str
+    question_ids: frozenset[str]
+    scene_pieces: tuple[Piece, ...]
+    question_pieces: tuple[Piece, ...]
+
+
+def _rooms(root: Path, questions: Sequence[AskedQuestion]) -> list[_RoomJob]:
+    jobs = []
+    for split, of_split in groupby(questions, lambda question: question.split):
+        wanted: dict[str, list[str]] = {}
+        for question in of_split:
+            wanted.setdefault(question.scene, []).append(question.question_id)
+        pieces = {table: _pieces(root, table, split) for table in ("scenes", "questions")}
+        for scene, ids in wanted.items():
+            places = (tuple(pieces[table].get(scene, ())) for table in ("scenes", "questions"))
+            jobs.append(_RoomJob(scene, frozenset(ids), *places))
+    return jobs
+
+
+def _pieces(root: Path, table: str, split: str) -> dict[str, list[Piece]]:
+    """Where the rows of each room lie."""
+    found: dict[str, list[Piece]] = {}
+    for path in shard_paths(root, table, split):
+        shard = Shard(path)
+        for group in range(shard.row_groups):
+            for scene in shard.read(group, ["scene"])["scene"].unique().to_pylist():
+                found.setdefault(scene, []).append((path, group))
+    return found
+
+
+def _in_processes(jobs: list[_RoomJob], workers: int) -> Iterator[tuple[_RoomJob, list[Failure]]]:
+    if workers == 1:
+        for job in jobs:
+            yield job, _check_room(job)
+        return
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        waiting = {pool.submit(_check_room, job): job for job in jobs}
+        try:
+            for future in as_completed(waiting):
+                yield waiting[future], future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _check_room(job: _RoomJob) -> list[Failure]:
+    """What does not hold of the chosen questions of a room."""
+    questions = [q for q in _rows(QuestionRow, job.question_pieces) if q.question_id in job.question_ids]
+    rows = {row.configuration: row for row in _rows(SceneRow, job.scene_pieces) if row.scene == job.scene}
     failures: list[Failure] = []
-    checked = 0
-    for split in splits:
-        for row in read_rows(root, SceneRow, split):
-            for question in asked.get((row.scene, row.configuration), []):
-                failures += [Failure(question.question_id, reason) for reason in _wrong(question, row)]
-                checked += 1
-                if progress is not None:
-                    progress(checked, len(questions))
-    return Verification(checked, tuple(failures))
+    for number, asked in _by_configuration(questions):
+        if number not in rows:
+            reason = f"there is no configuration {number} of {job.scene}"
+            failures += [Failure(question.question_id, "consistent", reason) for question in asked]
+            continue
+        try:
+            room = CheckedRoom(rows[number])
+        except RemqaError as error:
+            failures += [Failure(question.question_id, "consistent", str(error)) for question in asked]
+            continue
+        failures += room.failures()
+        for question in asked:
+            failures += room.question_failures(question)
+    return failures
 
 
-def _wrong(question: QuestionRow, row: SceneRow) -> Iterator[str]:
-    """What does not hold of one question, in a freshly loaded world."""
-    scene = Scene.from_json(row.scene_json, f"{row.scene}, configuration {row.configuration}")
-    replay = Replay(scene, stored_pose(question.start))
-    try:
-        graph = SceneGraph.from_objects(object_metadata(replay.world).values())
-        answer = execute(json.loads(question.program), graph)
-        if answer.text != question.answer or answer.ids != question.answer_ids:
-            yield f"the answer is {answer.text}, not {question.answer}"
-        if resolve(question.expression, graph) != [question.target_id]:
-            yield f"{question.expression!r} does not pick out {question.target_id} alone"
-        is_manipulated = False
-        for action in question.actions:
-            if " " in action and not is_manipulated:
-                is_manipulated = True
-                yield from _different(question, replay, "start")
-            replay.step(action)
-        yield from _different(question, replay, "end")
-    except ActionError as error:
-        yield str(error)
-    finally:
-        replay.close()
+def _by_configuration(questions: Iterable[QuestionRow]) -> list[tuple[int, list[QuestionRow]]]:
+    ordered = sorted(questions, key=lambda question: question.configuration)
+    return [(number, list(asked)) for number, asked in groupby(ordered, lambda question: question.configuration)]
 
 
-def _different(question: QuestionRow, replay: Replay, when: str) -> Iterator[str]:
-    """Which stored images of the start or the end are not what is seen now, byte for byte."""
-    stored_rgb = getattr(question, f"{when}_rgb")
-    size_px = _width(stored_rgb.bytes)
-    seen = replay.observe(size_px)
-    ids = replay.world.ids
-    form = "png" if stored_rgb.bytes.startswith(b"\x89PNG") else "jpeg"
-    now = {
-        "rgb": encode_rgb(seen.rgb, form=form),  # type: ignore[arg-type]
-        "depth": encode_depth(seen.depth),
-        "instances": encode_instances(seen.objects, ids, question.object_ids),
-    }
-    for name, image in now.items():
-        if image.bytes != getattr(question, f"{when}_{name}").bytes:
-            yield f"{when}_{name} is not what is seen"
-
-
-def _width(data: bytes) -> int:
-    return int(decode_rgb(data).shape[1])
+def _rows(row_type: type[R], pieces: Iterable[Piece]) -> Iterator[R]:
+    for path, group in pieces:
+        yield from to_rows(row_type, Shard(path).read(group))

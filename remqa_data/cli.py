@@ -82,6 +82,21 @@ def assets(
 
 
 @app.command()
+def play(
+    root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
+    question_id: Annotated[str, typer.Argument(help="A question of it, such as FloorPlan1-COUNTING-00-c2.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="The film to write, an MP4.")] = Path(
+        "episode.mp4"
+    ),
+) -> None:
+    """Film a question: what the agent sees, the agent from outside, and the map that it draws."""
+    from remqa_data.play import write_film
+
+    frames = write_film(root, question_id, output)
+    typer.echo(f"{output}: {frames} frames")
+
+
+@app.command()
 def preview(
     scene: Annotated[str, typer.Argument(help="A floor plan, such as FloorPlan1.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")] = Path(
@@ -118,26 +133,12 @@ def verify(
         int | None, typer.Option(min=1, help="Replay so many questions, drawn at random; default all.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the draw.")] = 0,
+    workers: Annotated[int, typer.Option(min=1, help="Processes; what is found does not depend on it.")] = 1,
 ) -> None:
-    """Check a dataset from its files: checksums, answers worked out anew, oracle actions replayed bit for bit."""
-    from rich.console import Console
-    from rich.progress import Progress
+    """Check a dataset from its files: checksums, balance, answers worked out anew, actions replayed bit for bit."""
+    from remqa_data.generators.verify_command import verify_and_report
 
-    from remqa_data.generators.verify import verify as run
-
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("questions")
-
-        def on_question(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
-
-        result = run(root, sample, seed, on_question)
-    for failure in result.failures:
-        typer.echo(f"{failure.question_id}: {failure.reason}")
-    failed = len({failure.question_id for failure in result.failures})
-    typer.echo(f"{result.checked - failed} of {result.checked} questions hold")
-    if failed:
+    if not verify_and_report(root, sample, seed, workers):
         raise typer.Exit(1)
 
 

@@ -211,13 +211,12 @@ def _collated(key: str, values: list[Any]) -> Any:
     return torch.tensor(values) if is_number else values
 
 
-def _image(name: str, data: pa.Buffer) -> torch.Tensor:
-    view = memoryview(data)
+def _image(name: str, data: memoryview) -> torch.Tensor:
     if name.endswith("rgb"):
-        return torch.from_numpy(decode_rgb(view)).permute(2, 0, 1)
+        return torch.from_numpy(decode_rgb(data)).permute(2, 0, 1)
     if name.endswith("depth"):
-        return torch.from_numpy(decode_depth(view))
-    return torch.from_numpy(decode_instances(view).astype(np.int32))
+        return torch.from_numpy(decode_depth(data))
+    return torch.from_numpy(decode_instances(data).astype(np.int32))
 
 
 def _values(name: str, array: pa.Array) -> dict[str, _Values]:
@@ -259,12 +258,12 @@ def _vector(array: pa.Array, dtype: Any) -> npt.NDArray[Any]:
 
 
 def _tensors(rows: npt.NDArray[Any]) -> _Values:
-    return lambda row: torch.tensor(rows[row])
+    return lambda row: torch.from_numpy(rows[row].copy())
 
 
 def _ragged_tensors(items: npt.NDArray[Any], lists: pa.ListArray) -> _Values:
     ends = _ends(lists)
-    return lambda row: torch.tensor(items[ends[row] : ends[row + 1]])
+    return lambda row: torch.from_numpy(items[ends[row] : ends[row + 1]].copy())
 
 
 def _ragged_texts(items: pa.Array, lists: pa.ListArray) -> _Values:

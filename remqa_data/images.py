@@ -106,7 +106,9 @@ def decode_rgb(data: bytes | memoryview) -> npt.NDArray[np.uint8]:
 
 def decode_depth(data: bytes | memoryview) -> npt.NDArray[np.float32]:
     """The (h, w) float32 depth in metres, 0 where nothing is seen; to the millimetre what `encode_depth` was given."""
-    return _decoded_16_bit(data).astype(np.float32) * np.float32(0.001)
+    depth_m = _decoded_16_bit(data).astype(np.float32)
+    depth_m *= np.float32(0.001)
+    return depth_m
 
 
 def decode_instances(data: bytes | memoryview) -> npt.NDArray[np.uint16]:

@@ -1,22 +1,30 @@
 """Any row of a split, at any time, from memory-mapped shards: what the PyTorch datasets read with.
 
-Columns without images are small and are read once, when they are first asked for. Images are read by row group, and the
-last row group stays in memory, so reading in order costs each row group once. Nothing here needs torch.
+Columns without images are small and are read once, when they are first asked for. Images lie in a shard as they are (see
+`remqa_data.shards`). The first time that a process wants one, its row group is read and its checksums are checked; where
+the images were found is remembered, and from then on they are taken from there, without a copy. Nothing here needs torch.
 """
 
 from __future__ import annotations
 
+import mmap
 import os
+from bisect import bisect_right
 from collections.abc import Sequence
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pyarrow as pa
 
 from remqa_data.errors import UnknownNameError
 from remqa_data.schema import table_spec
 from remqa_data.shards import Shard, shard_paths
+
+Spans = npt.NDArray[np.int64]
+"""(rows, 2) where in its file the image of each row begins and ends; 0 where that is not known yet."""
 
 
 class SplitReader:
@@ -44,18 +52,18 @@ class SplitReader:
         self.paths = shard_paths(root, table, split)
         self._process = -1
         self._shards: list[Shard] = []
-        self._cached: tuple[int, tuple[str, ...]] | None = None
-        self._images: list[pa.Array] = []
+        self._bytes: list[memoryview] = []
+        self._spans: dict[str, Spans] = {}
         groups = [
             (number, group, shard.rows(group))
             for number, shard in enumerate(self._open())
             for group in range(shard.row_groups)
         ]
         self._places = [(number, group) for number, group, _ in groups]
-        self._starts = np.cumsum([0, *(rows for _, _, rows in groups)])
+        self._starts = list(accumulate((rows for _, _, rows in groups), initial=0))
 
     def __len__(self) -> int:
-        return int(self._starts[-1])
+        return self._starts[-1]
 
     def columns(self, names: Sequence[str]) -> pa.Table:
         """All rows of some columns, each as one chunk.
@@ -71,25 +79,62 @@ class SplitReader:
                 raise UnknownNameError(f"column of {self.table}", name, known)
         return pa.concat_tables([shard.read(columns=names) for shard in self._open()]).combine_chunks()
 
-    def images(self, row: int, names: Sequence[str]) -> list[pa.Buffer]:
-        """Encoded images of one row, in the order of the names."""
-        shards = self._open()
-        place = int(np.searchsorted(self._starts, row, side="right")) - 1
-        if self._cached != (place, tuple(names)):
-            number, group = self._places[place]
-            data = shards[number].read(group, [f"{name}.bytes" for name in names])
-            self._images = [data[name].chunk(0).field("bytes") for name in names]
-            self._cached = place, tuple(names)
-        within = row - int(self._starts[place])
-        return [column[within].as_buffer() for column in self._images]
+    def images(self, row: int, names: Sequence[str]) -> list[memoryview]:
+        """Encoded images of one row, in the order of the names.
+
+        Raises
+        ------
+        DamagedShardError
+            Naming the file, row group and column.
+        """
+        self._open()
+        place = bisect_right(self._starts, row) - 1
+        number, group = self._places[place]
+        data = self._bytes[number]
+        spans = [self._spans[name][row].tolist() if name in self._spans else (0, 0) for name in names]
+        if all(end for _, end in spans):
+            return [data[start:end] for start, end in spans]
+        table = self._shards[number].read(group, [f"{name}.bytes" for name in names])
+        first = self._starts[place]
+        columns = [table[name].combine_chunks().field("bytes") for name in names]
+        for name, column in zip(names, columns, strict=True):
+            self._locate(name, first, column, number, group)
+        return [memoryview(column[row - first].as_buffer()) for column in columns]
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_process": -1, "_shards": [], "_cached": None, "_images": []}
+        return {**self.__dict__, "_process": -1, "_shards": [], "_bytes": [], "_spans": {}}
+
+    def _locate(self, name: str, first: int, images: pa.BinaryArray, number: int, group: int) -> None:
+        """Remember where the images of a row group lie; a file that some other writer has compressed has them nowhere."""
+        spans = self._spans.setdefault(name, np.zeros((len(self), 2), dtype=np.int64))
+        start, end = _extent(self._shards[number], group, f"{name}.bytes")
+        mapped = self._bytes[number].obj
+        assert isinstance(mapped, mmap.mmap)
+        for row, image in enumerate(images.to_pylist(), start=first):
+            # Parquet writes the length in 4 bytes before the bytes; most images begin alike.
+            found = mapped.find(len(image).to_bytes(4, "little") + image[:8], start, end) + 4
+            if mapped[found : found + len(image)] != image:
+                return
+            start = found + len(image)
+            spans[row] = found, start
 
     def _open(self) -> list[Shard]:
         """The shards, opened by this process."""
         if self._process != os.getpid():
             self._shards = [Shard(path) for path in self.paths]
-            self._cached = None
+            self._bytes = [memoryview(_mapped(path)) for path in self.paths]
+            self._spans = {}
             self._process = os.getpid()
         return self._shards
+
+
+def _mapped(path: Path) -> mmap.mmap:
+    with path.open("rb") as file:
+        return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+
+
+def _extent(shard: Shard, group: int, path: str) -> tuple[int, int]:
+    """Where in its file a column of a row group begins and ends."""
+    about = shard.file.metadata.row_group(group)
+    column = next(c for c in map(about.column, range(about.num_columns)) if c.path_in_schema == path)
+    return column.data_page_offset, column.data_page_offset + column.total_compressed_size

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from remqa_data.assets.model import F64
+if TYPE_CHECKING:
+    from remqa_data.assets.model import F64  # the assets need these rotations themselves
 
 
 def quaternion_of(rotation: F64) -> tuple[float, float, float, float]:

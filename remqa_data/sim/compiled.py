@@ -21,6 +21,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 _SOURCES = (
     "antialias",
+    "arm_obstacles",
     "camera",
     "compiled",
     "mipmap",

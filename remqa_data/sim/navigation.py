@@ -16,7 +16,7 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.assets.model import F64, Vec3
+from remqa_data.assets.model import F64, Asset, Vec3
 from remqa_data.rotations import rotation_of
 from remqa_data.sim.world import World
 
@@ -68,19 +68,19 @@ class ReachableGrid:
 
 def reachable_grid(world: World) -> ReachableGrid:
     """The grid of a world as it is now; everything between ankle and head height blocks, but for what is held."""
-    clearance, origin = _clearance(world)
+    clearance = clearance_map(world)
     x0, y0, x1, y1 = world.scene.bounds
     free: set[Cell] = set()
     for i in range(math.ceil(x0 / GRID_M), math.floor(x1 / GRID_M) + 1):
         for j in range(math.ceil(y0 / GRID_M), math.floor(y1 / GRID_M) + 1):
-            if _clear_at(clearance, origin, i * GRID_M, j * GRID_M) > AGENT_RADIUS_M:
+            if clearance.at(i * GRID_M, j * GRID_M) > AGENT_RADIUS_M:
                 free.add((i, j))
     graph: nx.Graph[Cell] = nx.Graph()
     graph.add_nodes_from(sorted(free))
     for i, j in sorted(free):
         for k, m in ((i + 1, j), (i, j + 1)):
             if (k, m) in free and all(
-                _clear_at(clearance, origin, (i + t * (k - i)) * GRID_M, (j + t * (m - j)) * GRID_M) > AGENT_RADIUS_M
+                clearance.at((i + t * (k - i)) * GRID_M, (j + t * (m - j)) * GRID_M) > AGENT_RADIUS_M
                 for t in (0.25, 0.5, 0.75)
             ):
                 graph.add_edge((i, j), (k, m))
@@ -112,13 +112,23 @@ def obstacles(world: World) -> list[F64]:
     for object_id in world.ids:
         if object_id == world.held or world.type_of(object_id) == "Floor":
             continue
-        poses = world.link_poses(object_id)
-        for link, pose in zip(world.assets[object_id].links, poses, strict=True):
-            for box in link.boxes:
-                corners = _CORNERS * box.size @ rotation_of(box.quaternion).T + box.centre
-                placed = corners @ pose[:3, :3].T + pose[:3, 3]
-                if placed[:, 2].max() > low and placed[:, 2].min() < high:
-                    outlines.append(placed[:, :2])
+        outlines += body_outlines(world.assets[object_id], world.link_poses(object_id), floor)
+    return outlines
+
+
+def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int = 0) -> list[F64]:
+    """Plan outlines of one object, its links at (n, 4, 4) poses in the room, between ankle and head height.
+
+    With `first_link` 1, only of what moves when it opens.
+    """
+    low, high = floor_z + STEP_OVER_M, floor_z + AGENT_HEIGHT_M
+    outlines = []
+    for link, pose in zip(asset.links[first_link:], link_poses[first_link:], strict=True):
+        for box in link.boxes:
+            corners = _CORNERS * box.size @ rotation_of(box.quaternion).T + box.centre
+            placed = corners @ pose[:3, :3].T + pose[:3, 3]
+            if placed[:, 2].max() > low and placed[:, 2].min() < high:
+                outlines.append(placed[:, :2])
     return outlines
 
 
@@ -140,11 +150,30 @@ def cells_in_reach(grid: ReachableGrid, points: Iterable[Vec3] | F64, reach_m: f
     ]
 
 
-_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+@dataclass(frozen=True, eq=False)
+class Clearance:
+    """How far the nearest obstacle is, on a fine raster.
+
+    Attributes
+    ----------
+    distance_m : (rows, columns) float32
+    corner : tuple of float
+        x, y of entry (0, 0), metres.
+    """
+
+    distance_m: npt.NDArray[np.float32]
+    corner: tuple[float, float]
+
+    def at(self, x: float, y: float) -> float:
+        """Metres from a point of the room to the nearest obstacle; 0 outside the room."""
+        column, row = round((x - self.corner[0]) / FINE_M), round((y - self.corner[1]) / FINE_M)
+        if not (0 <= row < self.distance_m.shape[0] and 0 <= column < self.distance_m.shape[1]):
+            return 0.0
+        return float(self.distance_m[row, column])
 
 
-def _clearance(world: World) -> tuple[npt.NDArray[np.float32], tuple[float, float]]:
-    """Distance to the nearest obstacle on a fine raster, and the raster's corner."""
+def clearance_map(world: World) -> Clearance:
+    """The clearance of a world as it is now; the border of the room counts as an obstacle."""
     x0, y0, x1, y1 = world.scene.bounds
     columns, rows = math.ceil((x1 - x0) / FINE_M) + 1, math.ceil((y1 - y0) / FINE_M) + 1
     free = np.full((rows + 2, columns + 2), 255, dtype=np.uint8)
@@ -156,19 +185,13 @@ def _clearance(world: World) -> tuple[npt.NDArray[np.float32], tuple[float, floa
         pixels = np.round(((hull - [x0, y0]) / FINE_M + 1) * scale).astype(np.int32)
         cv2.fillConvexPoly(free, pixels, 0, shift=_SHIFT)
     distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * FINE_M
-    return np.asarray(distance, dtype=np.float32), (x0 - FINE_M, y0 - FINE_M)
+    return Clearance(np.asarray(distance, dtype=np.float32), (x0 - FINE_M, y0 - FINE_M))
 
 
+_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 _SHIFT = 4
 
 
 def _hull(points: Sequence[Vec3] | F64) -> F64:
     hull = cv2.convexHull(np.asarray(points, dtype=np.float32))
     return np.asarray(hull[:, 0, :], dtype=np.float64)
-
-
-def _clear_at(clearance: npt.NDArray[np.float32], origin: tuple[float, float], x: float, y: float) -> float:
-    column, row = round((x - origin[0]) / FINE_M), round((y - origin[1]) / FINE_M)
-    if not (0 <= row < clearance.shape[0] and 0 <= column < clearance.shape[1]):
-        return 0.0
-    return float(clearance[row, column])

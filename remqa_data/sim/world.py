@@ -130,8 +130,8 @@ class World:
     def settle(self, steps: int = SETTLE_STEPS) -> None:
         """Let physics move the free objects until all are at rest, at most for a number of steps of 1/240 s.
 
-        Then they are held where they are. The outcome depends on the poses only, not on what happened before: PyBullet starts afresh, because its contact
-        cache and the order of its pairs would remember.
+        Then they are held where they are. The outcome depends on the poses only, not on what happened before: PyBullet
+        starts afresh, because its contact cache and the order of its pairs would remember.
         """
         self._reload()
         free = [i for i, state in self._states.items() if not state.is_fixed and i != self.held]

@@ -1,7 +1,6 @@
 """A small dataset from beginning to end."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,9 +10,8 @@ from remqa_data.cli import app as data_app
 from remqa_data.generators.cli import app
 from remqa_data.generators.config import Config, load_config, paper_config
 from remqa_data.generators.pipeline import generate
-from remqa_data.generators.verify import _wrong
 from remqa_data.manifest import Manifest
-from remqa_data.rows import FrameRow, QuestionRow, SceneRow
+from remqa_data.rows import FrameRow, QuestionRow
 from remqa_data.shards import read_rows, read_table
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -75,20 +73,11 @@ def test_two_workers_make_the_same_bytes(made: tuple[Path, Manifest], tmp_path: 
 
 
 @pytest.mark.slow
-def test_every_question_holds_and_a_wrong_one_is_found(made: tuple[Path, Manifest]) -> None:
+def test_every_question_holds(made: tuple[Path, Manifest]) -> None:
     root, _ = made
     result = CliRunner().invoke(data_app, ["verify", str(root)])
     assert result.exit_code == 0, result.output
     assert "20 of 20 questions hold" in result.output
-    question = next(read_rows(root, QuestionRow, "test"))
-    scene = next(row for row in read_rows(root, SceneRow, "test") if row.configuration == question.configuration)
-    assert list(_wrong(question, scene)) == []
-    lie = replace(question, answer="7")
-    assert any("the answer is" in reason for reason in _wrong(lie, scene))
-    at_goal = next(i for i, action in enumerate(question.actions) if " " in action)
-    turned = (*question.actions[:at_goal], "RotateLeft", *question.actions[at_goal:])
-    detour = replace(question, actions=turned)
-    assert any("not what is seen" in reason for reason in _wrong(detour, scene))
 
 
 @pytest.mark.slow
