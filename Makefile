@@ -48,6 +48,9 @@ $(INSTALLED): $(PINS) | $(BIN)/python
 
 $(INSTALLED_DEV): $(PINS) | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	@# ai2thor brings the OpenCV that opens windows and needs libGL; the one without takes its place again.
+	$(BIN)/python -m pip uninstall --quiet --yes opencv-python
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --force-reinstall --no-deps opencv-python-headless
 	@touch $(INSTALLED) $@
 
 $(BIN)/python:

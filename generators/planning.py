@@ -223,10 +223,13 @@ class Planner(Generic[P]):
         for group in self.groups:
             at_object[group.question.place.object_id].add(group.question.type)
         # Of two types that look alike in one place, or a type that phrases of this room name, nobody could tell which.
+        # What has something under it is raised, and does not open as it did: an object is one place or the other.
+        asked = {group.question.place.object_id: group.question.place.relation for group in self.groups}
         return [
             option
             for option in self.options[kind]
             if option.site.key not in full
+            and asked.get(option.site.place.object_id, option.site.place.relation) == option.site.place.relation
             and not (strict and option.words > self.rules.longest_words[kind])
             and option.text not in self.texts
             and not _any_confusable({option.question.type}, at_object[option.site.place.object_id] | option.named)

@@ -120,6 +120,28 @@ def test_every_row_of_every_row_group_is_reached_in_any_order(root) -> None:
         assert np.array_equal(sample["rgb"].permute(1, 2, 0).numpy(), expected)
 
 
+def test_an_image_is_the_same_when_it_is_read_again(root) -> None:
+    dataset = RemqaDataset(root, "train", columns=())
+    first = [dataset[i] for i in range(len(dataset))]
+    for i in reversed(range(len(dataset))):
+        again = dataset[i]
+        assert all(torch.equal(first[i][name], again[name]) for name in IMAGES)
+
+
+def test_images_that_another_writer_has_compressed_are_read_too(root, tmp_path) -> None:
+    import shutil
+
+    import pyarrow.parquet as pq
+
+    shutil.copytree(root, tmp_path / "again")
+    for path in (tmp_path / "again" / "frames").iterdir():
+        pq.write_table(pq.read_table(path), path, compression="zstd", row_group_size=4)
+    ours, theirs = (FrameDataset(folder, "train") for folder in (root, tmp_path / "again"))
+    for i in (0, 5, 5, 30):
+        assert torch.equal(ours[i]["rgb"], theirs[i]["rgb"])
+        assert torch.equal(ours[i]["depth"], theirs[i]["depth"])
+
+
 def test_indices_are_those_of_a_sequence(root) -> None:
     dataset = RemqaDataset(root, "test", images=())
     assert dataset[-1]["question_id"] == "Kitchen3-q9"

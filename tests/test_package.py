@@ -20,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "remqa_data"
 FOLDERS = ("generators", "evaluation", "agents", "templates")
 UPSTAIRS = ("generators", "evaluation", "agents")
+ENTRY_POINTS = (PACKAGE / "cli.py", PACKAGE / "floorplans.py")
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 IMPORT_NAMES = {"rerun-sdk": "rerun"}
 """Where a distribution's import name differs from its own."""
@@ -57,7 +58,7 @@ def own_files() -> list[Path]:
     return [
         path
         for path in sorted(PACKAGE.rglob("*.py"))
-        if path.relative_to(PACKAGE).parts[0] not in FOLDERS and path != PACKAGE / "cli.py"
+        if path.relative_to(PACKAGE).parts[0] not in FOLDERS and path not in ENTRY_POINTS
     ]
 
 

@@ -1,7 +1,6 @@
 """Executing a list of actions in a room: what the oracle does, and how it is checked.
 
-An action is a word, or a word and an object id: `MoveAhead`, `OpenObject Fridge|...`, `PickupObject Pillow|...`, or
-`MoveObject Stool|... 1.25 -0.5 0.38`, which puts the centre of an object there, in metres.
+Actions are written as `remqa_data.sim.actions` says: `MoveAhead`, `OpenObject Fridge|...`, `MoveObject Stool|... 1 2 3`.
 """
 
 from __future__ import annotations
@@ -9,13 +8,18 @@ from __future__ import annotations
 from remqa_data.assets.model import Vec3
 from remqa_data.errors import ActionError
 from remqa_data.scene import Scene
-from remqa_data.sim.navigation import ReachableGrid, reachable_grid
-from remqa_data.sim.paths import pose_after
+from remqa_data.sim.actions import DONE, Action, parse_action, perform
+from remqa_data.sim.agent import Agent, Embodiment
+from remqa_data.sim.body import ActionResult
+from remqa_data.sim.navigation import GRID_M, ReachableGrid
 from remqa_data.sim.view import Observation, WorldView
 from remqa_data.sim.viewpoints import FRAME_PX, AgentPose
 from remqa_data.sim.world import World
 
-OPEN, CLOSE, PICK_UP, MOVE, DONE = "OpenObject", "CloseObject", "PickupObject", "MoveObject", "Done"
+__all__ = ["CLOSE", "DONE", "MOVE", "OPEN", "PICK_UP", "Replay", "move_action", "open_action", "pick_up_action"]
+
+OPEN, CLOSE, PICK_UP, MOVE = "OpenObject", "CloseObject", "PickupObject", "MoveObject"
+TELEPORT = "Teleport"
 
 
 class Replay:
@@ -27,18 +31,34 @@ class Replay:
         The room; it is not settled again, because a stored one is at rest.
     start : AgentPose
         Where the agent stands.
+    embodiment : Embodiment, optional
+        Its body.
 
     Attributes
     ----------
-    pose : AgentPose
-        Where it stands now.
+    agent : Agent
+        Acts on what it sees and what is within its arm's length.
+    grid : ReachableGrid
+        Where it could stand at first.
     """
 
-    def __init__(self, scene: Scene, start: AgentPose) -> None:
+    def __init__(self, scene: Scene, start: AgentPose, embodiment: Embodiment | None = None) -> None:
         self.world = World(scene)
         self.view = WorldView(self.world)
-        self.grid: ReachableGrid = reachable_grid(self.world)
+        self.agent = Agent(self.world, self.view, (0.0, 0.0), 0.0, embodiment=embodiment)
+        self.grid: ReachableGrid = self.agent.grid
         self.pose = start
+
+    @property
+    def pose(self) -> AgentPose:
+        """Where the agent stands and looks, rounded to the grid; may be set."""
+        agent = self.agent
+        cell = (round(agent.x / GRID_M), round(agent.y / GRID_M))
+        return AgentPose(cell, round(agent.yaw_deg) % 360, round(agent.horizon_deg), agent.is_standing)
+
+    @pose.setter
+    def pose(self, pose: AgentPose) -> None:
+        self.agent.place(self.grid.position(pose.cell), pose.yaw_deg, pose.horizon_deg, pose.is_standing)
 
     def step(self, action: str) -> None:
         """Execute one action.
@@ -47,48 +67,45 @@ class Replay:
         ------
         ActionError
             If the room or the agent's body refuses it, or it cannot be read.
+        UnknownNameError
+            If it names an object that is not in the room.
         """
-        word, *rest = action.split(" ")
-        if word == DONE:
-            return
-        if word in (OPEN, CLOSE, PICK_UP, MOVE):
-            self._manipulate(word, rest, action)
-        else:
-            self.pose = pose_after(self.grid, self.pose, action)
+        result = self.attempt(action)
+        if not result.success:
+            raise ActionError(f"{action} from {self.pose}: {result.error}")
+
+    def attempt(self, action: str) -> ActionResult:
+        """Execute one action, or say why the room or the agent's body refuses it; nobody teleports.
+
+        Raises
+        ------
+        ActionError
+            If it cannot be read.
+        UnknownNameError
+            If it names an object that is not in the room.
+        """
+        parsed = parse_action(action)
+        if parsed.name == TELEPORT:
+            raise ActionError(f"{action}: an episode is played without {TELEPORT}")
+        return perform(self.agent, parsed)
 
     def observe(self, size_px: int = FRAME_PX) -> Observation:
         """What the agent sees now."""
-        return self.view.render(self.pose.camera(self.grid, size_px))
+        return self.view.render(self.agent.camera(size_px, size_px))
 
     def close(self) -> None:
         """Give the simulator's memory back."""
         self.world.close()
 
-    def _manipulate(self, word: str, rest: list[str], action: str) -> None:
-        if len(rest) != (4 if word == MOVE else 1):
-            raise ActionError(f"{action!r}: {word} takes an object id{' and three numbers' if word == MOVE else ''}")
-        object_id = rest[0]
-        if word in (OPEN, CLOSE):
-            self.world.open(object_id, float(word == OPEN))
-        elif word == PICK_UP:
-            self.world.pick_up(object_id)
-            self.view.hide(object_id)
-        else:
-            try:
-                x, y, z = (float(number) for number in rest[1:])
-            except ValueError:
-                raise ActionError(f"{action!r}: {word} takes an object id and three numbers") from None
-            self.world.move_alone(object_id, (x, y, z))
-
 
 def open_action(object_id: str) -> str:
     """The action that opens an object."""
-    return f"{OPEN} {object_id}"
+    return str(Action(OPEN, object_id))
 
 
 def pick_up_action(object_id: str) -> str:
     """The action that picks an object up."""
-    return f"{PICK_UP} {object_id}"
+    return str(Action(PICK_UP, object_id))
 
 
 def move_action(object_id: str, position: Vec3) -> str:
@@ -97,4 +114,4 @@ def move_action(object_id: str, position: Vec3) -> str:
     >>> move_action("Stool|1", (1.25, -0.5, 0.38))
     'MoveObject Stool|1 1.25 -0.5 0.38'
     """
-    return " ".join([MOVE, object_id, *map(repr, position)])
+    return str(Action(MOVE, object_id, position))

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from remqa_data.errors import MisuseError
+from remqa_data.floorplans import scene_names
 from remqa_data.sim.agent import ActionResult
 from remqa_data.thor.cameras import ThirdPartyCamera
 from remqa_data.thor.dispatch import Action
-from remqa_data.thor.floorplans import scene_names
 from remqa_data.thor.frames import PartialVector, Vector, to_thor, whole
 from remqa_data.thor.objects import box_metadata
 from remqa_data.thor.settings import FrameSize, Images, Settings

@@ -14,12 +14,12 @@ import numpy as np
 
 from remqa_data.assets.model import F64, Vec3
 from remqa_data.catalog import object_type
+from remqa_data.floorplans import recorded_pivots
 from remqa_data.rotations import rotation_of
 from remqa_data.scene import Scene
 from remqa_data.sim.state import ObjectState
 from remqa_data.sim.world import World
 from remqa_data.support import supports
-from remqa_data.thor.floorplans import recorded_pivots
 from remqa_data.thor.frames import corners_to_thor, euler_to_thor, to_thor
 
 Metadata = dict[str, Any]

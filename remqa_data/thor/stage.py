@@ -6,13 +6,13 @@ import numpy as np
 
 from remqa_data.assets.model import F64, Vec3
 from remqa_data.errors import MisuseError
+from remqa_data.floorplans import load_scene
 from remqa_data.sim.navigation import ReachableGrid, reachable_grid
 from remqa_data.sim.view import WorldView
 from remqa_data.sim.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose, pixels_per_object
 from remqa_data.sim.world import World
 from remqa_data.thor.agent import ThorAgent
 from remqa_data.thor.cameras import ThirdPartyCamera
-from remqa_data.thor.floorplans import load_scene
 from remqa_data.thor.images import Palette
 from remqa_data.thor.objects import ObjectRecords
 from remqa_data.thor.settings import FrameSize, Settings

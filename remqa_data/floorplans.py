@@ -1,4 +1,8 @@
-"""The recorded floor plans: the only module of the facade that reaches into `remqa_data.generators`, when it is asked."""
+"""The recorded floor plans, for those parts of the library that play in rooms which no dataset holds.
+
+Floor plans are read by `remqa_data.generators`, which the library does not need otherwise: it is imported here, and only
+when a floor plan is asked for.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +19,13 @@ def scene_names() -> tuple[str, ...]:
 
 
 def load_scene(name: str) -> Scene:
-    """A floor plan as a scene."""
+    """A floor plan as a scene.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such floor plan; names the nearest.
+    """
     from remqa_data.generators.floorplans import ithor
 
     return ithor.load_scene(name)

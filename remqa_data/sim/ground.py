@@ -1,0 +1,122 @@
+"""Where the agent's body can go in a world that changes: for any step, and what is in the way.
+
+A step is free when every point along it is farther from all obstacles than the agent's radius. Along the edges of the
+navigation grid this is the same test as in `remqa_data.sim.navigation`, at the same points.
+"""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.assets.model import F64
+from remqa_data.sim.bodies import STRUCTURE_NAME
+from remqa_data.sim.navigation import FINE_M, GRID_M, ReachableGrid, body_outlines, clearance_map, reachable_grid
+from remqa_data.sim.state import ObjectState
+from remqa_data.sim.world import World
+
+Point = tuple[float, float]
+Hull = npt.NDArray[np.float32]
+"""(n, 1, 2) corners of a convex outline on the floor, metres."""
+
+SAMPLE_M = GRID_M / 4
+"""A step is tested at least this densely."""
+
+
+class Ground:
+    """The floor of a world, kept in step with what is opened, moved and taken away.
+
+    Parameters
+    ----------
+    world : World
+        The room.
+    radius_m : float
+        Of the agent.
+    """
+
+    def __init__(self, world: World, radius_m: float) -> None:
+        self.world, self.radius_m = world, radius_m
+        self._states: dict[str, ObjectState] = {}
+        self._hulls: dict[str, list[Hull]] = {}
+        self._grid: ReachableGrid | None = None
+        self._follow()
+
+    def blocker_at(self, x: float, y: float) -> str | None:
+        """What keeps the agent from standing at a point, by object id or "structure"; None if nothing does."""
+        self._sync()
+        return None if self._clearance.at(x, y) > self.radius_m else self._nearest(x, y)
+
+    def blocker(self, start: Point, end: Point) -> str | None:
+        """What keeps the agent from a straight step; see `blocker_at`.
+
+        An agent that is too near to something already, such as to a thing that fell before its feet, may walk away
+        from it.
+        """
+        blocked = self._first_blocked(start, end)
+        return None if blocked is None else self._nearest(*blocked)
+
+    def is_clear(self, start: Point, end: Point) -> bool:
+        """Whether nothing keeps the agent from a straight step; cheaper than to ask what does."""
+        return self._first_blocked(start, end) is None
+
+    def meets_agent(self, object_id: str, link_poses: F64, agent: Point) -> bool:
+        """Whether an object would touch the agent with its links at (n, 4, 4) poses; not if it does so already."""
+        now = _distance(self._hulls_now(object_id), agent)
+        return _distance(self._hulls_at(object_id, link_poses), agent) <= min(self.radius_m, now - 1e-6)
+
+    def grid(self) -> ReachableGrid:
+        """The navigation grid as it is now."""
+        self._sync()
+        if self._grid is None:
+            self._grid = reachable_grid(self.world)
+        return self._grid
+
+    def _first_blocked(self, start: Point, end: Point) -> Point | None:
+        self._sync()
+        count = max(1, math.ceil(math.dist(start, end) / SAMPLE_M - 1e-9))
+        limit = min(self.radius_m, np.nextafter(self._clearance.at(*start), 0.0))
+        for k in range(1, count + 1):
+            x = start[0] + k / count * (end[0] - start[0])
+            y = start[1] + k / count * (end[1] - start[1])
+            if self._clearance.at(x, y) <= limit:
+                return x, y
+        return None
+
+    def _sync(self) -> None:
+        state = self.world.state
+        if self.world.held != self._held or any(state(name) is not seen for name, seen in self._states.items()):
+            self._follow()
+
+    def _follow(self) -> None:
+        states = {object_id: self.world.state(object_id) for object_id in self.world.ids}
+        self._hulls = {name: hulls for name, hulls in self._hulls.items() if states[name] is self._states[name]}
+        self._states = states
+        self._held = self.world.held
+        self._clearance = clearance_map(self.world)
+        self._grid = None
+
+    def _nearest(self, x: float, y: float) -> str:
+        """The object nearest to a point, or the building if nothing is within the agent's radius."""
+        names = [name for name in self.world.ids if name != self._held and self.world.type_of(name) != "Floor"]
+        gaps = {name: _distance(self._hulls_now(name), (x, y)) for name in names}
+        nearest = min(gaps, key=lambda name: gaps[name], default=STRUCTURE_NAME)
+        return nearest if gaps.get(nearest, math.inf) <= self.radius_m + 2 * FINE_M else STRUCTURE_NAME
+
+    def _hulls_now(self, object_id: str) -> list[Hull]:
+        self._sync()
+        if object_id not in self._hulls:
+            self._hulls[object_id] = self._hulls_at(object_id, self.world.link_poses(object_id))
+        return self._hulls[object_id]
+
+    def _hulls_at(self, object_id: str, link_poses: F64) -> list[Hull]:
+        """Plan outlines of an object between ankle and head height."""
+        outlines = body_outlines(self.world.assets[object_id], link_poses, self.world.scene.floor_z)
+        return [np.asarray(cv2.convexHull(np.asarray(outline, dtype=np.float32))) for outline in outlines]
+
+
+def _distance(hulls: list[Hull], point: Point) -> float:
+    """Metres from a point to the nearest of some outlines; 0 inside one."""
+    return min((max(0.0, -cv2.pointPolygonTest(hull, point, True)) for hull in hulls), default=math.inf)
