@@ -26,7 +26,7 @@ from remqa_data.sim.world import World
 
 U8 = npt.NDArray[np.uint8]
 
-TILE_PX, HEADER_PX = 300, 84
+TILE_PX, LINE_PX = 300, 21
 BOX_COLOR, PATH_COLOR, START_COLOR, GOAL_COLOR = (230, 30, 30), (30, 90, 220), (30, 90, 220), (230, 30, 30)
 
 
@@ -67,12 +67,13 @@ def sample_picture(question: QuestionRow, scene: SceneRow) -> U8:
         x1, y1, x2, y2 = question.target_box_2d
         cv2.rectangle(before, (x1, y1), (x2 - 1, y2 - 1), BOX_COLOR, 2)
     body = np.hstack([before, after, _way_map(question, scene)])
-    header = np.full((HEADER_PX, body.shape[1], 3), 255, np.uint8)
     facts = f"{question.question_id}   {question.manipulation} {question.target_type}   {question.path_steps} steps"
-    lines = [*textwrap.wrap(question.question, 70)[:2], f"answer: {question.answer}", facts]
+    asked = textwrap.wrap(question.question, 70)
+    lines = [*asked, f"answer: {question.answer}", facts]
+    header = np.full((LINE_PX * (len(lines) + 1), body.shape[1], 3), 255, np.uint8)
     for number, line in enumerate(lines):
-        scale, width = (0.62, 2) if number == 0 else (0.5, 1)
-        place = (8, 22 + 20 * number)
+        scale, width = (0.62, 2) if number < len(asked) else (0.5, 1)
+        place = (8, LINE_PX * (number + 1))
         cv2.putText(header, line, place, cv2.FONT_HERSHEY_SIMPLEX, scale, (20, 20, 20), width, cv2.LINE_AA)
     return np.vstack([header, body])
 

@@ -1,16 +1,32 @@
 import re
 from pathlib import Path
 
-README = Path(__file__).parents[1] / "README.md"
+import gymnasium
+import pytest
+
+from remqa_data.generators.config import load_config
+from remqa_data.generators.pipeline import generate
+
+ROOT = Path(__file__).parents[1]
 
 
+@pytest.mark.slow
 def test_the_code_in_the_readme_runs(tmp_path, monkeypatch) -> None:
+    pytest.importorskip("torch")
+    config = load_config(ROOT / "configs" / "tiny.yaml")
+    few = config.questions.train.model_copy(update={"EXISTENCE": 4, "COUNTING": 0, "SPATIAL": 4})
+    questions = config.questions.model_copy(update={"train": few})
+    rooms = {"scenes": ("FloorPlan212", "FloorPlan27"), "questions": questions}
+    generate(tmp_path / "out" / "remqa", config.model_copy(update=rooms))
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    blocks = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
-    assert len(blocks) >= 2
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert len(blocks) >= 4
     for block in blocks:
         exec(block, names)
+    assert names["sample"]["start_rgb"].shape == (3, 300, 300)
+    assert isinstance(names["env"], gymnasium.Env)
+    assert "error" in names["info"]
     assert (tmp_path / "kitchen.json").stat().st_size > 10_000
     assert names["seen"].rgb.shape == (300, 300, 3)
     fridge = names["world"].ids.index(names["fridge"])

@@ -160,7 +160,7 @@ def desktop(b: Builder) -> None:
 
 
 def cell_phone(b: Builder) -> None:
-    """A phone lying on its back: all screen, with a round button, in a coloured case, or with a number pad."""
+    """A phone lying on its back: all screen, with a round button, in a coloured case, or small with large icons."""
     with b.quarter_turned(b.w > b.d):
         w, d, h = b.w, b.d, b.h
         body = b.by_variant(
@@ -168,7 +168,7 @@ def cell_phone(b: Builder) -> None:
                 b.pick((BLACK_PLASTIC, SILVER)),
                 b.pick((materials.WHITE_PLASTIC, SILVER)),
                 b.pick(PLASTIC_CASES[2:]),
-                CHARCOAL,
+                b.pick(PLASTIC_CASES[:2]),
             )
         )
         corner = b.by_variant((0.16, 0.14, 0.2, 0.28)) * w
@@ -179,10 +179,9 @@ def cell_phone(b: Builder) -> None:
                 (0.002, 0.07 * d, 0.3 * h), (w / 2 - 0.0002, y * d, 0.5 * h), materials.tinted(body, 0.7), solid=False
             )
         if b.variant == 3:
-            b.panel((0.82 * w, 0.36 * d), (0, 0.24 * d, h - lift / 2), DARK_GLASS, facing="z")
-            app_screen(b, (0.74 * w, 0.32 * d), (0, 0.24 * d, h), (3, 2))
-            _button_grid(b, (0.76 * w, 0.40 * d), (0, -0.22 * d, h - lift), (3, 4), PALE_BUTTON, lift)
-            b.box((0.26 * w, 0.06 * d, lift), (0, 0.025 * d, h - lift / 2), SILVER, solid=False)
+            b.panel((0.88 * w, 0.86 * d), (0, 0, h - lift / 2), DARK_GLASS, facing="z")
+            app_screen(b, (0.80 * w, 0.80 * d), (0, 0, h), (2, 3))
+            b.box((0.3 * w, 0.012 * d, lift), (0, 0.465 * d, h - lift / 2), SHADOW_GAP, solid=False)
         else:
             rim = b.by_variant((0.05, 0.06, 0.12)) * w
             glass = primitives.rounded_rect(w - 2 * rim, d - 2 * rim, corner * 0.8, 3)

@@ -33,7 +33,7 @@ FOAMS = tuple(
 )
 SCOURERS = tuple(
     Material("sponge", color, rgb, "carpet", 0.05)
-    for color, rgb in (("green", (0.16, 0.42, 0.24)), ("blue", (0.16, 0.28, 0.50)), ("black", (0.18, 0.18, 0.19)))
+    for color, rgb in (("green", (0.16, 0.42, 0.24)), ("blue", (0.16, 0.28, 0.50)), ("gray", (0.50, 0.50, 0.52)))
 )
 DARK_CERAMICS = (
     materials.ceramic("black"),
@@ -95,11 +95,11 @@ def aluminum_foil(b: Builder) -> None:
 
 
 def dish_sponge(b: Builder) -> None:
-    """A dish sponge: two layers with a scourer; waisted; plain with pores; wavy edge."""
+    """A dish sponge: two layers, the scourer below; waisted; plain with pores; wavy edge."""
     p = Posed(b, flat=True)
     foam = b.pick(FOAMS)
     scourer = b.pick([s for s in SCOURERS if s.color != foam.color])
-    split = b.by_variant((0.70, 0.68, 1.0, 0.72)) * p.h
+    under = b.by_variant((0.30, 0.32, 0.0, 0.28)) * p.h
     outline = primitives.rounded_rect(p.w, p.d, 0.008, 3)
     if b.variant in (1, 3):
         t = np.linspace(-0.5, 0.5, 11 if b.variant == 1 else 21)
@@ -107,9 +107,9 @@ def dish_sponge(b: Builder) -> None:
         inset = np.maximum(waist - waist.min(), 0.0) if b.variant == 3 else np.maximum(waist, 0.0)
         right = np.column_stack([p.w / 2 - inset, t * p.d])
         outline = np.vstack([right, -right])
-    p.add(primitives.prism(outline, split), foam, (0, 0, split / 2))
+    p.add(primitives.prism(outline, p.h - under), foam, (0, 0, (p.h + under) / 2))
     if b.variant != 2:
-        p.add(primitives.prism(outline * 0.995, p.h - split), scourer, (0, 0, (p.h + split) / 2))
+        p.add(primitives.prism(outline * 0.995, under), scourer, (0, 0, under / 2))
     else:
         dark, pore = materials.tinted(foam, 0.55), primitives.ellipsoid((1.0, 0.8, 0.2), 6, 2)
         on_side = pore.turned(primitives.turn("y", 90))
