@@ -129,28 +129,49 @@ def _types_by_word() -> dict[str, str]:
 # ---- executing
 
 
-def _execute(program: AnyProgram, graph: SceneGraph, meaning: Exactly) -> set[str]:
-    found = set(graph.objects)
-    for step in program:
-        match list(step):
-            case ["filter_type", str(value)] if value in catalog():
-                found = {i for i in found if meaning.type(graph.node(i), value)}
-            case ["filter_color", str(value)]:
-                found = {i for i in found if meaning.word(graph.node(i).color, value)}
-            case ["filter_substance", str(value)]:
-                found = {i for i in found if meaning.word(graph.node(i).substance, value)}
-            case ["relate", str(value), list() | tuple() as inner] if value in get_args(Relation):
-                relation: Relation = value  # type: ignore[assignment]  # just checked
-                anchors = _execute(inner, graph, meaning)
-                found = {i for i in found if meaning.related(graph, i, relation, anchors - {i})}
-            case ["closest", list() | tuple() as inner]:
-                found = meaning.closest(graph, found, _execute(inner, graph, meaning))
-            case ["row", str(value)] if value in get_args(RowPlace):
-                end: RowPlace = value  # type: ignore[assignment]  # just checked
-                found = meaning.in_row(graph, found, end)
-            case ["stack", str(value)] if value in get_args(StackPlace):
-                place: StackPlace = value  # type: ignore[assignment]  # just checked
-                found = meaning.in_stack(graph, found, place)
-            case _:
-                raise ProgramError(f"cannot execute step {step!r} of the program {program!r}")
-    return found
+def _execute(program: AnyProgram, graph: SceneGraph, meaning: Exactly) -> frozenset[str]:
+    """What is left after all steps; found once for each graph, as questions share most of their steps."""
+    if not program:
+        return frozenset(graph.objects)
+    steps = _hashable(program)
+    key = (type(meaning), steps)
+    if key not in graph.memo:
+        graph.memo[key] = frozenset(_step(steps, set(_execute(steps[:-1], graph, meaning)), graph, meaning))
+    return graph.memo[key]
+
+
+def _hashable(program: AnyProgram) -> Program:
+    """The same with tuples for JSON's lists."""
+    return tuple(tuple(_hashable_part(part, step) for part in step) for step in program)
+
+
+def _hashable_part(part: object, step: Sequence[Any]) -> str | Program:
+    if isinstance(part, str):
+        return part
+    if isinstance(part, list | tuple) and all(isinstance(inner, list | tuple) for inner in part):
+        return _hashable(part)
+    raise ProgramError(f"cannot execute step {step!r}: a step holds words and programs, not {part!r}")
+
+
+def _step(program: Program, found: set[str], graph: SceneGraph, meaning: Exactly) -> set[str]:
+    """What the last step of a program keeps of some objects."""
+    match program[-1]:
+        case ("filter_type", str(value)) if value in catalog():
+            return {i for i in found if meaning.type(graph.node(i), value)}
+        case ("filter_color", str(value)):
+            return {i for i in found if meaning.word(graph.node(i).color, value)}
+        case ("filter_substance", str(value)):
+            return {i for i in found if meaning.word(graph.node(i).substance, value)}
+        case ("relate", str(value), tuple() as inner) if value in get_args(Relation):
+            relation: Relation = value  # type: ignore[assignment]  # just checked
+            anchors = _execute(inner, graph, meaning)
+            return {i for i in found if meaning.related(graph, i, relation, set(anchors - {i}))}
+        case ("closest", tuple() as inner):
+            return meaning.closest(graph, found, set(_execute(inner, graph, meaning)))
+        case ("row", str(value)) if value in get_args(RowPlace):
+            end: RowPlace = value  # type: ignore[assignment]  # just checked
+            return meaning.in_row(graph, found, end)
+        case ("stack", str(value)) if value in get_args(StackPlace):
+            place: StackPlace = value  # type: ignore[assignment]  # just checked
+            return meaning.in_stack(graph, found, place)
+    raise ProgramError(f"cannot execute step {program[-1]!r} of the program {program!r}")

@@ -6,7 +6,7 @@ were seen, and once all have been seen it equals the graph of the whole room.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass, fields
 
 import networkx as nx
@@ -62,12 +62,15 @@ class SceneGraph:
     graph : networkx.DiGraph
         Nodes are object ids with the fields of `ObjectMetadata` as attributes; edges have the attributes `relation`,
         `distance_m` and `iou`. Read it as you like; change it through this class.
+    memo : dict
+        For `remqa_data.referring`, which keeps here what it has found; empty again whenever the graph grows.
     """
 
     def __init__(self, rules: RelationRules | None = None) -> None:
         self.rules = rules or relation_rules()
         self.graph: nx.DiGraph[str] = nx.DiGraph()
         self._objects: dict[str, ObjectMetadata] = {}
+        self.memo: dict[Hashable, frozenset[str]] = {}
 
     @classmethod
     def from_objects(cls, objects: Iterable[ObjectMetadata], rules: RelationRules | None = None) -> SceneGraph:
@@ -174,6 +177,7 @@ class SceneGraph:
     # ---- inside
 
     def _apply(self, update: GraphUpdate) -> None:
+        self.memo.clear()
         for record in update.nodes:
             if record.id in self._objects:
                 raise SceneGraphError(f"node {record.id!r} is added twice; replay the updates of one walk only")
