@@ -26,6 +26,8 @@ from remqa_data.sim.world import World
 
 PLANS = 25
 """How often a room's questions are planned anew before its arrangement counts as impossible."""
+FAILURES = 3
+"""A place in which things could not be arranged so often is used no more."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,7 @@ class RoomPlanner:
         self.all_places = hiding_places(base)
         self.expressions = expressions_of_places(base, self.all_places)
         self.plans_made = 0
+        self.failures: Counter[tuple[str, str]] = Counter()
         self.refused: Counter[str] = Counter()
         self._fitting_at_first = cache(lambda place, count: fitting_types(place, job.quota.room_type, count))
         self._forget()
@@ -123,16 +126,18 @@ class RoomPlanner:
 
     @property
     def has_learnt(self) -> bool:
-        """Whether anything is ruled out."""
-        return bool(self.misfits) or self.places != self.all_places
+        """Whether anything is ruled out that might work another time."""
+        return bool(self.misfits) or any(p not in self.all_places for p in self.places)
 
     def _forget(self) -> None:
-        self.places = list(self.all_places)
+        self.places = [p for p in self.all_places if self.failures[p.object_id, p.relation] < FAILURES]
         self.misfits: set[tuple[str, str, str]] = set()
 
     def _learn(self, error: ArrangementError) -> None:
         if len(error.types) == 1:
             self.misfits.add((error.place_id, error.relation, error.types[0]))
+            self.failures[error.place_id, error.relation] += 1
+            self.places = [p for p in self.places if self.failures[p.object_id, p.relation] < FAILURES]
             return
         for index, place in enumerate(self.places):  # each may fit, but not all at the same time
             if (place.object_id, place.relation) == (error.place_id, error.relation) and len(place.spots) > 1:
