@@ -25,12 +25,13 @@ from rich.console import Console
 from rich.table import Table
 
 from remqa_data import images
-from remqa_data.generators import pipeline, room, room_plan
+from remqa_data.generators import room, room_plan
 from remqa_data.generators.allotment import allot, capacities
 from remqa_data.generators.config import paper_config
 from remqa_data.generators.expressions import Expressions
+from remqa_data.generators.pipeline import RoomJob, make_part
 from remqa_data.generators.room_plan import Job
-from remqa_data.parts import begin_parts
+from remqa_data.parts import Parts
 from remqa_data.scene_graph import SceneGraph
 from remqa_data.sim.renderer import Renderer
 from remqa_data.sim.view import WorldView
@@ -47,7 +48,7 @@ STEPS: tuple[tuple[str, Any, str], ...] = (
     ("arrange", room_plan, "arrange"),
     ("walk, graph, map", room, "tour"),
     ("make and audit questions", room, "make_sample"),
-    ("write", pipeline, "write_scene_part"),
+    ("write", Parts, "write"),
     ("referring expressions", Expressions, "__init__"),
     ("referring expressions", Expressions, "of"),
     ("scene graph of a room", SceneGraph, "from_objects"),
@@ -114,8 +115,9 @@ def main() -> None:
 def make_all(jobs: list[Job]) -> list[dict[str, Any]]:
     """Make rooms and throw them away; the reports."""
     with tempfile.TemporaryDirectory() as folder:
-        begin_parts(Path(folder), {"benchmark": 1})
-        return [pipeline.make_part(Path(folder), job) | {"scene": job.scene} for job in jobs]
+        parts = Parts(folder, {"benchmark": 1})
+        made = [make_part(RoomJob(parts, job)) for job in jobs]
+        return [{**part.report, "scene": part.scene} for part in made]
 
 
 def report(watch: Stopwatch, made: list[dict[str, Any]]) -> None:

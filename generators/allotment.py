@@ -10,18 +10,26 @@ from __future__ import annotations
 import csv
 import heapq
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib import resources
 from typing import Literal
 
 from remqa_data.errors import QuotaError, UnknownNameError
+from remqa_data.generators.floorplans.sampling.naming import (
+    PREFIX,
+    is_sampled,
+    room_type_of,
+    sampled_index,
+    sampled_split,
+)
 from remqa_data.generators.floorplans.table import scene_names
 from remqa_data.generators.questions import KINDS, question_rules
 from remqa_data.rows import QuestionKind
 
 SOURCE = "capacities.csv"
+SAMPLED_SOURCE = "sampled_capacities.csv"
 QuestionSplit = Literal["train", "test"]
 SPLITS: tuple[QuestionSplit, ...] = ("train", "test")
 Totals = Mapping[QuestionKind, int]
@@ -68,7 +76,7 @@ class SceneQuota:
 
 
 def split_of(scene: str) -> QuestionSplit:
-    """The split of a room: the last five of each room type are for testing.
+    """The split of a room: the last five of each room type are for testing; of sampled rooms, one in six.
 
     Which rooms REMQA tests on is not published. AI2-THOR's own convention, kept by AllenAct and others, takes rooms 1 to 20
     of each type for training, 21 to 25 for validation and 26 to 30 for testing; so nothing that was trained in the usual
@@ -82,6 +90,8 @@ def split_of(scene: str) -> QuestionSplit:
     UnknownNameError
         If there is no such room.
     """
+    if is_sampled(scene):
+        return "test" if sampled_split(scene) == "test" else "train"
     if scene not in scene_names():
         raise UnknownNameError("scene", scene, scene_names())
     return "test" if _number(scene) % 100 > ROOMS_OF_A_TYPE - TEST_ROOMS_OF_A_TYPE else "train"
@@ -114,18 +124,14 @@ def choose_scenes(count: int) -> tuple[str, ...]:
 
 
 def capacities(scenes: Sequence[str]) -> list[SceneCapacity]:
-    """What some rooms can take, from `templates/capacities.csv`.
+    """What some rooms can take, from `templates/capacities.csv`; what sampled rooms must take, by their type.
 
     Raises
     ------
     UnknownNameError
         If a room is not in the table.
     """
-    known = _capacities()
-    for scene in scenes:
-        if scene not in known:
-            raise UnknownNameError("scene", scene, known)
-    return [known[scene] for scene in scenes]
+    return [_sampled_capacity(scene) if is_sampled(scene) else _recorded_capacity(scene) for scene in scenes]
 
 
 def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]) -> list[SceneQuota]:
@@ -153,10 +159,13 @@ def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]
     answers: dict[str, dict[QuestionKind, dict[str, int]]] = {room.scene: {} for room in rooms}
     for split in SPLITS:
         own = [room for room in rooms if splits[room.scene] == split]
-        for kind in KINDS:
-            for scene, quota in _deal(own, split, kind, totals.get(split, {}).get(kind, 0)).items():
+        for kind in reversed(KINDS):  # rooms that take nothing else still take EXISTENCE, which comes last
+            idle = {room.scene for room in own if not any(any(q.values()) for q in answers[room.scene].values())}
+            first = idle if kind == KINDS[0] else set()
+            for scene, quota in _deal(own, split, kind, totals.get(split, {}).get(kind, 0), first).items():
                 answers[scene][kind] = quota
-    return [SceneQuota(room.scene, room.room_type, splits[room.scene], answers[room.scene]) for room in rooms]
+    in_order = {scene: {kind: quotas[kind] for kind in KINDS if kind in quotas} for scene, quotas in answers.items()}
+    return [SceneQuota(room.scene, room.room_type, splits[room.scene], in_order[room.scene]) for room in rooms]
 
 
 def groups_needed(answers: Mapping[str, int]) -> int:
@@ -168,8 +177,10 @@ def groups_needed(answers: Mapping[str, int]) -> int:
 # ---- dealing
 
 
-def _deal(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, total: int) -> dict[str, dict[str, int]]:
-    """Samples by room and answer."""
+def _deal(
+    rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, total: int, first: Collection[str]
+) -> dict[str, dict[str, int]]:
+    """Samples by room and answer; some rooms are served first."""
     names = question_rules().answers(kind)
     if total == 1 or total < 0:
         raise QuotaError(
@@ -184,7 +195,7 @@ def _deal(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, total:
         msg += f"; {_some(empty)} can take none" if empty else ""
         raise QuotaError(f"{msg}; ask for more scenes or fewer questions")
     easy = {room.scene: min(room.groups[kind], room.most[kind]) for room in rooms}
-    dealt = _deal_groups(easy, room_for, whole + (left > 0))
+    dealt = _deal_groups(easy, room_for, whole + (left > 0), first)
     twice = GROUP_SIZE // len(names)
     quotas = {scene: dict.fromkeys(names, groups * twice) for scene, groups in dealt.items()}
     if left:  # the last group of the room with most of them is not a whole one
@@ -200,7 +211,9 @@ def _deal(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, total:
     return quotas
 
 
-def _deal_groups(easy: Mapping[str, int], most: Mapping[str, int], count: int) -> dict[str, int]:
+def _deal_groups(
+    easy: Mapping[str, int], most: Mapping[str, int], count: int, first: Collection[str]
+) -> dict[str, int]:
     """Deal groups to rooms one by one, each to the room that is least full, and first what rooms take easily.
 
     So all rooms keep some room, in case things cannot be arranged as planned.
@@ -208,7 +221,7 @@ def _deal_groups(easy: Mapping[str, int], most: Mapping[str, int], count: int) -
     dealt = dict.fromkeys(easy, 0)
     for limit in (easy, most):
         waiting = [
-            ((dealt[name] + 1) / room, order, name)
+            (0.0 if name in first else (dealt[name] + 1) / room, order, name)
             for order, (name, room) in enumerate(limit.items())
             if dealt[name] < room
         ]
@@ -234,9 +247,21 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
 
 
-@lru_cache(maxsize=1)
-def _capacities() -> Mapping[str, SceneCapacity]:
-    with (resources.files("remqa_data.templates") / SOURCE).open(encoding="utf-8") as file:
+def _recorded_capacity(scene: str) -> SceneCapacity:
+    known = _capacities(SOURCE)
+    if scene not in known:
+        raise UnknownNameError("scene", scene, known)
+    return known[scene]
+
+
+def _sampled_capacity(scene: str) -> SceneCapacity:
+    of_type = _capacities(SAMPLED_SOURCE)[PREFIX + room_type_of(sampled_index(scene))]
+    return replace(of_type, scene=scene)
+
+
+@lru_cache(maxsize=2)
+def _capacities(source: str) -> Mapping[str, SceneCapacity]:
+    with (resources.files("remqa_data.templates") / source).open(encoding="utf-8") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     return {row["scene"]: _capacity(row) for row in rows}
 

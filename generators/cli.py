@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -35,22 +34,35 @@ def generate(
     scenes: Annotated[
         int | None, typer.Option(help="How many rooms; by default as many as the configuration says.")
     ] = None,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the dataset.")] = Path("out/remqa"),
+    out: Annotated[
+        str, typer.Option(metavar="DIR", help="Folder of the dataset, or a place such as s3://bucket/prefix.")
+    ] = "out/remqa",
     config: Annotated[Path | None, typer.Option(metavar="FILE", help="A file such as configs/paper.yaml.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of the whole dataset.")] = None,
     workers: Annotated[
         int | None,
         typer.Option(min=1, help="Processes, by default one for each core; the dataset does not depend on it."),
     ] = None,
+    executor: Annotated[
+        str, typer.Option(metavar="NAME", help="Where rooms are made: local, in processes here, or ray, on a cluster.")
+    ] = "local",
+    ray_address: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDR", help="Of the Ray cluster, such as auto or ray://head:10001; by default this machine."
+        ),
+    ] = None,
     layouts: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Where rooms come from: ithor, the 120 floor plans of AI2-THOR.")
+        str | None,
+        typer.Option(metavar="NAME", help="Where rooms come from: ithor, the 120 of AI2-THOR, or sampled, any number."),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in the folder.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with an interrupted run.")] = False,
 ) -> None:
     """Generate a dataset of rooms, walks and questions, every sample checked in the simulator."""
     from remqa_data.generators.config import load_config, paper_config
-    from remqa_data.generators.pipeline import check_folder
+    from remqa_data.generators.executors import make_executor
+    from remqa_data.generators.pipeline import check_place
     from remqa_data.generators.pipeline import generate as run
 
     settings = paper_config() if config is None else load_config(config)
@@ -60,12 +72,11 @@ def generate(
         settings = settings.with_seed(seed)
     if scenes is not None:
         settings = settings.with_scenes(scenes)
-    check_folder(out, overwrite=overwrite, resume=resume)
-    if overwrite and out.is_dir():
-        shutil.rmtree(out)
+    check_place(out, overwrite=overwrite, resume=resume)
+    makes = make_executor(executor, workers or os.cpu_count() or 1, ray_address)
     started = time.monotonic()
     with _progress(len(settings.scene_names)) as on_scene:
-        manifest = run(out, settings, workers or os.cpu_count() or 1, on_scene)
+        manifest = run(out, settings, makes, on_scene, overwrite=overwrite)
     _summary(out, settings, manifest.questions, time.monotonic() - started)
 
 
@@ -105,7 +116,7 @@ class _progress:
             typer.echo(f"{self.done}/{self.total} {scene}: {counts} so far", err=True)
 
 
-def _summary(out: Path, settings: Config, questions: Mapping[str, Mapping[str, int]], seconds: float) -> None:
+def _summary(out: str, settings: Config, questions: Mapping[str, Mapping[str, int]], seconds: float) -> None:
     from rich.console import Console
     from rich.table import Table
 

@@ -20,15 +20,21 @@ from pydantic import (
     model_validator,
 )
 
-from remqa_data.errors import ConfigError
+from remqa_data.errors import ConfigError, UnknownNameError
 from remqa_data.generators.allotment import GROUP_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
+from remqa_data.generators.floorplans.sampling.naming import sampled_index, sampled_name
 from remqa_data.generators.floorplans.table import scene_names
 from remqa_data.generators.walk import WalkSettings
 from remqa_data.images import RgbFormat
 from remqa_data.manifest import config_hash
 from remqa_data.rows import QuestionKind
 
-LAYOUTS = ("ithor",)
+Layouts = Literal["ithor", "sampled"]
+LAYOUTS: tuple[Layouts, ...] = ("ithor", "sampled")
+
+MOST_SAMPLED = 1_000_000
+"""Names of sampled rooms have six digits."""
+_NAMES = {"ithor": "from FloorPlan1 to FloorPlan430", "sampled": "such as Sampled-kitchen-000000"}
 
 
 class _Section(BaseModel):
@@ -87,8 +93,8 @@ class Config(_Section):
     ----------
     seed : int
         Of the whole dataset.
-    layouts : {"ithor"}
-        Where rooms come from.
+    layouts : {"ithor", "sampled"}
+        Where rooms come from: the 120 recorded floor plans, or as many new ones as are asked for.
     scenes : int or tuple of str
         How many rooms, or which.
     configurations : int
@@ -104,7 +110,7 @@ class Config(_Section):
     """
 
     seed: NonNegativeInt
-    layouts: Literal["ithor"]
+    layouts: Layouts
     scenes: Annotated[int, Field(ge=1)] | Annotated[tuple[str, ...], Field(min_length=1, strict=False)]
     configurations: Annotated[int, Field(ge=GROUP_SIZE, le=32)]
     questions: Totals
@@ -114,24 +120,24 @@ class Config(_Section):
 
     @model_validator(mode="after")
     def _scenes_are_there(self) -> Config:
-        known = scene_names()
         if isinstance(self.scenes, int):
-            if self.scenes > len(known):
-                msg = f"scenes: {self.scenes} is more than the {len(known)} rooms of the layouts {self.layouts}"
+            if self.scenes > _most_rooms(self.layouts):
+                most = _most_rooms(self.layouts)
+                msg = f"scenes: {self.scenes} is more than the {most} rooms of the layouts {self.layouts}"
                 raise ValueError(msg)
             return self
-        unknown = [name for name in self.scenes if name not in known]
+        unknown = [name for name in self.scenes if not _is_room(self.layouts, name)]
         twice = [name for name in self.scenes if self.scenes.count(name) > 1]
         if unknown or twice:
             wrong = f"there is no room {unknown[0]!r}" if unknown else f"{twice[0]!r} is named twice"
-            msg = f"scenes: {wrong}; name rooms from FloorPlan1 to FloorPlan430, each once"
+            msg = f"scenes: {wrong}; name rooms {_NAMES[self.layouts]}, each once"
             raise ValueError(msg)
         return self
 
     @property
     def scene_names(self) -> tuple[str, ...]:
         """The rooms."""
-        return choose_scenes(self.scenes) if isinstance(self.scenes, int) else self.scenes
+        return _first_rooms(self.layouts, self.scenes) if isinstance(self.scenes, int) else self.scenes
 
     @property
     def totals(self) -> dict[QuestionSplit, dict[QuestionKind, int]]:
@@ -152,12 +158,12 @@ class Config(_Section):
             If there are not so many rooms.
         """
         before = self.scene_names
-        most = len(scene_names()) if isinstance(self.scenes, int) else len(before)
+        most = _most_rooms(self.layouts) if isinstance(self.scenes, int) else len(before)
         if not 1 <= count <= most:
             raise ConfigError(
                 f"scenes: {count} is not between 1 and {most}, the number of rooms of the layouts {self.layouts}"
             )
-        after = choose_scenes(count) if isinstance(self.scenes, int) else before[:count]
+        after = _first_rooms(self.layouts, count) if isinstance(self.scenes, int) else before[:count]
         totals = {}
         for split in SPLITS:
             had, has = (sum(split_of(name) == split for name in names) for names in (before, after))
@@ -172,10 +178,14 @@ class Config(_Section):
         Raises
         ------
         ConfigError
-            If there are no such layouts.
+            If there are no such layouts, or the configuration names rooms of other layouts.
         """
         if layouts not in LAYOUTS:
             raise ConfigError(f"layouts: there are no layouts {layouts!r}; use {' or '.join(LAYOUTS)}")
+        if layouts != self.layouts and not isinstance(self.scenes, int):
+            raise ConfigError(
+                f"layouts: the configuration names rooms of the layouts {self.layouts}; say how many instead"
+            )
         return self.model_copy(update={"layouts": layouts})
 
     def with_seed(self, seed: int) -> Config:
@@ -229,6 +239,23 @@ def _first_problem(error: ValidationError) -> str:
     )
     reason = problem["msg"].removeprefix("Value error, ")
     return f"{key}: {reason}" if key else reason
+
+
+def _most_rooms(layouts: Layouts) -> int:
+    return len(scene_names()) if layouts == "ithor" else MOST_SAMPLED
+
+
+def _first_rooms(layouts: Layouts, count: int) -> tuple[str, ...]:
+    return choose_scenes(count) if layouts == "ithor" else tuple(map(sampled_name, range(count)))
+
+
+def _is_room(layouts: Layouts, name: str) -> bool:
+    if layouts == "ithor":
+        return name in scene_names()
+    try:
+        return sampled_index(name) < MOST_SAMPLED
+    except UnknownNameError:
+        return False
 
 
 def _in_proportion(total: int, has: int, had: int) -> int:

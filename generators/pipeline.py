@@ -2,126 +2,177 @@
 
 from __future__ import annotations
 
+import math
+import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from remqa_data.dataset_card import write_card
-from remqa_data.errors import DatasetError
-from remqa_data.generators.allotment import allot, capacities
+from remqa_data.errors import DamagedShardError, DatasetError
+from remqa_data.generators.allotment import SceneQuota, allot, capacities
 from remqa_data.generators.config import Config
+from remqa_data.generators.executors import Executor, LocalExecutor
 from remqa_data.generators.room import make_room
 from remqa_data.generators.room_plan import Job
-from remqa_data.manifest import MANIFEST, Manifest, load_manifest, make_manifest
-from remqa_data.parts import assemble, begin_parts, count_questions, finish, read_report, write_scene_part
+from remqa_data.locks import LOCK, exclusive
+from remqa_data.manifest import MANIFEST, FileInfo, Manifest, load_manifest, make_manifest
+from remqa_data.parts import PARTS, Part, Parts, count_questions, finish, merge, tidy, unfinish
+from remqa_data.shards import check_files
+from remqa_data.storage import Folder, Storage, storage_at
 from remqa_data.version import __version__
 
-SHARDS = {"train": 5, "val": 1, "test": 1}
+FEWEST_SHARDS = {"train": 5, "val": 1, "test": 1}
+ROOMS_PER_SHARD = 20
+
+Progress = Callable[[str, Mapping[str, Any]], None]
+"""Called with the name and the report of each room when it is finished."""
 
 
 def generate(
-    out: Path,
+    out: str | os.PathLike[str],
     config: Config,
-    workers: int = 1,
-    progress: Callable[[str, Mapping[str, Any]], None] | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    *,
+    overwrite: bool = False,
 ) -> Manifest:
     """Generate a dataset, go on with one that was interrupted, or leave a finished one as it is.
 
     Parameters
     ----------
-    out : Path
-        Folder of the dataset; holds nothing else.
+    out : path or str
+        Where the dataset shall lie, see `storage_at`; nothing else does.
     config : Config
         What to generate.
-    workers : int
-        Number of processes. The bytes do not depend on it.
+    executor : Executor, optional
+        Where rooms are made, by default in this process. The bytes do not depend on it.
     progress : callable, optional
-        Called with the name and the report of each room when it is finished.
+        See `Progress`.
+    overwrite : bool
+        Whether to remove first whatever there is.
 
     Raises
     ------
     RemqaError
-        If a room cannot have its questions, or the folder belongs to another run.
+        If a room cannot have its questions, or there is another dataset, or another run is writing one.
     """
-    if (out / MANIFEST).is_file():
-        return _finished(out, config)
+    executor = executor or LocalExecutor()
+    storage = storage_at(out)
     quotas = allot(capacities(config.scene_names), config.totals)
-    run = {"config": config.sha256, "seed": config.seed, "version": __version__}
-    done = set(begin_parts(out, run))
-    for scene in sorted(done):
-        _tell(progress, scene, read_report(out, scene))
-    jobs = [Job(quota, config) for quota in quotas if quota.scene not in done]
-    for scene, report in _run(out, jobs, workers):
-        _tell(progress, scene, report)
-    order = [quota.scene for quota in quotas]
-    files = assemble(out, order, SHARDS)
-    refused: Counter[str] = Counter()
-    for scene in order:
-        refused.update(read_report(out, scene)["refused"])
-    manifest = make_manifest(
-        files,
-        seed=config.seed,
-        config=config.model_dump(mode="json"),
-        questions=count_questions(out, files),
-        refused=dict(refused),
-    )
-    write_card(out, manifest)
-    finish(out, manifest)
+    if not overwrite and storage.exists(MANIFEST) and not storage.files(PARTS):
+        return _finished(storage, config)  # it can be read even if nothing can be written there
+    with exclusive(storage) as lock:
+        if overwrite:
+            _clear(storage)
+        if storage.exists(MANIFEST):
+            manifest = _finished(storage, config)
+            storage.delete_folder(PARTS)  # whoever wrote the manifest was killed before that
+            return manifest
+        parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "version": __version__})
+        made = _made_rooms(parts, quotas, config, executor, progress)
+        unfinish(storage)
+        shards = parts.shard_jobs(made, _shards_per_split(made))
+        files = {info.path: info for _, info in executor.run(merge, shards)}
+        in_order = tuple(files[shard.path] for shard in shards)
+        tidy(storage, in_order)
+        manifest = _manifest(config, made, in_order)
+        write_card(storage.root, manifest)
+        lock.confirm()
+        finish(storage, manifest)
     return manifest
 
 
-def _finished(out: Path, config: Config) -> Manifest:
-    """The manifest of a finished dataset, if it is the one that is asked for."""
-    manifest = load_manifest(out)
-    if (manifest.config_sha256, manifest.versions["remqa-data"]) != (config.sha256, __version__):
-        raise DatasetError(
-            f"{out} holds a finished dataset of another configuration, seed or version; "
-            "use --overwrite to replace it, or another folder"
-        )
-    return manifest
+@dataclass(frozen=True)
+class RoomJob:
+    """A room to make, and where its part goes."""
+
+    parts: Parts
+    room: Job
 
 
-def _tell(progress: Callable[[str, Mapping[str, Any]], None] | None, scene: str, report: Mapping[str, Any]) -> None:
-    if progress is not None:
-        progress(scene, report)
+def make_part(job: RoomJob) -> Part:
+    """Generate one room and write its part."""
+    rows, report = make_room(job.room)
+    return job.parts.write(job.room.scene, rows, report)
 
 
-def _run(out: Path, jobs: list[Job], workers: int) -> Iterable[tuple[str, dict[str, Any]]]:
-    if workers == 1:
-        for job in jobs:
-            yield job.scene, make_part(out, job)
-        return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        waiting = {pool.submit(make_part, out, job): job for job in jobs}
-        try:
-            for future in as_completed(waiting):
-                yield waiting[future].scene, future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def make_part(out: Path, job: Job) -> dict[str, Any]:
-    """Generate one room and write its part; returns its report."""
-    rows, report = make_room(job)
-    write_scene_part(out, job.scene, rows, report)
-    return report
-
-
-def check_folder(out: Path, *, overwrite: bool, resume: bool) -> None:
+def check_place(out: str | os.PathLike[str], *, overwrite: bool, resume: bool) -> None:
     """Refuse to write among other files.
 
     Raises
     ------
     DatasetError
-        If the folder is not empty and neither overwriting nor resuming was asked for.
+        If the place is not empty and neither overwriting nor resuming was asked for.
     """
-    if out.exists() and not out.is_dir():
+    storage = storage_at(out)
+    if isinstance(storage, Folder) and storage.path.exists() and not storage.path.is_dir():
         raise DatasetError(f"{out} is a file; give a folder")
-    if out.is_dir() and any(out.iterdir()) and not (overwrite or resume):
+    if not (overwrite or resume) and any(file.path.partition("/")[0] != LOCK for file in storage.files()):
         raise DatasetError(
             f"{out} is not empty; use --resume to go on with it, --overwrite to replace it, or another folder"
         )
+
+
+def _finished(storage: Storage, config: Config) -> Manifest:
+    """The manifest of a finished dataset, if it is the one that is asked for, and whole."""
+    manifest = load_manifest(storage.root)
+    if (manifest.config_sha256, manifest.versions["remqa-data"]) != (config.sha256, __version__):
+        raise DatasetError(
+            f"{storage.where()} holds a finished dataset of another configuration, seed or version; "
+            "use --overwrite to replace it, or another folder"
+        )
+    if isinstance(storage, Folder):  # a bucket checks what it stores itself
+        try:
+            check_files(storage.root)
+        except DamagedShardError as error:
+            raise DatasetError(f"{error}, with --overwrite") from None
+    return manifest
+
+
+def _clear(storage: Storage) -> None:
+    """Remove everything but the lock; the manifest first, so that a half-removed dataset does not look finished."""
+    unfinish(storage)
+    found = {file.path.partition("/")[0] for file in storage.files()} - {LOCK}
+    for name in sorted(found):
+        storage.delete([name]) if storage.exists(name) else storage.delete_folder(name)
+
+
+def _made_rooms(
+    parts: Parts, quotas: Sequence[SceneQuota], config: Config, executor: Executor, progress: Progress | None
+) -> list[Part]:
+    """Parts of all rooms, in the order of the quotas; those that are not there yet are made."""
+    tell = progress or (lambda scene, report: None)
+    made = parts.finished()
+    for scene in sorted(made):
+        tell(scene, made[scene].report)
+    jobs = [RoomJob(parts, Job(quota, config)) for quota in quotas if quota.scene not in made]
+    for _, part in executor.run(make_part, jobs):
+        made[part.scene] = part
+        tell(part.scene, part.report)
+    return [made[quota.scene] for quota in quotas]
+
+
+def _shards_per_split(made: Sequence[Part]) -> dict[str, int]:
+    """More shards for more rooms, so that they stay about as large."""
+    rooms: Counter[tuple[str, str]] = Counter()
+    for part in made:
+        rooms.update({(file.table, file.split) for file in part.files})
+    return {
+        split: max(fewest, *(math.ceil(count / ROOMS_PER_SHARD) for (_, s), count in rooms.items() if s == split), 0)
+        for split, fewest in FEWEST_SHARDS.items()
+    }
+
+
+def _manifest(config: Config, made: Sequence[Part], files: tuple[FileInfo, ...]) -> Manifest:
+    refused: Counter[str] = Counter()
+    for part in made:
+        refused.update(part.report["refused"])
+    return make_manifest(
+        files,
+        seed=config.seed,
+        config=config.model_dump(mode="json"),
+        questions=count_questions(made),
+        refused=refused,
+    )

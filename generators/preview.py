@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.files import atomic_path
-from remqa_data.generators.floorplans.ithor import load_scene
+from remqa_data.floorplans import load_scene
 from remqa_data.scene import Scene
 from remqa_data.sim.camera import Camera, TopDownCamera
 from remqa_data.sim.navigation import CAMERA_HEIGHT_M, GRID_M, ReachableGrid, reachable_grid
@@ -30,7 +30,7 @@ CELL_COLOR, START_COLOR, WALL_COLOR, TEXT_COLOR = (60, 160, 60), (220, 60, 40), 
 
 
 def write_preview(scene_name: str, path: Path, size_px: int = 300) -> None:
-    """Write the preview sheet of a floor plan as PNG; `size_px` is the side of each view."""
+    """Write the preview sheet of a floor plan or a sampled room as PNG; `size_px` is the side of each view."""
     image = preview(load_scene(scene_name), size_px)
     with atomic_path(path) as temporary:
         temporary.write_bytes(cv2.imencode(".png", image[..., ::-1])[1].tobytes())

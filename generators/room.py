@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from remqa_data.errors import QuotaError
+from remqa_data.errors import ArrangementError, QuotaError
 from remqa_data.generators.floorplans.ithor import load_scene
+from remqa_data.generators.floorplans.sampled import sampled_scene
+from remqa_data.generators.floorplans.sampling.naming import is_sampled, sampled_index, sampled_split
 from remqa_data.generators.groups import GroupPlan
 from remqa_data.generators.hiding_places import HidingPlace
 from remqa_data.generators.room_plan import Job, RoomPlan, RoomPlanner
@@ -25,6 +27,9 @@ MIN_WAY_CELLS = 3
 ROOM_ATTEMPTS = 4
 """How often a room is made anew when the audit refuses so much that its quota cannot be met."""
 
+SAMPLED_DRAWS = 40
+"""How often a sampled room is drawn anew when it cannot have the questions that it owes."""
+
 Rows = dict[str, list[Row]]
 
 
@@ -38,7 +43,21 @@ def make_room(job: Job) -> tuple[Rows, dict[str, Any]]:
     ArrangementError
         If its things cannot be arranged.
     """
-    planner = RoomPlanner(job, load_scene(job.scene))
+    if not is_sampled(job.scene):
+        return _made(job, load_scene(job.scene))
+    draw = 0
+    while True:
+        try:
+            return _made(job, sampled_scene(sampled_index(job.scene), job.config.seed, draw))
+        except (ArrangementError, QuotaError):
+            draw += 1
+            if draw == SAMPLED_DRAWS:
+                raise
+
+
+def _made(job: Job, base: Scene) -> tuple[Rows, dict[str, Any]]:
+    """The rows and the report of a room, of which the floor plan is given."""
+    planner = RoomPlanner(job, base)
     for attempt in range(1, ROOM_ATTEMPTS + 1):
         plan = planner.next()
         rows, samples = _walked_and_asked(job, plan, planner.refused)
@@ -128,6 +147,8 @@ def expression_split(scene: str) -> Split:
     >>> [expression_split(f"FloorPlan{n}") for n in (20, 221, 430)]
     ['train', 'val', 'test']
     """
+    if is_sampled(scene):
+        return sampled_split(scene)
     number = int(scene.removeprefix("FloorPlan")) % 100
     if number > 25:
         return "test"

@@ -6,14 +6,14 @@ Both are made from the manifest and from the documentation in the tables' schema
 from __future__ import annotations
 
 import json
-from pathlib import Path
+import os
 from typing import Any
 
 import pyarrow as pa
 
-from remqa_data.files import atomic_path
 from remqa_data.manifest import Manifest
 from remqa_data.schema import IMAGE_TYPE, TABLES, TableSpec, field_docs
+from remqa_data.storage import storage_at
 
 CARD, CROISSANT = "README.md", "croissant.json"
 LICENSE_URL = "https://www.apache.org/licenses/LICENSE-2.0"
@@ -34,14 +34,14 @@ FRAMES = (
 )
 
 
-def write_card(root: Path, manifest: Manifest) -> None:
+def write_card(root: str | os.PathLike[str], manifest: Manifest) -> None:
     """Write README.md and croissant.json into a dataset's folder; do so before the manifest, which comes last."""
     texts = {
         CARD: dataset_card(manifest),
         CROISSANT: json.dumps(croissant(manifest), indent=1, ensure_ascii=False) + "\n",
     }
     for name, text in texts.items():
-        with atomic_path(Path(root) / name) as temporary:
+        with storage_at(root).publish(name) as temporary:
             temporary.write_text(text, encoding="utf-8")
 
 

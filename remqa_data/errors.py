@@ -33,6 +33,9 @@ class UnknownNameError(RemqaError, KeyError):
     def __str__(self) -> str:
         return self.message  # KeyError would show the repr of the text
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.kind, self.name, self.nearest)  # whole again after a worker process
+
 
 class CatalogError(RemqaError, ValueError):
     """A file of object types that cannot be read: says which type, which field and why."""
@@ -112,6 +115,41 @@ class DamagedShardError(DatasetError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.path, self.reason, self.row_group, self.column)  # whole again after a worker process
+
+
+class DamagedPartError(DatasetError):
+    """A finished room of an unfinished dataset that is not as it was written; it no longer counts as finished."""
+
+
+class BusyDatasetError(DatasetError):
+    """A dataset into which another run is writing, or that has passed on to another run."""
+
+
+class StorageError(RemqaError, OSError):
+    """A bucket that cannot be reached, read or written.
+
+    Parameters
+    ----------
+    root : str
+        Its URI.
+    reason : str
+        What it answered.
+    """
+
+    def __init__(self, root: str, reason: str) -> None:
+        self.root, self.reason = root, reason
+        super().__init__(f"{root}: {reason}; check the bucket's name, and credentials, region and endpoint (AWS_...)")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.root, self.reason)
+
+
+class WorkersLostError(RemqaError):
+    """Processes that make rooms died again and again: says during which rooms, and what to try."""
+
+
+class ClusterError(RemqaError):
+    """A Ray cluster that cannot be reached, or that loses a job again and again."""
 
 
 class VoxelError(RemqaError, ValueError):

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
+
+_LEFTOVER = re.compile(r"\..+\.[0-9a-f]{12}(\.[^.]*)?")
 
 
 @contextmanager
@@ -54,6 +58,21 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
     if os.name == "posix":
         _flush(path.parent)  # the rename itself lies in the folder
+
+
+def is_leftover(path: str | os.PathLike[str]) -> bool:
+    """Whether this is a temporary name of `atomic_path`, such as a process leaves behind that was killed.
+
+    >>> is_leftover("out/.manifest.0123456789ab.json"), is_leftover("out/manifest.json")
+    (True, False)
+    """
+    return _LEFTOVER.fullmatch(Path(path).name) is not None
+
+
+def sha256_of(path: Path) -> str:
+    """Checksum of a file, in hexadecimal."""
+    with path.open("rb") as handle:
+        return hashlib.file_digest(handle, "sha256").hexdigest()
 
 
 def _flush(path: Path) -> None:

@@ -19,15 +19,18 @@ def scene_names() -> tuple[str, ...]:
 
 
 def load_scene(name: str) -> Scene:
-    """A floor plan as a scene.
+    """A floor plan as a scene, or a sampled room such as "Sampled-kitchen-000000" of seed 0.
 
     Raises
     ------
     UnknownNameError
         If there is no such floor plan; names the nearest.
     """
-    from remqa_data.generators.floorplans import ithor
+    from remqa_data.generators.floorplans import ithor, sampled
+    from remqa_data.generators.floorplans.sampling.naming import is_sampled, sampled_index
 
+    if is_sampled(name):
+        return sampled.sampled_scene(sampled_index(name), seed=0)
     return ithor.load_scene(name)
 
 

@@ -7,17 +7,17 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib import metadata
-from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from remqa_data.errors import DatasetError
-from remqa_data.files import atomic_path
+from remqa_data.storage import Folder, Storage, storage_at
 from remqa_data.version import __version__
 
 MANIFEST = "manifest.json"
@@ -122,28 +122,28 @@ def make_manifest(
     return Manifest(seed, dict(config), config_hash(config), versions, files, counts, dict(sorted(refused.items())))
 
 
-def write_manifest(root: Path, manifest: Manifest) -> None:
+def write_manifest(root: str | os.PathLike[str], manifest: Manifest) -> None:
     """Write the manifest, which makes the folder a finished dataset."""
-    with atomic_path(root / MANIFEST) as temporary:
+    with storage_at(root).publish(MANIFEST) as temporary:
         temporary.write_text(manifest.to_json(), encoding="utf-8")
 
 
-def load_manifest(root: Path) -> Manifest:
-    """Read the manifest of a finished dataset.
+def load_manifest(root: str | os.PathLike[str]) -> Manifest:
+    """Read the manifest of a finished dataset, which may lie in a bucket, see `storage_at`.
 
     Raises
     ------
     DatasetError
         If there is no such folder, it is not a finished dataset, or its manifest cannot be read.
     """
-    path = Path(root) / MANIFEST
-    if not path.parent.is_dir():
-        raise DatasetError(f"{root}: no such folder; generate a dataset with remqa-gen --out {root}")
-    if not path.is_file():
-        msg = f"{root} is not a finished dataset: it has no {MANIFEST}; go on with remqa-gen --resume, or start again"
-        raise DatasetError(msg)
+    storage = storage_at(root)
+    path = storage.where(MANIFEST)
     try:
-        manifest = _ADAPTER.validate_json(path.read_bytes())
+        text = storage.read(MANIFEST)
+    except (FileNotFoundError, NotADirectoryError):
+        raise _no_dataset(storage) from None
+    try:
+        manifest = _ADAPTER.validate_json(text)
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(str(part) for part in first["loc"]) or "the whole text"
@@ -152,6 +152,15 @@ def load_manifest(root: Path) -> Manifest:
         msg = f"{path}: format version {manifest.format_version}; this package reads {FORMAT_VERSION}"
         raise DatasetError(msg)
     return manifest
+
+
+def _no_dataset(storage: Storage) -> DatasetError:
+    where = storage.where()
+    if isinstance(storage, Folder) and not storage.path.is_dir():
+        return DatasetError(f"{where}: no such folder; generate a dataset with remqa-gen --out {where}")
+    return DatasetError(
+        f"{where} is not a finished dataset: it has no {MANIFEST}; go on with remqa-gen --resume, or start again"
+    )
 
 
 _ADAPTER = TypeAdapter(Manifest)

@@ -7,7 +7,7 @@ carries a checksum, so damage is found when it is read, and can be told by row g
 
 from __future__ import annotations
 
-import hashlib
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -18,10 +18,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from remqa_data.errors import DamagedShardError, DatasetError, SchemaError
-from remqa_data.files import atomic_path
+from remqa_data.files import atomic_path, sha256_of
 from remqa_data.manifest import FileInfo, load_manifest
 from remqa_data.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow
 from remqa_data.schema import IMAGE_TYPE, TABLES, check_schema, table_spec, to_rows, to_table
+from remqa_data.shard_cache import local_shard
 
 R = TypeVar("R", SceneRow, FrameRow, ExpressionRow, QuestionRow)
 
@@ -93,13 +94,13 @@ class ShardWriter:
         self._waiting = [rows] if rows.num_rows else []
 
 
-def file_info(root: Path, path: Path, table: str, split: str) -> FileInfo:
-    """What the manifest says about a shard that has been written."""
-    rows = pq.read_metadata(path).num_rows
-    return FileInfo(path.relative_to(root).as_posix(), table, split, rows, path.stat().st_size, sha256_of(path))
+def file_info(written: Path, path: str, table: str, split: str) -> FileInfo:
+    """What the manifest says about a shard that has been written and will be known under a path in the dataset."""
+    rows = pq.read_metadata(written).num_rows
+    return FileInfo(path, table, split, rows, written.stat().st_size, sha256_of(written))
 
 
-def read_table(root: Path, table: str, split: str, columns: Sequence[str] | None = None) -> pa.Table:
+def read_table(root: str | os.PathLike[str], table: str, split: str, columns: Sequence[str] | None = None) -> pa.Table:
     """A split of a table of a finished dataset, or some of its columns.
 
     Raises
@@ -112,7 +113,7 @@ def read_table(root: Path, table: str, split: str, columns: Sequence[str] | None
     return pa.concat_tables([Shard(path).read(columns=columns) for path in shard_paths(root, table, split)])
 
 
-def read_rows(root: Path, row_type: type[R], split: str) -> Iterator[R]:
+def read_rows(root: str | os.PathLike[str], row_type: type[R], split: str) -> Iterator[R]:
     """Typed rows of a split, one row group in memory at a time; errors as in `read_table`."""
     name = next(spec.name for spec in TABLES.values() if spec.row_type is row_type)
     for path in shard_paths(root, name, split):
@@ -121,13 +122,16 @@ def read_rows(root: Path, row_type: type[R], split: str) -> Iterator[R]:
             yield from to_rows(row_type, shard.read(group))
 
 
-def shard_paths(root: Path, table: str, split: str) -> list[Path]:
-    """Files of a split of a table of a finished dataset, in order; errors as in `read_table`."""
+def shard_paths(root: str | os.PathLike[str], table: str, split: str) -> list[Path]:
+    """Files of a split of a table of a finished dataset, in order; errors as in `read_table`.
+
+    Those of a dataset in a bucket are fetched first, see `shard_cache`.
+    """
     manifest = load_manifest(root)
     known = manifest.splits(table_spec(table).name)
     if split not in known:
         raise DatasetError(f"{root}: table {table} has no split {split!r}; it has: {', '.join(known) or 'none'}")
-    return [Path(root) / file.path for file in manifest.files_of(table, split)]
+    return [local_shard(root, file) for file in manifest.files_of(table, split)]
 
 
 class Shard:
@@ -173,7 +177,7 @@ class Shard:
             raise damage or DamagedShardError(self.path, _line(error)) from None
 
 
-def check_files(root: Path) -> None:
+def check_files(root: str | os.PathLike[str]) -> None:
     """Check that every file of a finished dataset is as it was written, and has the columns of its table.
 
     Raises
@@ -182,14 +186,17 @@ def check_files(root: Path) -> None:
         For the first file that is not, naming the row group and column where that can be told.
     """
     for file in load_manifest(root).files:
-        damage = find_damage(Path(root), file)
+        damage = find_damage(root, file)
         if damage is not None:
             raise damage
 
 
-def find_damage(root: Path, file: FileInfo) -> DamagedShardError | None:
+def find_damage(root: str | os.PathLike[str], file: FileInfo) -> DamagedShardError | None:
     """What is wrong with one file of a dataset, or None."""
-    path = root / file.path
+    try:
+        path = local_shard(root, file)
+    except DamagedShardError as error:
+        return error
     if not path.is_file():
         return DamagedShardError(path, "the file is missing")
     size = path.stat().st_size
@@ -206,12 +213,6 @@ def find_damage(root: Path, file: FileInfo) -> DamagedShardError | None:
         return None
     other = DamagedShardError(path, "every column can be read, but the sha256 is not that of the manifest")
     return _damaged_column(path, parquet, range(parquet.num_row_groups)) or other
-
-
-def sha256_of(path: Path) -> str:
-    """Checksum of a file, in hexadecimal."""
-    with path.open("rb") as handle:
-        return hashlib.file_digest(handle, "sha256").hexdigest()
 
 
 def _opened(path: Path) -> pq.ParquetFile:

@@ -48,7 +48,8 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
     rules = relation_rules().support
     spaces = _all_spaces(world)
     floor = next((object_id for object_id in world.ids if world.type_of(object_id) == "Floor"), None)
-    undersides = np.array([boxes[owner][0, 2] for owner in spaces.owners])
+    # The space of what things hang on reaches below it.
+    undersides = np.minimum([boxes[owner][0, 2] for owner in spaces.owners], spaces.floor_z)
     held_by: dict[str, Support] = {}
     for object_id, (low, high) in boxes.items():
         if object_id == world.held or not len(spaces.owners):

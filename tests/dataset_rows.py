@@ -11,7 +11,7 @@ from remqa_data.images import StoredImage, encode_depth, encode_instances, encod
 from remqa_data.manifest import Manifest, make_manifest
 from remqa_data.metadata import AgentState, ObjectMetadata, VisibleObject
 from remqa_data.pair_relations import Edge
-from remqa_data.parts import assemble, begin_parts, count_questions, finish, write_scene_part
+from remqa_data.parts import Parts, assemble, count_questions, finish
 from remqa_data.rows import (
     Embodiment,
     ExpressionRow,
@@ -178,15 +178,18 @@ def scene_rows(scene: str, split: str, frames: int = 21, questions: int = 10) ->
 SCENES = {"Kitchen1": "train", "Kitchen2": "train", "Kitchen3": "test"}
 
 
-def write_dataset(root: Path, order: tuple[str, ...] = tuple(SCENES), shards: int = 2) -> Manifest:
+def write_dataset(root: Path | str, order: tuple[str, ...] = tuple(SCENES), shards: int = 2) -> Manifest:
     """A finished dataset of three scenes; `order` is the order in which their parts get finished."""
-    begin_parts(root, {"seed": 0})
-    for scene in order:
-        write_scene_part(root, scene, scene_rows(scene, SCENES[scene]), {"refused": {"not unique": 1}})
-    files = assemble(root, tuple(SCENES), shards)
+    parts = Parts(root, {"seed": 0})
+    made = {
+        scene: parts.write(scene, scene_rows(scene, SCENES[scene]), {"refused": {"not unique": 1}}) for scene in order
+    }
+    in_order = [made[scene] for scene in SCENES]
+    files = assemble(parts, in_order, shards)
     config = {"scenes": 3, "frame_px": WIDTH}
-    questions = count_questions(root, files)
-    manifest = make_manifest(files, seed=0, config=config, questions=questions, refused={"not unique": 3})
+    manifest = make_manifest(
+        files, seed=0, config=config, questions=count_questions(in_order), refused={"not unique": 3}
+    )
     write_card(root, manifest)
-    finish(root, manifest)
+    finish(parts.storage, manifest)
     return manifest

@@ -120,7 +120,7 @@ def optional_packages() -> list[tuple[str, str]]:
 
 
 def test_the_extras_are_the_promised_ones():
-    assert {extra for _, extra in optional_packages()} == {"torch", "thor", "ray", "s3", "rerun", "report"}
+    assert {extra for _, extra in optional_packages()} == {"torch", "thor", "ray", "rerun", "report"}
 
 
 @pytest.mark.parametrize(("package", "extra"), optional_packages())

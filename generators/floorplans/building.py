@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from remqa_data.assets.cutting import solid_around
-from remqa_data.assets.materials import COLORS
+from remqa_data.assets.materials import CHROME, COLORS
 from remqa_data.assets.model import F64, Box, Material, Vec3
 from remqa_data.generators.floorplans.plan import ON_WALLS, SIDES, RoomShell
 from remqa_data.generators.floorplans.table import RecordedObject
@@ -16,6 +16,7 @@ from remqa_data.scene import StructureBox
 WALL_M = 0.12
 OUTER_M = 0.60
 """A second skin this far outside closes the view through hairline cracks between wall panels."""
+FRAME_M, HANDLE_HEIGHT_M = 0.06, 1.02
 SKIRTING_M = (0.012, 0.08)
 INNER_WALL_M = 0.08
 ON_INNER_WALL_M = 0.14
@@ -57,13 +58,20 @@ def building(objects: Sequence[RecordedObject], shell: RoomShell, rng: np.random
         outer = wall.copy()
         outer[:, axis] -= inward[axis] * OUTER_M
         parts.append(StructureBox("outside", _box(outer.ravel()), finish))
-        parts += _skirting(side, objects, holes, shell)
+        doors = [] if shell.door is None else [_box(np.concatenate(shell.door))]
+        parts += _skirting(side, objects, [*holes, *doors], shell)
+    if shell.notch is not None:
+        x0, y0, x1, y1 = shell.notch
+        parts.append(StructureBox("wall", (x0, y0, bottom, x1, y1, top), finish))
+    if shell.door is not None:
+        parts += _door(*shell.door)
     parts += _inner_walls(objects, shell, finish)
     return parts + _behind_wall_cabinets(objects, parts, shell, finish)
 
 
 _CEILING = Material("plaster", "white", (0.97, 0.97, 0.96))
 _SCREED = Material("stone", "gray", (0.7, 0.69, 0.67), "concrete", 1.0)
+_DOOR = Material("wooden", "white", (0.90, 0.89, 0.86))
 _SKIRTING = Material("wooden", "white", (0.95, 0.95, 0.93))
 
 
@@ -75,6 +83,28 @@ def _wall_finish(room: str, rng: np.random.Generator) -> Material:
         return Material("tiled", color, rgb, "tile" if rng.random() < 0.5 else "subway", 0.8, 0.15)
     texture = "plaster" if room == "kitchen" else WALLPAPERS[int(rng.integers(len(WALLPAPERS)))]
     return Material("painted", color, rgb, texture, 1.2)
+
+
+def _door(low: F64, high: F64) -> list[StructureBox]:
+    """A closed door in its frame, with a handle, on a wall of which the box's long side says how it runs."""
+    axis = int(np.argmin((high - low)[:2]))
+    across = 1 - axis
+    leaf_low, leaf_high = low.copy(), high.copy()
+    leaf_low[across] += FRAME_M
+    leaf_high[[across, 2]] -= FRAME_M
+    frame = solid_around(_box((*low, *high)), [_through(np.stack([leaf_low - [0, 0, 1], leaf_high]), axis)])
+    inset = (high - low)[axis] / 4
+    leaf_low[axis] += inset
+    leaf_high[axis] -= inset
+    handle_low, handle_high = leaf_low.copy(), leaf_high.copy()
+    handle_low[[across, 2]] += 0.05, HANDLE_HEIGHT_M
+    handle_high[across], handle_high[2] = handle_low[across] + 0.13, handle_low[2] + 0.022
+    handle_low[axis], handle_high[axis] = low[axis] - 0.03, high[axis] + 0.03
+    return [
+        *(StructureBox("fixture", box, _SKIRTING) for box in frame),
+        StructureBox("fixture", _box((*leaf_low, *leaf_high)), _DOOR),
+        StructureBox("fixture", _box((*handle_low, *handle_high)), CHROME),
+    ]
 
 
 def _opening(o: RecordedObject) -> F64:

@@ -113,13 +113,22 @@ def load_scene(name: str) -> Scene:
 
 def scene_from(rows: Sequence[RecordedObject]) -> Scene:
     """A scene from the recorded objects of one room."""
-    name, room_type = rows[0].scene, rows[0].room
+    return furnished(*understood(rows))
+
+
+def understood(rows: Sequence[RecordedObject]) -> tuple[list[RecordedObject], RoomShell]:
+    """The recorded objects of one room, mended and facing the right way, and the room that they stand in."""
     rows = mended(rows)
     shell = fit_shell(rows)
     tops = [o for o in rows if o.type == "CounterTop"]
     worktops = [rect for top in tops for rect in counter_plan(top, rows, shell, trimmed=False)]
     objects = facing_right(rows, shell, worktops)
-    objects = [at_floor_level(o, shell.floor_z) if o.type == "Floor" else o for o in objects]
+    return [at_floor_level(o, shell.floor_z) if o.type == "Floor" else o for o in objects], shell
+
+
+def furnished(objects: Sequence[RecordedObject], shell: RoomShell) -> Scene:
+    """A scene from the objects of one room, of which it is known which way they face, and the room's walls."""
+    name, room_type = objects[0].scene, objects[0].room
     style = _Style(name)
     finish = FINISHES[style.suite_seed % len(FINISHES)]
     plans = {o.id: counter_plan(o, objects, shell) for o in objects if _may_bend(o)}

@@ -72,11 +72,21 @@ SIDES: dict[str, F64] = {
 
 @dataclass(frozen=True)
 class RoomShell:
-    """Floor level, inner faces of the outer walls, ceiling height above the floor; metres."""
+    """Floor level, inner faces of the outer walls, ceiling height above the floor; metres.
+
+    Attributes
+    ----------
+    notch : Rect or None
+        A corner of the bounds that is not part of the room, which is L-shaped then.
+    door : ((3,) array, (3,) array) or None
+        Corners of a closed door in an outer wall: its frame's box, as far as it stands out into the room.
+    """
 
     floor_z: float
     bounds: Rect
     height: float
+    notch: Rect | None = None
+    door: tuple[F64, F64] | None = None
 
     def gap(self, side: str, low: F64, high: F64) -> float:
         """Distance between a box and a wall."""

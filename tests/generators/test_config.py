@@ -70,7 +70,7 @@ def test_numbers_of_rooms_that_there_are_not(count) -> None:
         ("SPATIAL: 222", "SPATIAL: many", "questions.test.SPATIAL: .*integer"),
         ("rgb_format: jpeg", "rgb_format: gif", "image.rgb_format: .*'jpeg' or 'png'"),
         ("walk:", "wlk:", "walk: Field required"),
-        ("cells_per_frame: 2.0", "cells_per_frame: 2.0\n  speed: 1", "walk.speed: Extra inputs"),
+        ("cells_per_frame: 1.0", "cells_per_frame: 1.0\n  speed: 1", "walk.speed: Extra inputs"),
         ("horizons_deg: [0, 30]", "horizons_deg: []", "walk.horizons_deg: .*at least 1"),
     ],
 )

@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 from remqa_data.cli import app as data_app
 from remqa_data.generators.cli import app
 from remqa_data.generators.config import Config, load_config, paper_config
+from remqa_data.generators.executors import LocalExecutor
 from remqa_data.generators.pipeline import generate
 from remqa_data.manifest import Manifest
 from remqa_data.rows import FrameRow, QuestionRow
@@ -69,7 +70,7 @@ def test_tables_belong_together(made: tuple[Path, Manifest]) -> None:
 @pytest.mark.slow
 def test_two_workers_make_the_same_bytes(made: tuple[Path, Manifest], tmp_path: Path) -> None:
     _, manifest = made
-    assert generate(tmp_path / "again", two_rooms(), workers=2) == manifest
+    assert generate(tmp_path / "again", two_rooms(), LocalExecutor(2)) == manifest
 
 
 @pytest.mark.slow

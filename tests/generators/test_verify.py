@@ -51,7 +51,7 @@ def retold(root: Path, out: Path, row_type: type, change: Callable[[Any], Any]) 
     rows = [change(row) for row in read_rows(root, row_type, old.split)]
     with ShardWriter(out / old.path, table) as writer:
         writer.write_rows(rows)
-    new = file_info(out, out / old.path, table, old.split)
+    new = file_info(out / old.path, old.path, table, old.split)
     files = tuple(new if file.path == old.path else file for file in manifest.files)
     (out / MANIFEST).write_text(json.dumps(asdict(replace(manifest, files=files))))
     return out

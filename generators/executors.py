@@ -1,0 +1,212 @@
+"""Where rooms are made: in processes of this machine, or on a Ray cluster.
+
+A job writes its results itself, to a place that is the same for all, and gives back little. So an executor only says which
+jobs there are and counts them. What a job does may depend on nothing but the job; then a job can be done again, on another
+machine and by two at the same time, when a process or a machine is lost.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import socket
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.connection import wait as wait_for_sentinels
+from typing import Any, Protocol, TypeVar
+
+from remqa_data.errors import ClusterError, ConfigError, WorkersLostError
+from remqa_data.extras import require
+
+EXECUTORS = ("local", "ray")
+LOSSES_IN_A_ROW = 3
+"""Processes die by accident, as when a machine is short of memory for a moment; so often without a single job done in
+between is no accident."""
+QUEUE_PER_WORKER = 4
+RAY_QUEUE = 2000
+"""Jobs that Ray knows at a time: more than a cluster can do at once, so that it grows if it can, and not a million."""
+ANSWER_S = 10.0
+"""So long a cluster has time to answer."""
+RAY_RETRIES = 10
+"""How often Ray does a job again whose process or node was lost."""
+
+J = TypeVar("J")
+R = TypeVar("R")
+
+
+class Executor(Protocol):
+    """Does jobs, each once or more often."""
+
+    def run(self, work: Callable[[J], R], jobs: Sequence[J]) -> Iterator[tuple[J, R]]:
+        """Do `work` on each job; yields jobs with their results, in the order in which they are done.
+
+        The first error of a job ends the run and is raised as it is. `work` must be a function of a module.
+        """
+
+
+def make_executor(name: str, workers: int, ray_address: str | None = None) -> Executor:
+    """An executor by its name on the command line.
+
+    Raises
+    ------
+    ConfigError
+        If there is none of this name, or an address is given for an executor that has none.
+    """
+    if name not in EXECUTORS:
+        raise ConfigError(f"there is no executor {name!r}; use {' or '.join(EXECUTORS)}")
+    if name == "ray":
+        return RayExecutor(ray_address)
+    if ray_address is not None:
+        raise ConfigError("--ray-address is for --executor ray")
+    return LocalExecutor(workers)
+
+
+class LocalExecutor:
+    """Processes of this machine; a single worker is this process itself.
+
+    A process that dies is replaced, and what it was doing is done again. When this process dies, its workers do too.
+
+    Parameters
+    ----------
+    workers : int
+        How many.
+    """
+
+    def __init__(self, workers: int = 1) -> None:
+        self.workers = workers
+
+    def run(self, work: Callable[[J], R], jobs: Sequence[J]) -> Iterator[tuple[J, R]]:
+        """See `Executor`.
+
+        Raises
+        ------
+        WorkersLostError
+            If processes die again and again, and no job gets done.
+        """
+        if self.workers == 1:
+            for job in jobs:
+                yield job, work(job)
+            return
+        waiting, losses = dict.fromkeys(range(len(jobs))), 0
+        while waiting:
+            try:
+                for number, result in self._run_until_loss(work, jobs, list(waiting)):
+                    del waiting[number]
+                    losses = 0
+                    yield jobs[number], result
+            except BrokenProcessPool:
+                losses += 1
+                if losses == LOSSES_IN_A_ROW:
+                    raise WorkersLostError(
+                        f"worker processes died {losses} times with {len(waiting)} jobs to do, perhaps for lack of "
+                        "memory; go on with --resume and fewer --workers"
+                    ) from None
+
+    def _run_until_loss(self, work: Callable[[J], R], jobs: Sequence[J], numbers: list[int]) -> Iterator[tuple[int, R]]:
+        numbers.reverse()
+        running: dict[Future[R], int] = {}
+        context = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(self.workers, mp_context=context, initializer=_die_with_parent) as pool:
+            try:
+                while numbers or running:
+                    while numbers and len(running) < QUEUE_PER_WORKER * self.workers:
+                        number = numbers.pop()
+                        running[pool.submit(work, jobs[number])] = number
+                    done, _ = wait(running, return_when=FIRST_COMPLETED)
+                    for future in sorted(done, key=lambda future: future.exception() is not None):
+                        yield running.pop(future), future.result()
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+
+
+class RayExecutor:
+    """A Ray cluster, with one job on each of its CPUs. Ray does a job again whose process or node is lost.
+
+    Parameters
+    ----------
+    address : str, optional
+        Of the cluster, such as "auto" or "ray://head:10001"; by default the one of $RAY_ADDRESS, else this machine alone.
+
+    Raises
+    ------
+    MissingExtraError
+        If Ray is not installed.
+    ClusterError
+        If the cluster cannot be reached.
+    """
+
+    def __init__(self, address: str | None = None) -> None:
+        self._ray: Any = require("ray", "ray")
+        if self._ray.is_initialized():
+            return
+        _check_address(address)
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # tell nobody, unless the user wants to
+        try:
+            self._ray.init(address=address, log_to_driver=False, logging_level="ERROR", include_dashboard=False)
+        except (ConnectionError, ValueError, RuntimeError, TimeoutError) as error:
+            raise _unreachable(address, error) from None
+
+    def run(self, work: Callable[[J], R], jobs: Sequence[J]) -> Iterator[tuple[J, R]]:
+        """See `Executor`.
+
+        Raises
+        ------
+        ClusterError
+            If the cluster loses the processes of a job again and again.
+        """
+        ray = self._ray
+        task = ray.remote(num_cpus=1, max_retries=RAY_RETRIES)(work)
+        waiting = list(reversed(range(len(jobs))))
+        running: dict[Any, int] = {}
+        try:
+            while waiting or running:
+                while waiting and len(running) < RAY_QUEUE:
+                    number = waiting.pop()
+                    running[task.remote(jobs[number])] = number
+                (done,), _ = ray.wait(list(running), num_returns=1)
+                number = running.pop(done)
+                yield jobs[number], self._result(done)
+        finally:
+            for unfinished in running:
+                ray.cancel(unfinished, force=True)
+
+    def _result(self, done: Any) -> Any:
+        exceptions = self._ray.exceptions
+        try:
+            return self._ray.get(done)
+        except exceptions.RayTaskError as error:
+            raise error.cause from None  # as it was raised there, without Ray's account of the way
+        except exceptions.RayError as error:
+            reason = " ".join(str(error).split())
+            raise ClusterError(f"a job was lost for good: {reason}; go on with --resume") from None
+
+
+def _check_address(address: str | None) -> None:
+    """Look whether anybody answers, as Ray itself waits for minutes."""
+    host, _, port = (address or "").removeprefix("ray://").rpartition(":")
+    if not (host and port.isdecimal()):
+        return
+    try:
+        socket.create_connection((host, int(port)), timeout=ANSWER_S).close()
+    except OSError as error:
+        raise _unreachable(address, error) from None
+
+
+def _unreachable(address: str | None, error: Exception) -> ClusterError:
+    return ClusterError(f"Ray cluster {address or 'on this machine'}: {' '.join(str(error).split())}")
+
+
+def _die_with_parent() -> None:
+    """Let this process end as soon as the one that started it is gone, even if that was killed."""
+    parent = multiprocessing.parent_process()
+    if parent is None:
+        return
+
+    def watch() -> None:
+        wait_for_sentinels([parent.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

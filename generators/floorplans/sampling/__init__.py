@@ -1,0 +1,1 @@
+"""New rooms after the statistics of the recorded ones."""
