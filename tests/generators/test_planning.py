@@ -1,3 +1,4 @@
+import os
 import zlib
 from collections import Counter
 from functools import cache
@@ -23,6 +24,7 @@ from remqa_data.generators.questions import KINDS, confusable, mentioned_types
 from remqa_data.generators.selection import select
 from remqa_data.metadata import object_metadata
 from remqa_data.scene_graph import SceneGraph
+from remqa_data.shards import read_table
 from remqa_data.sim.world import World
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper.yaml"
@@ -181,5 +183,21 @@ def test_mean_lengths_and_manipulations_of_a_fifth_of_the_benchmark() -> None:
             manipulations[group.question.place.manipulation] += len(group.asked)
     asked = sum(sum(kinds.values()) for kinds in config.totals.values())
     assert manipulations.total() == asked
-    assert all(manipulations[m] >= 0.1 * asked for m in ("Open", "Pickup", "Move"))
-    assert {kind: np.mean(w) for kind, w in words.items()} == pytest.approx(PUBLISHED_WORDS, abs=0.5)
+    # What is promised of 120 rooms, below, holds of 24 within what a sample of rooms varies by.
+    assert all(manipulations[m] >= 0.07 * asked for m in ("Open", "Pickup", "Move"))
+    assert {kind: np.mean(w) for kind, w in words.items()} == pytest.approx(PUBLISHED_WORDS, abs=0.8)
+
+
+@pytest.mark.skipif(
+    "REMQA_DATASET" not in os.environ,
+    reason="needs the folder of a full dataset in REMQA_DATASET (remqa-gen --scenes 120 makes one)",
+)
+def test_the_whole_benchmark_has_the_published_lengths_and_enough_of_each_manipulation() -> None:
+    root = Path(os.environ["REMQA_DATASET"])
+    columns = ["kind", "question", "manipulation"]
+    rows = [row for s in ("train", "test") for row in read_table(root, "questions", s, columns).to_pylist()]
+    assert len(rows) == 4072
+    counts = Counter(row["manipulation"] for row in rows)
+    assert all(counts[m] >= 0.1 * len(rows) for m in ("Open", "Pickup", "Move"))
+    means = {kind: np.mean([len(r["question"].split()) for r in rows if r["kind"] == kind]) for kind in KINDS}
+    assert means == pytest.approx(PUBLISHED_WORDS, abs=0.5)
