@@ -120,7 +120,7 @@ def arrange(
             if not trouble:
                 strayed = _strayed(world, before, hidden, scene)
                 return Configuration(_without(world.to_scene(), lost | strayed), hidden)
-            for key in {(t.place.object_id, t.place.manipulation) for t in trouble}:
+            for key in sorted({(t.place.object_id, t.place.manipulation) for t in trouble}):
                 tried[key] += 1
                 puts[key] = _pack(world, scene, by_place[key], rng)
             if max(tried.values()) >= PACKED:

@@ -6,14 +6,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from remqa_data.errors import ArrangementError
+from remqa_data.generators import configurations
 from remqa_data.generators.configurations import Configuration, Hidden, arrange
 from remqa_data.generators.floorplans.ithor import load_scene
 from remqa_data.generators.hiding_areas import Area
-from remqa_data.generators.hiding_check import goal_camera, manipulated
+from remqa_data.generators.hiding_check import Trouble, goal_camera, manipulated
 from remqa_data.generators.hiding_places import HidingPlace, hiding_places
 from remqa_data.generators.packing import packed
 from remqa_data.generators.placement_priors import fitting_types
 from remqa_data.metadata import object_metadata
+from remqa_data.scene import Scene
 from remqa_data.sim.view import WorldView
 from remqa_data.sim.viewpoints import MIN_PIXELS, pixels_per_object
 from remqa_data.sim.world import World
@@ -97,6 +99,28 @@ def test_the_generator_decides_everything() -> None:
     assert again == arranged(room, number)
     other = arrange(load_scene(room), places_of(room), wishes_for(room, number), np.random.default_rng(99))
     assert other.scene != again.scene
+
+
+def test_the_order_in_which_troubled_places_are_packed_again_is_no_hash_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    room = "FloorPlan7"
+    wishes = wishes_for(room, 0)
+    packed_again: list[str] = []
+    pack = configurations._pack
+
+    def noted(world: World, scene: Scene, place_and_ids: tuple[HidingPlace, tuple[str, ...]], rng: np.random.Generator):
+        packed_again.append(place_and_ids[0].object_id)
+        return pack(world, scene, place_and_ids, rng)
+
+    def all_in_trouble(*_: object) -> list[Trouble]:
+        return [Trouble(wish.place, wish.type, "for the test") for wish in wishes]
+
+    monkeypatch.setattr(configurations, "_pack", noted)
+    monkeypatch.setattr(configurations, "in_sight_troubles", all_in_trouble)
+    with pytest.raises(ArrangementError, match="for the test"):
+        arrange(load_scene(room), places_of(room), wishes, np.random.default_rng(0))
+    rounds = np.array(packed_again[len(wishes) :]).reshape(-1, len(wishes))
+    assert len(wishes) >= 5  # a hash order is sorted once in 120 times
+    assert (rounds == sorted(rounds[0])).all()
 
 
 def test_a_share_of_the_loose_things_moves() -> None:
