@@ -34,8 +34,8 @@ lint: $(INSTALLED_DEV)  ## ruff, the format, and mypy --strict on the library
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-bench: $(INSTALLED_DEV)  ## measure speed
-	@for benchmark in $(wildcard benchmarks/*.py); do $(BIN)/python $$benchmark || exit; done
+bench: $(INSTALLED_DEV)  ## measure speed, with the dataset in out/remqa if there is one
+	$(BIN)/python benchmarks/run.py $(patsubst %/manifest.json,%,$(wildcard $(DATASET)/manifest.json))
 
 clean:  ## remove .venv, caches and build files (out/ stays)
 	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

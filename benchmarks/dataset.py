@@ -1,14 +1,10 @@
 """How fast the PyTorch datasets yield, against cv2.imdecode alone on the same images; all on one core.
 
-`python benchmarks/dataset.py [DIR]` measures a finished dataset; without one, two rooms are generated first. The figures
-are printed and stored in out/benchmarks/dataset.json. The aim is a ratio of at least 0.70.
+`python benchmarks/dataset.py [DIR]` measures a finished dataset; without one, two rooms are generated first.
 """
 
 from __future__ import annotations
 
-import json
-import platform
-import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
@@ -19,15 +15,13 @@ from typing import Any
 import cv2
 import numpy as np
 import torch
-from rich.console import Console
-from rich.table import Table
+from measure import OUTPUT, Benchmark, Facts, Headline, Table
 
 from remqa_data.dataset import ExpressionDataset, FrameDataset, RemqaDataset
 from remqa_data.manifest import MANIFEST, load_manifest
 from remqa_data.shards import read_table
 
-OUTPUT = Path("out/benchmarks/dataset.json")
-ROOMS, ROOMS_DATASET = ("FloorPlan1", "FloorPlan27"), Path("out/benchmarks/two_rooms")
+ROOMS, ROOMS_DATASET = ("FloorPlan1", "FloorPlan27"), OUTPUT / "two_rooms"
 ROUNDS, SAMPLES = 9, 96
 
 
@@ -54,11 +48,11 @@ class Speed:
         return self.imdecode_ms / self.first_ms
 
 
-def main() -> None:
-    """Measure, print a table and store the figures."""
+def measure(arguments: list[str]) -> Facts:
+    """Time every dataset, in order and shuffled."""
     cv2.setNumThreads(1)
     torch.set_num_threads(1)
-    root = Path(sys.argv[1]) if len(sys.argv) > 1 else two_rooms(ROOMS_DATASET)
+    root = Path(arguments[0]) if arguments else two_rooms(ROOMS_DATASET)
     split = load_manifest(root).splits("questions")[0]
     kinds: list[tuple[str, str, Callable[[], Any]]] = [
         ("questions, all images", "questions", lambda: RemqaDataset(root, split)),
@@ -67,27 +61,37 @@ def main() -> None:
         ("frames, RGB", "frames", lambda: FrameDataset(root, split, images=("rgb",))),
     ]
     speeds = [
-        measure(name, make, encoded_images(root, table, split, make().images), shuffled)
+        time_dataset(name, make, encoded_images(root, table, split, make().images), shuffled)
         for name, table, make in kinds
         for shuffled in (False, True)
     ]
-    speeds.append(expressions(root, split))
-    table = Table(title=f"{root}: ms per sample on one core; ratio to imdecode")
-    for heading in ("dataset", "images", "order", "imdecode", "dataset", "ratio", "ratio, first time"):
-        table.add_column(heading, justify="right")
-    for speed in speeds:
-        figures = (speed.imdecode_ms, speed.dataset_ms, speed.ratio, speed.first_ratio)
-        table.add_row(speed.dataset, str(speed.images), speed.order, *(f"{figure:.2f}" for figure in figures))
-    Console().print(table)
-    OUTPUT.parent.mkdir(parents=True, exist_ok=True)
-    facts = {"cpu": platform.processor(), "opencv": cv2.__version__, "torch": torch.__version__}
-    OUTPUT.write_text(
-        json.dumps(
-            {**facts, "speeds": [asdict(s) | {"ratio": s.ratio, "first_ratio": s.first_ratio} for s in speeds]},
-            indent=2,
+    return {"speeds": [asdict(speed) for speed in [*speeds, expressions(root, split)]]}
+
+
+def table(facts: Facts) -> Table:
+    """Milliseconds, and ratios to imdecode."""
+    speeds = [Speed(**speed) for speed in facts["speeds"]]
+    rows = [
+        (
+            f"{speed.dataset}, {speed.order}",
+            str(speed.images),
+            *(f"{figure:.2f}" for figure in (speed.imdecode_ms, speed.dataset_ms, speed.ratio, speed.first_ratio)),
         )
-        + "\n"
-    )
+        for speed in speeds
+    ]
+    headings = ("dataset", "images", "imdecode, ms", "dataset, ms", "ratio", "ratio, first time")
+    return Table("Samples on one core", headings, rows)
+
+
+def headlines(facts: Facts) -> list[Headline]:
+    """The dataset that is furthest from imdecode, and samples a second of the largest."""
+    speeds = [Speed(**speed) for speed in facts["speeds"]]
+    worst = min(speeds, key=lambda speed: speed.ratio)
+    samples_per_s = [1e3 / speed.dataset_ms for speed in speeds if speed.dataset == "questions, all images"]
+    return [
+        Headline(f"Dataset ({worst.dataset}, {worst.order})", worst.ratio, "of imdecode's speed", at_least=0.7),
+        Headline("Dataset, questions with 6 images", min(samples_per_s), "samples/s"),
+    ]
 
 
 def two_rooms(root: Path) -> Path:
@@ -115,12 +119,12 @@ def expressions(root: Path, split: str) -> Speed:
     frames = read_table(root, "frames", split, ["frame_id", "rgb"]).to_pylist()
     encoded = {frame["frame_id"]: frame["rgb"]["bytes"] for frame in frames}
     names = read_table(root, "expressions", split, ["frame_id"])["frame_id"].to_pylist()
-    return measure(
+    return time_dataset(
         "expressions, RGB", lambda: ExpressionDataset(root, split), [[encoded[name]] for name in names], True
     )
 
 
-def measure(name: str, make: Callable[[], Any], encoded: Sequence[Sequence[bytes]], shuffled: bool) -> Speed:
+def time_dataset(name: str, make: Callable[[], Any], encoded: Sequence[Sequence[bytes]], shuffled: bool) -> Speed:
     """Time imdecode and the dataset in turns, so that what else the machine does falls on both alike."""
     rows = np.random.default_rng(0).permutation(len(encoded)) if shuffled else np.arange(len(encoded))
     chosen = rows[:SAMPLES].tolist()
@@ -155,5 +159,7 @@ def seconds(work: Callable[[], None]) -> float:
     return time.process_time() - start
 
 
+BENCHMARK = Benchmark("dataset", measure, table, headlines)
+
 if __name__ == "__main__":
-    main()
+    BENCHMARK.main()

@@ -1,91 +1,112 @@
 """What a step of the environment costs beside the frame that it draws, and two environments beside one.
 
-Run it alone on an idle machine with two cores: `python benchmarks/env.py`. The figures are printed and stored in
-out/benchmarks/env.json.
+`python benchmarks/env.py`, on an idle machine with two cores.
 """
 
 from __future__ import annotations
 
-import json
-import platform
 import time
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
+from functools import partial
 
 import gymnasium
 import numpy as np
-from rich.console import Console
-from rich.table import Table
+from measure import Benchmark, Facts, Headline, Table, times_ms
 
 from remqa_data.env import ENV_ID, RemqaEnv
 from remqa_data.env_actions import DISCRETE
 from remqa_data.sim.actions import NAVIGATION
 
-OUTPUT = Path("out/benchmarks/env.json")
 ROOMS = ("FloorPlan1", "FloorPlan201", "FloorPlan301", "FloorPlan401")
-STEPS, SECONDS = 200, 8.0
+STEPS, WALK_STEPS, WARM_UP_STEPS = 200, 800, 20
 SIZE_PX = 300
 WALKING = [number for number, action in enumerate(DISCRETE) if action in NAVIGATION]
 
 
-def main() -> None:
-    """Measure, print and store."""
-    console = Console()
-    table = Table("room", "frame, ms", "step, ms", "ratio", title=f"{SIZE_PX} x {SIZE_PX}, medians of {STEPS} steps")
-    results: dict[str, Any] = {"machine": platform.processor() or platform.machine(), "rooms": {}}
-    for room in ROOMS:
-        frame_ms, step_ms = step_and_frame_ms(room)
-        table.add_row(room, f"{frame_ms:.2f}", f"{step_ms:.2f}", f"{step_ms / frame_ms:.2f}")
-        results["rooms"][room] = {"frame_ms": frame_ms, "step_ms": step_ms, "ratio": step_ms / frame_ms}
-    console.print(table)
-    alone, together = steps_per_s(1), steps_per_s(2)
-    results["async"] = {"one_per_s": alone, "two_per_s": together, "ratio": together / alone}
-    console.print(f"AsyncVectorEnv: {alone:.0f} steps/s with one, {together:.0f} with two: {together / alone:.2f} x")
-    OUTPUT.parent.mkdir(parents=True, exist_ok=True)
-    OUTPUT.write_text(json.dumps(results, indent=1))
+def measure(arguments: list[str]) -> Facts:
+    """Time steps and frames in each room, and two environments beside one after the other.
+
+    In lockstep a step takes as long as the slower of two, so two different walks gain less than the same walk twice.
+    """
+    return {
+        "rooms": {room: step_and_frame_ms(room) for room in ROOMS},
+        "two_beside_one": {"the same walk": steps_per_s((0, 0)), "different walks": steps_per_s((0, 1))},
+    }
 
 
-def step_and_frame_ms(room: str) -> tuple[float, float]:
+def table(facts: Facts) -> Table:
+    """Steps and frames by room."""
+    rows = [
+        (room, *(f"{ms:.2f}" for ms in (times["frame_ms"], times["step_ms"], times["step_ms"] / times["frame_ms"])))
+        for room, times in facts["rooms"].items()
+    ]
+    title = f"Steps and the {SIZE_PX} x {SIZE_PX} frames that they draw, medians of {STEPS}"
+    return Table(title, ("room", "frame, ms", "step, ms", "ratio"), rows)
+
+
+def headlines(facts: Facts) -> list[Headline]:
+    """The room where a step costs most beside its frame; two environments beside one."""
+    rooms = facts["rooms"].values()
+    same, different = (facts["two_beside_one"][walks] for walks in ("the same walk", "different walks"))
+    return [
+        Headline("env.step", max(times["step_ms"] / times["frame_ms"] for times in rooms), "x a frame", at_most=1.4),
+        Headline("AsyncVectorEnv, one environment", same["alone"], "steps/s"),
+        Headline("AsyncVectorEnv, two, same walk", same["together"] / same["alone"], "x one", at_least=1.7),
+        Headline("AsyncVectorEnv, two, different walks", different["together"] / different["alone"], "x one"),
+    ]
+
+
+def step_and_frame_ms(room: str) -> dict[str, float]:
     """Median time of drawing a frame, and of the walking step that drew it, turn by turn."""
     env = RemqaEnv(scenes=[room], width=SIZE_PX, height=SIZE_PX, max_steps=10 * STEPS)
     env.reset(seed=0)
-    rng = np.random.default_rng(0)
-    frames, steps = [], []
-    for _ in range(STEPS):
-        action = int(rng.choice(WALKING))
-        begin = time.perf_counter()
-        env.step(action)
-        middle = time.perf_counter()
-        env.agent.view.renderer.render(env.agent.camera(SIZE_PX, SIZE_PX))
-        frames.append(time.perf_counter() - middle)
-        steps.append(middle - begin)
+    turns = [times_ms([partial(env.step, action), partial(draw, env)]) for action in walk(0, STEPS)]
     env.close()
-    return 1e3 * float(np.median(frames)), 1e3 * float(np.median(steps))
+    step_ms, frame_ms = np.median(turns, axis=0).tolist()
+    return {"frame_ms": frame_ms, "step_ms": step_ms}
 
 
-def steps_per_s(count: int) -> float:
-    """Steps in a second, of all of `count` environments in processes of their own."""
+def draw(env: RemqaEnv) -> None:
+    """Draw once more what the agent sees."""
+    env.agent.view.renderer.render(env.agent.camera(SIZE_PX, SIZE_PX))
+
+
+def steps_per_s(seeds: Sequence[int]) -> dict[str, float]:
+    """Steps in a second, of environments one after the other and of all together: each time the same walks."""
+    alone = sum(walking_s([seed]) for seed in seeds)
+    steps = len(seeds) * WALK_STEPS
+    return {"alone": steps / alone, "together": steps / walking_s(seeds)}
+
+
+def walking_s(seeds: Sequence[int]) -> float:
+    """Seconds in which environments, each in a process of its own, walk as their seeds say."""
     envs = gymnasium.make_vec(
         ENV_ID,
-        num_envs=count,
+        num_envs=len(seeds),
         vectorization_mode="async",
         scenes=[ROOMS[0]],
         width=SIZE_PX,
         height=SIZE_PX,
         max_steps=10**9,
     )
-    envs.reset(seed=0)
-    rng = np.random.default_rng(0)
-    for _ in range(20):
-        envs.step(rng.choice(WALKING, count))
-    done, begin = 0, time.perf_counter()
-    while time.perf_counter() - begin < SECONDS:
-        envs.step(rng.choice(WALKING, count))
-        done += count
-    taken = time.perf_counter() - begin
+    envs.reset(seed=list(seeds))
+    steps = np.transpose([walk(seed, WARM_UP_STEPS + WALK_STEPS) for seed in seeds])
+    for actions in steps[:WARM_UP_STEPS]:
+        envs.step(actions)
+    start = time.perf_counter()
+    for actions in steps[WARM_UP_STEPS:]:
+        envs.step(actions)
+    taken = time.perf_counter() - start
     envs.close()
-    return done / taken
+    return taken
 
+
+def walk(seed: int, steps: int) -> list[int]:
+    """Numbers of walking actions."""
+    return [int(action) for action in np.random.default_rng(seed).choice(WALKING, steps)]
+
+
+BENCHMARK = Benchmark("env", measure, table, headlines)
 
 if __name__ == "__main__":
-    main()
+    BENCHMARK.main()

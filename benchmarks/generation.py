@@ -1,28 +1,22 @@
 """Where the time of generation goes: rooms of the published configuration, made as `remqa-gen` makes them, on one core.
 
 `python benchmarks/generation.py [ROOM...]` makes some rooms (by default one of each type) and throws them away. Each moment
-belongs to the innermost of the steps below, so that the shares add up to one. The figures are printed and stored in
-out/benchmarks/generation.json.
+belongs to the innermost of the steps below, so that the shares add up to one.
 """
 
 from __future__ import annotations
 
-import json
-import platform
 import resource
-import sys
 import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import wraps
-from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from rich.console import Console
-from rich.table import Table
+from measure import Benchmark, Facts, Headline, Table
 
 from remqa_data import images
 from remqa_data.generators import room, room_plan
@@ -37,9 +31,7 @@ from remqa_data.sim.renderer import Renderer
 from remqa_data.sim.view import WorldView
 from remqa_data.sim.world import World
 
-OUTPUT = Path("out/benchmarks/generation.json")
 ROOMS = ("FloorPlan2", "FloorPlan212", "FloorPlan308", "FloorPlan402")
-ALL_ROOMS = 120
 
 STEPS: tuple[tuple[str, Any, str], ...] = (
     ("read the floor plan", room, "load_scene"),
@@ -95,9 +87,9 @@ class Stopwatch:
         return run
 
 
-def main() -> None:
-    """Make rooms, print a table and store the figures."""
-    rooms = tuple(sys.argv[1:]) or ROOMS
+def measure(arguments: list[str]) -> Facts:
+    """Make rooms; seconds and calls of each step."""
+    rooms = tuple(arguments) or ROOMS
     config = paper_config()
     jobs = [
         Job(quota, config) for quota in allot(capacities(config.scene_names), config.totals) if quota.scene in rooms
@@ -109,7 +101,31 @@ def main() -> None:
             stack.enter_context(patch.object(owner, name, watch.timed(step, getattr(owner, name))))
         made = make_all(jobs)
         watch.lap()
-    report(watch, made)
+    peak_gb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    return {"rooms": made, "seconds": watch.seconds, "calls": watch.calls, "peak_gb": peak_gb}
+
+
+def table(facts: Facts) -> Table:
+    """Steps, the longest first."""
+    made, seconds = facts["rooms"], facts["seconds"]
+    total = sum(seconds.values())
+    counts = ", ".join(f"{sum(room[what] for room in made)} {what}" for what in ("questions", "frames"))
+    title = f"{', '.join(room['scene'] for room in made)} with {counts}, made in {total:.0f} s of one core"
+    rows = [
+        (step, f"{facts['calls'].get(step, 0):,}", f"{taken / len(made):.2f}", f"{100 * taken / total:.1f} %")
+        for step, taken in sorted(seconds.items(), key=lambda pair: -pair[1])
+    ]
+    return Table(title, ("step", "calls", "s per room", "share"), rows)
+
+
+def headlines(facts: Facts) -> list[Headline]:
+    """Memory, and the share of time that goes into drawing."""
+    seconds = facts["seconds"]
+    drawing = sum(seconds[step] for step in ("draw pictures", "draw instances only"))
+    return [
+        Headline("generation, peak memory of a process", facts["peak_gb"], "GB", at_most=3),
+        Headline("generation, share of drawing", 100 * drawing / sum(seconds.values()), "%"),
+    ]
 
 
 def make_all(jobs: list[Job]) -> list[dict[str, Any]]:
@@ -120,27 +136,7 @@ def make_all(jobs: list[Job]) -> list[dict[str, Any]]:
         return [{**part.report, "scene": part.scene} for part in made]
 
 
-def report(watch: Stopwatch, made: list[dict[str, Any]]) -> None:
-    """Print what was measured, and store it."""
-    total = sum(watch.seconds.values())
-    names = ", ".join(room["scene"] for room in made)
-    counts = ", ".join(f"{sum(room[what] for room in made)} {what}" for what in ("questions", "frames"))
-    table = Table(title=f"{names}: {counts} in {total:.1f} s of one core")
-    for heading in ("step", "calls", "s per room", "share"):
-        table.add_column(heading, justify="left" if heading == "step" else "right")
-    for step, seconds in sorted(watch.seconds.items(), key=lambda pair: -pair[1]):
-        share = f"{100 * seconds / total:.1f} %"
-        table.add_row(step, str(watch.calls.get(step, "")), f"{seconds / len(made):.2f}", share)
-    Console().print(table)
-    minutes = total / len(made) * ALL_ROOMS / 60
-    peak_gb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    print(
-        f"{ALL_ROOMS} such rooms: {minutes:.1f} minutes on one core, {minutes / 2:.1f} on two; peak memory {peak_gb:.2f} GB"
-    )
-    OUTPUT.parent.mkdir(parents=True, exist_ok=True)
-    facts = {"cpu": platform.processor(), "rooms": made, "minutes_on_one_core": minutes, "peak_gb": peak_gb}
-    OUTPUT.write_text(json.dumps(facts | {"seconds": watch.seconds, "calls": watch.calls}, indent=2) + "\n")
-
+BENCHMARK = Benchmark("generation", measure, table, headlines)
 
 if __name__ == "__main__":
-    main()
+    BENCHMARK.main()

@@ -1,16 +1,14 @@
 """Questions a second of the question engine alone: on the graphs of rooms, without simulating or drawing anything.
 
 A question counts as accepted when its referring expression picks out one object, its program has been executed, and
-nothing else nearly fits. Run it alone: `python benchmarks/questions.py`. The figures are printed and stored in
-out/benchmarks/questions.json.
+nothing else nearly fits. `python benchmarks/questions.py`, on an idle machine.
 """
 
 from __future__ import annotations
 
-import json
-import platform
 import time
-from pathlib import Path
+
+from measure import Benchmark, Facts, Headline, Table
 
 from remqa_data.answers import execute, is_clear
 from remqa_data.catalog import object_type, question_types
@@ -21,26 +19,34 @@ from remqa_data.metadata import ObjectMetadata, object_metadata
 from remqa_data.scene_graph import SceneGraph
 from remqa_data.sim.world import World
 
-OUTPUT = Path("out/benchmarks/questions.json")
 ROOMS = ("FloorPlan1", "FloorPlan5", "FloorPlan201", "FloorPlan215", "FloorPlan301", "FloorPlan315", "FloorPlan401")
 
 
-def main() -> None:
-    """Measure, print and store."""
-    rooms = []
+def measure(arguments: list[str]) -> Facts:
+    """Ask everything about each room; its objects are known before the clock starts."""
+    rooms = {}
     for name in ROOMS:
         with World(load_scene(name)) as world:
-            rooms.append(list(object_metadata(world).values()))
-    begin = time.process_time()
-    asked, accepted = (sum(counts) for counts in zip(*map(ask_everything, rooms), strict=True))
-    seconds = time.process_time() - begin
-    print(
-        f"{accepted} of {asked} questions about {len(ROOMS)} rooms accepted in {seconds:.2f} s of one core: "
-        f"{accepted / seconds:.0f} accepted questions a second"
-    )
-    OUTPUT.parent.mkdir(parents=True, exist_ok=True)
-    facts = {"cpu": platform.processor(), "asked": asked, "accepted": accepted, "accepted_per_s": accepted / seconds}
-    OUTPUT.write_text(json.dumps(facts, indent=2) + "\n")
+            objects = list(object_metadata(world).values())
+        start = time.process_time()
+        asked, accepted = ask_everything(objects)
+        rooms[name] = {"asked": asked, "accepted": accepted, "seconds": time.process_time() - start}
+    return {"rooms": rooms}
+
+
+def table(facts: Facts) -> Table:
+    """Questions by room."""
+    rows = [
+        (name, f"{room['asked']:,}", f"{room['accepted']:,}", f"{room['accepted'] / room['seconds']:,.0f}")
+        for name, room in facts["rooms"].items()
+    ]
+    return Table("The question engine, on one core", ("room", "asked", "accepted", "accepted per second"), rows)
+
+
+def headlines(facts: Facts) -> list[Headline]:
+    """Of all rooms together."""
+    accepted, seconds = (sum(room[key] for room in facts["rooms"].values()) for key in ("accepted", "seconds"))
+    return [Headline("question engine, on stored graphs", accepted / seconds, "accepted questions/s", at_least=2000)]
 
 
 def ask_everything(objects: list[ObjectMetadata]) -> tuple[int, int]:
@@ -62,5 +68,7 @@ def ask_everything(objects: list[ObjectMetadata]) -> tuple[int, int]:
     return asked, accepted
 
 
+BENCHMARK = Benchmark("questions", measure, table, headlines)
+
 if __name__ == "__main__":
-    main()
+    BENCHMARK.main()

@@ -1,24 +1,19 @@
 """Milliseconds per frame: our renderer, PyBullet's TinyRenderer and Embree, on the same meshes from the same cameras.
 
-Embree traces depth and instances only; the others also draw colours. Run it alone on an idle machine:
-`python benchmarks/raster.py`. The figures are printed and stored in out/benchmarks/raster.json.
+Embree traces depth and instances only; the others also draw colours. `python benchmarks/raster.py`, on an idle machine.
 """
 
 from __future__ import annotations
 
-import json
-import platform
-import time
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import trimesh
-from rich.console import Console
-from rich.table import Table
+from measure import Benchmark, Facts, Headline, Table, times_ms
 
 from remqa_data.assets.model import F64, Surface, Vec3
 from remqa_data.generators.floorplans.ithor import load_scene
@@ -29,8 +24,13 @@ from remqa_data.sim.view import world_parts
 from remqa_data.sim.viewpoints import HEADINGS_DEG, AgentPose
 from remqa_data.sim.world import World
 
-OUTPUT = Path("out/benchmarks/raster.json")
-ROOM, POSES = "FloorPlan1", 50
+ROOM, POSES, ROUNDS = "FloorPlan1", 50, 3
+PLAIN, SHADOWS, ANTIALIASED = "ours, no shadows", "ours, shadows", "ours, shadows, antialiased"
+MOVED = "ours, shadows, a part moves before every frame"
+BULLET_PLAIN, BULLET_SHADOWS = "PyBullet TinyRenderer, no shadows", "PyBullet TinyRenderer, shadows"
+EMBREE = "Embree, depth and instances only"
+
+Draw = Callable[[Camera], object]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,38 +49,43 @@ class BenchmarkScene:
         return sum(len(surface.faces) for part in self.parts for surface in part.surfaces)
 
 
-@dataclass(frozen=True)
-class Timing:
-    """Time per frame of one renderer."""
-
-    renderer: str
-    median_ms: float
-    least_ms: float
-    greatest_ms: float
-
-
-def main() -> None:
-    """Measure a kitchen, print a table and store the figures."""
-    report(room(ROOM), OUTPUT)
-
-
-def report(scene: BenchmarkScene, output: Path) -> list[Timing]:
-    """Measure a scene with every renderer, print a table and store the figures as JSON."""
-    timings = [*our_timings(scene), *bullet_timings(scene), *embree_timings(scene)]
-    table = Table(title=f"{scene.name}: {len(scene.parts)} parts, {scene.triangles} triangles, ms per 300 x 300 frame")
-    for heading in ("renderer", "median", "least", "greatest"):
-        table.add_column(heading, justify="left" if heading == "renderer" else "right")
-    for timing in timings:
-        figures = (timing.median_ms, timing.least_ms, timing.greatest_ms)
-        table.add_row(timing.renderer, *(f"{figure:.2f}" for figure in figures))
-    Console().print(table)
-    output.parent.mkdir(parents=True, exist_ok=True)
-    facts = {"scene": scene.name, "parts": len(scene.parts), "triangles": scene.triangles, "cpu": platform.processor()}
-    output.write_text(json.dumps({**facts, "timings": [asdict(timing) for timing in timings]}, indent=2) + "\n")
-    return timings
+def measure(arguments: list[str]) -> Facts:
+    """Milliseconds per frame of a kitchen with every renderer, and what antialiasing adds to a frame."""
+    scene = room(ROOM)
+    times = our_times(scene) | bullet_times(scene) | embree_times(scene)
+    return {
+        "scene": scene.name,
+        "parts": len(scene.parts),
+        "triangles": scene.triangles,
+        "ms": {
+            name: {"median": float(np.median(ms)), "least": float(ms.min()), "greatest": float(ms.max())}
+            for name, ms in times.items()
+        },
+        "antialiasing_adds": float(np.median(times[ANTIALIASED] / times[SHADOWS])) - 1,
+    }
 
 
-def our_timings(scene: BenchmarkScene) -> list[Timing]:
+def table(facts: Facts) -> Table:
+    """Milliseconds by renderer."""
+    title = f"ms per 300 x 300 frame of {facts['scene']}, {facts['parts']} parts, {facts['triangles']:,} triangles"
+    rows = [(name, *(f"{ms[key]:.2f}" for key in ("median", "least", "greatest"))) for name, ms in facts["ms"].items()]
+    return Table(title, ("renderer", "median", "least", "greatest"), rows)
+
+
+def headlines(facts: Facts) -> list[Headline]:
+    """Our frames beside those of the others."""
+    median = {name: ms["median"] for name, ms in facts["ms"].items()}
+    return [
+        Headline("frame of a kitchen, shadows", median[SHADOWS], "ms", at_most=6),
+        Headline("the same, antialiased", median[ANTIALIASED], "ms", at_most=9),
+        Headline("antialiasing adds, median over poses", 100 * facts["antialiasing_adds"], "%", at_most=60),
+        Headline("TinyRenderer, no shadows", median[BULLET_PLAIN] / median[PLAIN], "x our time", at_least=6),
+        Headline("TinyRenderer, shadows", median[BULLET_SHADOWS] / median[SHADOWS], "x our time", at_least=12),
+        Headline("Embree, without colours", median[EMBREE] / median[SHADOWS], "x our time"),
+    ]
+
+
+def our_times(scene: BenchmarkScene) -> dict[str, F64]:
     """Our renderer in four ways."""
     renderer = Renderer(scene.parts, scene.poses, lights=scene.lights)
     nudge = np.array(scene.poses[-1])
@@ -90,16 +95,15 @@ def our_timings(scene: BenchmarkScene) -> list[Timing]:
         renderer.set_pose(len(scene.parts) - 1, nudge)
         renderer.render(camera, antialias=False)
 
-    draws: dict[str, Callable[[Camera], object]] = {
-        "ours, no shadows": lambda camera: renderer.render(camera, shadows=False, antialias=False),
-        "ours, shadows": lambda camera: renderer.render(camera, antialias=False),
-        "ours, shadows, antialiased": lambda camera: renderer.render(camera),
-        "ours, shadows, a part moves before every frame": draw_after_a_move,
+    draws: dict[str, Draw] = {
+        PLAIN: partial(renderer.render, shadows=False, antialias=False),
+        SHADOWS: partial(renderer.render, antialias=False),
+        ANTIALIASED: renderer.render,
     }
-    return [time_frames(name, draw, scene.cameras) for name, draw in draws.items()]
+    return frame_times(draws, scene.cameras) | frame_times({MOVED: draw_after_a_move}, scene.cameras)
 
 
-def bullet_timings(scene: BenchmarkScene) -> list[Timing]:
+def bullet_times(scene: BenchmarkScene) -> dict[str, F64]:
     """PyBullet's software renderer, without and with shadows."""
     from remqa_data.sim.bullet import pybullet
 
@@ -124,15 +128,13 @@ def bullet_timings(scene: BenchmarkScene) -> list[Timing]:
             physicsClientId=client,
         )
 
-    timings = [
-        time_frames("PyBullet TinyRenderer, no shadows", lambda camera: draw(camera, False), scene.cameras),
-        time_frames("PyBullet TinyRenderer, shadows", lambda camera: draw(camera, True), scene.cameras),
-    ]
+    draws = {BULLET_PLAIN: partial(draw, shadow=False), BULLET_SHADOWS: partial(draw, shadow=True)}
+    times = frame_times(draws, scene.cameras)
     pybullet.disconnect(client)
-    return timings
+    return times
 
 
-def embree_timings(scene: BenchmarkScene) -> list[Timing]:
+def embree_times(scene: BenchmarkScene) -> dict[str, F64]:
     """Embree: one ray a pixel, depth and instances."""
     from embreex import rtcore_scene
     from embreex.mesh_construction import TriangleMesh
@@ -153,20 +155,20 @@ def embree_timings(scene: BenchmarkScene) -> list[Timing]:
         hit = embree.run(origins, directions.astype(np.float32), output=True)
         return hit["tfar"], np.where(hit["primID"] >= 0, instance[hit["primID"]], -1)
 
-    timing = time_frames("Embree, depth and instances only", draw, scene.cameras)
-    del mesh
-    return [timing]
+    times = frame_times({EMBREE: draw}, scene.cameras)
+    del mesh  # Embree only borrows it
+    return times
 
 
-def time_frames(name: str, draw: Callable[[Camera], object], cameras: Sequence[Camera]) -> Timing:
-    """Time `draw` from every camera, after one frame to warm up."""
-    draw(cameras[0])
-    times = []
+def frame_times(draws: Mapping[str, Draw], cameras: Sequence[Camera]) -> dict[str, F64]:
+    """Milliseconds from every camera; from each in all ways in turns, so that they can be compared frame by frame."""
+    for draw in draws.values():
+        draw(cameras[0])  # compiles, and draws maps and textures
+    medians = []
     for camera in cameras:
-        start = time.perf_counter()
-        draw(camera)
-        times.append((time.perf_counter() - start) * 1e3)
-    return Timing(name, float(np.median(times)), min(times), max(times))
+        turns = [times_ms(partial(draw, camera) for draw in draws.values()) for _ in range(ROUNDS)]
+        medians.append(np.median(turns, axis=0))
+    return dict(zip(draws, np.transpose(medians), strict=True))
 
 
 def room(name: str, seed: int = 0) -> BenchmarkScene:
@@ -204,5 +206,7 @@ def _add_to_bullet(pybullet: Any, client: int, surface: Surface, pose: F64) -> N
     )
 
 
+BENCHMARK = Benchmark("raster", measure, table, headlines)
+
 if __name__ == "__main__":
-    main()
+    BENCHMARK.main()

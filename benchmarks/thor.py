@@ -1,19 +1,14 @@
 """What the facade costs: milliseconds of `Controller.step` and of the frame that it draws, in the same run.
 
-Run it alone on an idle machine: `python benchmarks/thor.py`. The figures are printed and stored in
-out/benchmarks/thor.json.
+`python benchmarks/thor.py`, on an idle machine.
 """
 
 from __future__ import annotations
 
-import json
-import time
-from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
+from measure import Benchmark, Facts, Headline, Table, median_ms, times_ms
 
 from remqa_data.generators.floorplans.ithor import load_scene
 from remqa_data.sim.navigation import reachable_grid
@@ -22,19 +17,26 @@ from remqa_data.sim.viewpoints import AgentPose
 from remqa_data.sim.world import World
 from remqa_data.thor import Controller
 
-OUTPUT = Path("out/benchmarks/thor.json")
 ROOM, POSES, HEADINGS = "FloorPlan1", 20, 4
 
 
-def main() -> None:
-    """Measure and print."""
-    rows = {**frames_ms(), **steps_ms()}
-    table = Table("what", "ms, median", title=f"{ROOM}, 300 x 300, {POSES * HEADINGS} steps")
-    for name, milliseconds in rows.items():
-        table.add_row(name, f"{milliseconds:.2f}")
-    Console().print(table)
-    OUTPUT.parent.mkdir(parents=True, exist_ok=True)
-    OUTPUT.write_text(json.dumps({"room": ROOM, "median_ms": rows}, indent=2) + "\n", encoding="utf-8")
+def measure(arguments: list[str]) -> Facts:
+    """Median milliseconds of frames and steps."""
+    return {"median_ms": {**frames_ms(), **steps_ms()}}
+
+
+def table(facts: Facts) -> Table:
+    """All of them."""
+    rows = [(name, f"{ms:.2f}") for name, ms in facts["median_ms"].items()]
+    return Table(f"AI2-THOR's Controller in {ROOM}, 300 x 300, {POSES * HEADINGS} steps", ("what", "median ms"), rows)
+
+
+def headlines(facts: Facts) -> list[Headline]:
+    """What the facade costs."""
+    ms = facts["median_ms"]
+    return [
+        Headline("AI2-THOR's Controller, step with colour", ms["step with colour"] / ms["frame alone"], "x a frame")
+    ]
 
 
 def frames_ms() -> dict[str, float]:
@@ -45,7 +47,7 @@ def frames_ms() -> dict[str, float]:
         cells = grid.cells[:: len(grid.cells) // POSES][:POSES]
         poses = [AgentPose(cell, heading) for cell in cells for heading in (0, 270, 180, 90)]
         view.render(poses[0].camera(grid))
-        return {"frame alone": _median_ms([lambda pose=pose: view.render(pose.camera(grid)) for pose in poses])}
+        return {"frame alone": median_ms(partial(view.render, pose.camera(grid)) for pose in poses)}
 
 
 def steps_ms() -> dict[str, float]:
@@ -63,26 +65,17 @@ def steps_ms() -> dict[str, float]:
             for position in positions[:: len(positions) // POSES][:POSES]:
                 controller.step("Teleport", position=position, rotation=0)
                 per_step = {} if always else images
-                turns = [lambda c=controller, k=per_step: c.step("RotateRight", **k)] * HEADINGS
-                times.append(_median_ms(turns))
+                turns = [partial(controller.step, "RotateRight", **per_step)] * HEADINGS
+                times.append(median_ms(turns))
             found[name] = float(np.median(times))
-            start = time.perf_counter()
-            controller.reset()
-            found["reset of the same room"] = 1e3 * (time.perf_counter() - start)
+            found["reset of the same room"] = times_ms([controller.reset])[0]
     return found
 
 
 _ALL_IMAGES = {"renderDepthImage": True, "renderInstanceSegmentation": True, "renderSemanticSegmentation": True}
 
 
-def _median_ms(calls: list[Callable[[], object]]) -> float:
-    times = []
-    for call in calls:
-        start = time.perf_counter()
-        call()
-        times.append(1e3 * (time.perf_counter() - start))
-    return float(np.median(times))
-
+BENCHMARK = Benchmark("thor", measure, table, headlines)
 
 if __name__ == "__main__":
-    main()
+    BENCHMARK.main()

@@ -1,25 +1,21 @@
 """The evaluator's speed: a million navigation rows without replay, IoU beside pycocotools, questions replayed per second.
 
-Run it alone on an idle machine: `python benchmarks/evaluation.py [DATASET]`. The figures are printed and stored in
-out/benchmarks/evaluation.json; replays are timed only if a dataset is given.
+`python benchmarks/evaluator.py [DATASET]`, on an idle machine; replays are timed only if a dataset is given.
 """
 
 from __future__ import annotations
 
 import json
-import platform
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from rich.console import Console
-from rich.table import Table
+from measure import Benchmark, Facts, Headline, Table, median_ms, number
 
 from remqa_data.evaluation.parquet_rows import METADATA_KEY
 from remqa_data.evaluation.reference import reference_rows
@@ -29,31 +25,50 @@ from remqa_data.evaluation.truth import Truth, load_truth
 from remqa_data.manifest import make_manifest
 from remqa_data.measures import box_iou
 
-OUTPUT = Path("out/benchmarks/evaluation.json")
 ROWS, JSON_ROWS, POSES, BOXES, REPEATS = 1_000_000, 100_000, 8, 1000, 15
+SCORE = "--score"
 
 
-def main() -> None:
-    """Measure, print and store."""
-    if sys.argv[1:2] == ["--rows"]:  # a process of its own, whose peak memory is that of scoring
-        print(json.dumps(score_rows(Path(sys.argv[2]), Path(sys.argv[3]))))
-        return
-    figures = rows_without_replay() | iou_beside_pycocotools()
-    if len(sys.argv) > 1:
-        figures |= replays(Path(sys.argv[1]))
-    table = Table(
-        "measured", "figure", title=f"{platform.processor() or platform.machine()}, Python {platform.python_version()}"
-    )
-    for name, value in figures.items():
-        table.add_row(name, f"{value:.4g}")
-    Console().print(table)
-    OUTPUT.parent.mkdir(parents=True, exist_ok=True)
-    OUTPUT.write_text(json.dumps(figures, indent=1) + "\n")
+def measure(arguments: list[str]) -> Facts:
+    """Score rows, compare boxes, and replay if there is a dataset."""
+    facts: Facts = {"rows": rows_without_replay(), "iou_ms": iou_beside_pycocotools()}
+    return facts | ({"replay": replay(Path(arguments[0]))} if arguments else {})
 
 
-def rows_without_replay() -> dict[str, float]:
-    """Seconds and peak memory of scoring a million rows of Parquet, or fewer of JSON, in a fresh process on one core."""
-    figures: dict[str, float] = {}
+def table(facts: Facts) -> Table:
+    """All figures."""
+    rows = []
+    for form, scored in facts["rows"].items():
+        what = f"{scored['rows']:,} navigation rows of {POSES} poses, {form}"
+        rows.append((f"{what}: s of one core", number(scored["seconds"])))
+        rows.append((f"{what}: peak memory, GB", number(scored["peak_gb"])))
+    for whose, ms in facts["iou_ms"].items():
+        rows.append((f"IoU of {BOXES:,} x {BOXES:,} boxes, {whose}: ms", number(ms)))
+    if "replay" in facts:
+        replayed = facts["replay"]
+        rows.append((f"{replayed['questions']} questions replayed by 2 workers: s", number(replayed["seconds"])))
+    return Table("The evaluator", ("what", "measured"), rows)
+
+
+def headlines(facts: Facts) -> list[Headline]:
+    """Rows without replay, IoU, replays."""
+    rows, iou_ms = facts["rows"]["Parquet"], facts["iou_ms"]
+    found = [
+        Headline("a million navigation rows, no replay", rows["seconds"], "s of one core", at_most=5),
+        Headline("the same, peak memory", rows["peak_gb"], "GB", at_most=1),
+        Headline("the same, rows", rows["rows"] / rows["seconds"], "rows/s"),
+        Headline("pycocotools, IoU of boxes", iou_ms["pycocotools"] / iou_ms["ours"], "x our time", at_least=1),
+    ]
+    if "replay" in facts:
+        replayed = facts["replay"]
+        what = f"replay of {replayed['questions']} test questions, 2 workers"
+        found.append(Headline(what, replayed["seconds"], "s", at_most=60))
+    return found
+
+
+def rows_without_replay() -> dict[str, dict[str, float]]:
+    """Cost of scoring a million rows of Parquet, or fewer of JSON, in a fresh process on one core."""
+    found = {}
     with tempfile.TemporaryDirectory() as folder:
         asked, claimed = million_rows()
         pq.write_table(asked, Path(folder) / "asked.parquet")
@@ -63,12 +78,11 @@ def rows_without_replay() -> dict[str, float]:
             lines.write(about + "\n")
             for batch in claimed.slice(0, JSON_ROWS).to_batches(10_000):
                 lines.writelines(json.dumps(row) + "\n" for row in batch.to_pylist())
-        for suffix, rows in ((".parquet", ROWS), (".jsonl", JSON_ROWS)):
-            command = [sys.executable, __file__, "--rows", f"{folder}/asked.parquet", f"{folder}/rows{suffix}"]
+        for form, file, rows in (("Parquet", "rows.parquet", ROWS), ("JSON", "rows.jsonl", JSON_ROWS)):
+            command = [sys.executable, __file__, SCORE, f"{folder}/asked.parquet", f"{folder}/{file}"]
             done = subprocess.run(command, check=True, capture_output=True, text=True)
-            for name, value in json.loads(done.stdout).items():
-                figures[f"{rows:,} nav rows of {POSES} poses, {suffix[1:]}: {name}"] = value
-    return figures
+            found[form] = {"rows": rows, **json.loads(done.stdout)}
+    return found
 
 
 def million_rows() -> tuple[pa.Table, pa.Table]:
@@ -117,7 +131,7 @@ def score_rows(asked: Path, rows: Path) -> dict[str, float]:
     seconds = time.process_time() - started
     assert scores.measures["success@25"].sum() == scores.answered.sum() > 0
     status = Path("/proc/self/status").read_text()  # getrusage would give the parent's peak if that is higher
-    return {"CPU seconds": seconds, "peak GB": int(status.split("VmHWM:")[1].split()[0]) / 1e6}
+    return {"seconds": seconds, "peak_gb": int(status.split("VmHWM:")[1].split()[0]) / 1e6}
 
 
 def iou_beside_pycocotools() -> dict[str, float]:
@@ -133,22 +147,12 @@ def iou_beside_pycocotools() -> dict[str, float]:
     ours, theirs = box_iou(first[:, None], second), mask.iou(widths, others, crowd)
     assert np.abs(ours - theirs).max() < 1e-12
     return {
-        f"IoU of {BOXES} x {BOXES} boxes, ours: ms": median_ms(lambda: box_iou(first[:, None], second)),
-        f"IoU of {BOXES} x {BOXES} boxes, pycocotools: ms": median_ms(lambda: mask.iou(widths, others, crowd)),
+        "ours": median_ms([lambda: box_iou(first[:, None], second)] * REPEATS),
+        "pycocotools": median_ms([lambda: mask.iou(widths, others, crowd)] * REPEATS),
     }
 
 
-def median_ms(run: Callable[[], object]) -> float:
-    """Median of some runs."""
-    times = []
-    for _ in range(REPEATS):
-        started = time.perf_counter()
-        run()
-        times.append(time.perf_counter() - started)
-    return float(np.median(times)) * 1e3
-
-
-def replays(root: Path) -> dict[str, float]:
+def replay(root: Path) -> dict[str, float]:
     """Seconds to replay the oracle on the test split, with two workers, from the start of the processes."""
     rows = reference_rows("oracle", root, "remqa", "test", np.random.default_rng(0))
     with tempfile.TemporaryDirectory() as folder:
@@ -159,8 +163,13 @@ def replays(root: Path) -> dict[str, float]:
         scores = score(open_submission(path), truth, workers=2)
         seconds = time.perf_counter() - started
     assert scores.measures["S_QA"].all()
-    return {f"{len(rows)} test questions replayed by 2 workers: s": seconds}
+    return {"questions": len(rows), "seconds": seconds}
 
+
+BENCHMARK = Benchmark("evaluator", measure, table, headlines)
 
 if __name__ == "__main__":
-    main()
+    if sys.argv[1:2] == [SCORE]:  # a process of its own, whose peak memory is that of scoring
+        print(json.dumps(score_rows(Path(sys.argv[2]), Path(sys.argv[3]))))
+    else:
+        BENCHMARK.main()
