@@ -10,7 +10,7 @@ import numpy as np
 from remqa_data.errors import ResultsError
 from remqa_data.evaluation.results import NOT_REPLAYED, Results, load_results
 from remqa_data.evaluation.statistics import Difference, difference
-from remqa_data.evaluation.tables import Grid
+from remqa_data.evaluation.tables import Grid, in_words, rounded
 
 
 @dataclass(frozen=True)
@@ -67,23 +67,23 @@ def compare(first: Path, second: Path, seed: int = 0) -> list[Comparison]:
 
 def comparison_grid(first: Path, second: Path, compared: list[Comparison]) -> Grid:
     """The comparison as a table."""
-    headings = ("measure", "first", "second", "difference", "95 % interval", "p", "detectable")
+    headings = ("measure", "A", "B", "B - A", "95 % interval", "p", "detectable")
     rows = []
     for one in compared:
         change = one.difference
         interval = "-" if change.low is None else f"[{change.low:+.3f}, {change.high:+.3f}]"
         rows.append(
             (
-                one.name,
-                f"{one.first:.3f}",
-                f"{one.second:.3f}",
+                in_words(one.name),
+                rounded(one.first),
+                rounded(one.second),
                 f"{change.value:+.3f}",
                 interval,
                 "-" if change.p_value is None else f"{change.p_value:.4f}",
                 "-" if change.detectable is None else f"{change.detectable:.3f}",
             )
         )
-    return Grid(f"{first} (first) and {second} (second)", headings, tuple(rows))
+    return Grid(f"A is {first}\nB is {second}", headings, tuple(rows))
 
 
 def comparison_notes(first: Path, second: Path, compared: list[Comparison]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from contextlib import closing
 from dataclasses import dataclass
 
 import cv2
@@ -14,11 +15,12 @@ from remqa_data.evaluation.replay import Attempt, Pose, Room, box_of, load_room,
 from remqa_data.evaluation.results import Results
 from remqa_data.evaluation.scoring import attempt_of
 from remqa_data.evaluation.submission import Submission
+from remqa_data.evaluation.tables import in_words
 from remqa_data.evaluation.tracks import Track, id_column
 from remqa_data.evaluation.truth import Truth
 from remqa_data.images import decode_rgb
 from remqa_data.random_access import SplitReader
-from remqa_data.rows import Embodiment
+from remqa_data.rows import EmbodimentRow
 from remqa_data.shards import read_table
 from remqa_data.sim.camera import TopDownCamera
 from remqa_data.sim.replay import Replay
@@ -33,6 +35,7 @@ MAIN_MEASURE: dict[Track, str] = {
     "qa": "answer_accuracy",
 }
 """The measure whose failures are shown."""
+SHOWN_DETAILS = ("steps", "goal_distance_m", "target_visible", "iou", "manipulated")
 TRUE_COLOR, PREDICTED_COLOR, PATH_COLOR, GOAL_COLOR = (40, 170, 70), (225, 60, 40), (30, 90, 220), (225, 60, 40)
 JPEG_QUALITY = 85
 MAP_MARGIN, MAP_CUT_M = 1.12, 2.0
@@ -102,8 +105,8 @@ def _expressions(results: Results, truth: Truth, rows: dict[int, dict[str, objec
     for place, row in rows.items():
         image = frames.image(asked[place]["frame_id"])
         _draw_boxes(image, truth.boxes[place], row.get("box"))
-        facts = (("IoU", f"{results.samples['mean_iou'][place]:.3f}"), ("prediction", _shown(row.get("box"))))
-        pictures = (_picture("frame: true box green, predicted red", image),)
+        facts = (("IoU", _shown(results.samples["mean_iou"][place])), ("submitted box", _shown(row.get("box"))))
+        pictures = (_picture("frame: true box green, submitted red", image),)
         failures.append(Failure(str(truth.ids[place]), asked[place]["text"], facts, pictures))
     return failures
 
@@ -127,19 +130,38 @@ class _Frames:
 def _questions(results: Results, truth: Truth, rows: dict[int, dict[str, object]]) -> list[Failure]:
     stored = SplitReader(truth.root, "questions", truth.split)
     asked = stored.columns(["question", "target_box_2d"]).to_pylist()
-    names = ["answered", *(name for name in results.measures if name in results.samples)]
     walked = _walked(truth, rows) if results.replayed else {}
     failures = []
     for place, row in rows.items():
-        facts = [("true answer", truth.texts("answer")[place]), ("target", truth.texts("target_id")[place])]
-        facts += [(name, _shown(row[name])) for name in ("answer", "manipulation") if name in row]
-        facts += [(name.replace("_", " "), _shown(results.samples[name][place])) for name in names]
         before, after = (decode_rgb(memoryview(data)).copy() for data in stored.images(place, ["start_rgb", "end_rgb"]))
         _draw_boxes(before, asked[place]["target_box_2d"], None)
-        pictures = [*walked.get(place, ()), _picture("stored view from the goal pose, target green", before)]
+        pictures = [*walked.get(place, ()), _picture("stored view from the goal pose: target green", before)]
         pictures += [_picture("stored view after the manipulation", after)] if truth.track in ("remqa", "qa") else []
-        failures.append(Failure(str(truth.ids[place]), asked[place]["question"], tuple(facts), tuple(pictures)))
+        facts = _facts(results, truth, place, row)
+        failures.append(Failure(str(truth.ids[place]), asked[place]["question"], facts, tuple(pictures)))
     return failures
+
+
+def _facts(results: Results, truth: Truth, place: int, row: dict[str, object]) -> tuple[tuple[str, str], ...]:
+    """Why it failed, and what was wanted beside what was submitted and happened."""
+    facts = [("failed", _reason(results, place)), ("target", truth.texts("target_id")[place])]
+    if truth.track != "nav":
+        facts.append(("true answer", truth.texts("answer")[place]))
+    facts += [(name, _shown(row[name])) for name in ("answer", "manipulation") if name in row]
+    samples = {name: column[place] for name, column in results.samples.items()}
+    shown = (name for name in SHOWN_DETAILS if samples.get(name) is not None)
+    return (*facts, *((in_words(name), _shown(samples[name])) for name in shown))
+
+
+def _reason(results: Results, place: int) -> str:
+    """The first thing that went wrong with a question."""
+    fine = {name: bool(column[place]) for name, column in results.samples.items()}
+    if not fine["answered"]:
+        return "nothing was submitted"
+    if fine.get("success"):
+        return "too many steps"
+    steps = {"S_N": "navigation", "success": "navigation", "S_L": "localisation", "answer_accuracy": "answer"}
+    return next(reason for name, reason in steps.items() if not fine.get(name, True))
 
 
 def _walked(truth: Truth, rows: dict[int, dict[str, object]]) -> dict[int, tuple[Picture, ...]]:
@@ -155,20 +177,19 @@ def _walked(truth: Truth, rows: dict[int, dict[str, object]]) -> dict[int, tuple
         attempts = by_room.get((stored["scene"], stored["configuration"]))
         if not attempts:
             continue
-        replay = load_room(stored["scene_json"], stored["scene"], Embodiment(**stored["embodiment"]))
-        plan = _Map(replay)
-        for attempt in attempts:
-            poses, _ = walk(replay, attempt)
-            seen = replay.observe()
-            view = seen.rgb.copy()
-            true = box_of(seen.objects, replay.world.ids.index(attempt.target_id))
-            _draw_boxes(view, true, rows[attempt.place].get("box"))
-            way = plan.draw(poses, truth.goals[attempt.place])
-            pictures[attempt.place] = (
-                _picture("agent's final view: true box green, predicted red", view),
-                _picture("way on the map: blue, goal poses red", way),
-            )
-        replay.close()
+        with closing(load_room(stored["scene_json"], stored["scene"], EmbodimentRow(**stored["embodiment"]))) as replay:
+            plan = _Map(replay)
+            for attempt in attempts:
+                poses, _ = walk(replay, attempt)
+                seen = replay.observe()
+                view = seen.rgb.copy()
+                true = box_of(seen.objects, replay.world.ids.index(attempt.target_id))
+                _draw_boxes(view, true, rows[attempt.place].get("box"))
+                way = plan.draw(poses, truth.goals[attempt.place])
+                pictures[attempt.place] = (
+                    _picture("agent's final view: true box green, submitted red", view),
+                    _picture("way from above, dot to arrow; goal poses are rings", way),
+                )
     return pictures
 
 

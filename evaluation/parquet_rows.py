@@ -61,14 +61,21 @@ def parquet_batches(path: Path, names: tuple[str, ...], max_rows: int) -> Iterat
             wanted = f"expected {schema.field(name).type}" if name in names else f"the columns are {', '.join(names)}"
             raise SubmissionError(path, f"field {name[:80]}", f"the column {is_}; {wanted}")
     _check_sizes(path, file.metadata)
-    leaves = (file.metadata.schema.column(i) for i in range(file.metadata.num_columns))
-    file = _opened(path, [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY"])
+    leaves = [file.metadata.schema.column(i) for i in range(file.metadata.num_columns)]
+    texts = [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY"]
     try:
-        for batch in file.iter_batches(PARQUET_BATCH_ROWS, columns=list(names), use_threads=False):
+        for batch in _read(path, texts, dictionaries=texts):
             _check_words(path, batch)
+        pa.default_memory_pool().release_unused()  # what held the words of a million rows at once
+        lists = [text for text in texts if "." in text]  # of a few words each, repeated in every row
+        for batch in _read(path, names, dictionaries=lists):
             yield batch.select(list(names)).cast(schema)
     except (OSError, pa.ArrowException, ValueError) as error:
         raise SubmissionError(path, "", f"the data cannot be read: {' '.join(str(error).split())[:200]}") from None
+
+
+def _read(path: Path, columns: Sequence[str], dictionaries: Sequence[str]) -> Iterator[pa.RecordBatch]:
+    yield from _opened(path, dictionaries).iter_batches(PARQUET_BATCH_ROWS, columns=list(columns), use_threads=False)
 
 
 def _opened(path: Path, dictionaries: Sequence[str] = ()) -> pq.ParquetFile:
@@ -95,7 +102,7 @@ def _check_sizes(path: Path, metadata: pq.FileMetaData) -> None:
 
 
 def _check_words(path: Path, batch: pa.RecordBatch) -> None:
-    """Refuse long words while each is in memory once: the rows may repeat it a million times."""
+    """Refuse long words in a batch whose words are in memory once: the rows may repeat them a million times."""
     for name, values in zip(batch.schema.names, batch.columns, strict=True):
         while pa.types.is_list(values.type) or pa.types.is_large_list(values.type):
             values = values.flatten()

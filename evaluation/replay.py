@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from remqa_data.errors import DatasetError, RemqaError
 from remqa_data.metadata import Box2D, scaled_min_pixels
-from remqa_data.rows import Embodiment
+from remqa_data.rows import EmbodimentRow
 from remqa_data.scene import Scene
 from remqa_data.shards import read_table
 from remqa_data.sim import embodiment
@@ -93,7 +93,7 @@ class RoomJob:
 
     name: str
     scene_json: str
-    embodiment: Embodiment
+    embodiment: EmbodimentRow
     attempts: tuple[Attempt, ...]
 
 
@@ -147,7 +147,7 @@ def replay_room(job: RoomJob) -> list[Replayed]:
         replay.close()
 
 
-def load_room(scene_json: str, name: str, body: Embodiment) -> Replay:
+def load_room(scene_json: str, name: str, body: EmbodimentRow) -> Replay:
     """A stored configuration with the dataset's agent in it; `name` is for error messages."""
     usual = embodiment.Embodiment()
     lower_m = usual.camera_height_m - usual.crouched_camera_height_m
@@ -183,7 +183,7 @@ def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[R
     for row in read_table(root, "scenes", split, columns).to_pylist():
         found = attempts.get((row["scene"], row["configuration"]))
         if found:
-            body = Embodiment(**row["embodiment"])
+            body = EmbodimentRow(**row["embodiment"])
             if body.step_m != GRID_M:
                 msg = f"{root}: the agent of {row['scene']} steps {body.step_m} m; the simulator's steps {GRID_M} m"
                 raise DatasetError(msg)

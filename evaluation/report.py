@@ -8,35 +8,59 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
 from remqa_data.evaluation.gallery import MAIN_MEASURE, find_failures
-from remqa_data.evaluation.results import Metric, Results
+from remqa_data.evaluation.published import SOURCE, questions_beside_published
+from remqa_data.evaluation.results import OVERALL, Metric, Results
 from remqa_data.evaluation.submission import Submission
-from remqa_data.evaluation.tables import BREAKDOWNS, TITLES, Grid, grid_of, notes
+from remqa_data.evaluation.tables import (
+    BREAKDOWNS,
+    TITLES,
+    Grid,
+    asked_things,
+    grid_of,
+    in_words,
+    meanings,
+    notes,
+    rounded,
+)
+from remqa_data.evaluation.tracks import Track
 from remqa_data.evaluation.truth import Truth
 from remqa_data.extras import require
 from remqa_data.files import atomic_path
+from remqa_data.shards import read_table
 
 TEMPLATE, SCRIPT, STYLE = (Path(__file__).with_name(name) for name in ("report.html.j2", "report.js", "report.css"))
-PUBLISHED_QUESTIONS = {
-    "train": {"EXISTENCE": 1653, "COUNTING": 647, "SPATIAL": 1083},
-    "test": {"EXISTENCE": 324, "COUNTING": 143, "SPATIAL": 222},
+PLOTTED: dict[Track, tuple[str, ...]] = {
+    "remqa": ("S_N", "S_L", "S_QA"),
+    "nav": ("success@50", "SPL@50"),
+    "rec": ("prec@0.5", "mean_iou"),
+    "qa": ("answer_accuracy",),
 }
-"""Questions of the published benchmark; its agents' scores are not known to this package."""
+"""The measures that plots show."""
+MOST_PLOTTED_GROUPS = 12
+"""A breakdown with more groups is a table only."""
 MAX_SAMPLES = 5000
 """More rows make a page that no browser likes; results.json has them all."""
 
 
 @dataclass(frozen=True)
+class PlotRow:
+    """A group of a breakdown: one metric for each measure that is plotted."""
+
+    group: str
+    questions: int
+    metrics: tuple[Metric, ...]
+
+
+@dataclass(frozen=True)
 class Plot:
-    """Dots with intervals, one row for each group of a breakdown; lengths in SVG units."""
+    """Dots with intervals, some for each group of a breakdown."""
 
     title: str
-    measure: str
-    rows: tuple[Metric, ...]
+    rows: tuple[PlotRow, ...]
 
 
 def write_report(path: Path, results: Results, submission: Submission, truth: Truth) -> None:
@@ -49,17 +73,24 @@ def write_report(path: Path, results: Results, submission: Submission, truth: Tr
     """
     jinja2 = require("jinja2", "report")
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    environment.filters["rounded"] = rounded
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     script = SCRIPT.read_text(encoding="utf-8")
+    main_measure = MAIN_MEASURE[results.track]
     page = template.render(
         results=results,
         title=TITLES[results.track],
         notes=notes(results),
+        meanings=meanings(results),
         grids=[grid_of(results, breakdown) for breakdown in _breakdowns(results)],
-        published=_published(results),
+        published=_published(results, truth),
+        source=SOURCE,
+        things=asked_things(results),
         plots=_plots(results),
+        plotted=[in_words(name) for name in PLOTTED[results.track]],
         failures=find_failures(results, submission, truth),
-        main_measure=MAIN_MEASURE[results.track],
+        failed=results.samples[main_measure].count(False),
+        main_measure=in_words(main_measure),
         samples=_sample_rows(results),
         max_samples=MAX_SAMPLES,
         script=jinja2.utils.markupsafe.Markup(script),
@@ -74,36 +105,40 @@ def _breakdowns(results: Results) -> list[str]:
     return [name for name in BREAKDOWNS if any(metric.breakdown == name for metric in results.metrics)]
 
 
-def _published(results: Results) -> Grid | None:
-    """How many questions of each kind there are, here and in the published benchmark."""
-    published = PUBLISHED_QUESTIONS.get(results.split)
-    if results.track == "rec" or published is None:
+def _published(results: Results, truth: Truth) -> Grid | None:
+    if results.track == "rec":
         return None
-    counts = Counter(str(kind) for kind in results.samples["kind"])
-    rows = tuple((kind, str(counts[kind]), str(count)) for kind, count in published.items())
-    total = ("all", str(sum(counts.values())), str(sum(published.values())))
-    return Grid(f"Questions of split {results.split}", ("Kind", "this dataset", "published"), (*rows, total))
+    questions = read_table(truth.root, "questions", truth.split, ["question"])["question"].to_pylist()
+    return questions_beside_published(truth.split, truth.texts("kind"), questions)
 
 
 def _plots(results: Results) -> list[Plot]:
-    """The main measure by every breakdown."""
-    name = MAIN_MEASURE[results.track]
-    overall = results.metric(name)
+    """The main measures by every breakdown that has not too many groups."""
     plots = []
     for breakdown in _breakdowns(results):
-        rows = [metric for metric in results.metrics if (metric.name, metric.breakdown) == (name, breakdown)]
-        plots.append(Plot(BREAKDOWNS[breakdown], name, (*rows, overall)))
+        found = [metric for metric in results.metrics if metric.breakdown == breakdown]
+        groups = dict.fromkeys(metric.group for metric in found)
+        if len(groups) <= MOST_PLOTTED_GROUPS:
+            rows = [_plot_row(results, breakdown, group) for group in groups]
+            plots.append(Plot(BREAKDOWNS[breakdown], (*rows, _plot_row(results, OVERALL, "all"))))
     return plots
+
+
+def _plot_row(results: Results, breakdown: str, group: str) -> PlotRow:
+    metrics = tuple(results.metric(name, breakdown, group) for name in PLOTTED[results.track])
+    return PlotRow(in_words(group), metrics[0].questions, metrics)
 
 
 def _sample_rows(results: Results) -> Grid:
     names = list(results.samples)
     columns = [results.samples[name][:MAX_SAMPLES] for name in names]
     rows = tuple(tuple(_text(value) for value in row) for row in zip(*columns, strict=True))
-    return Grid("Every row", tuple(name.replace("_", " ") for name in names), rows)
+    return Grid("Every row", tuple(map(in_words, names)), rows)
 
 
-def _text(value: str | bool | float) -> str:
+def _text(value: str | bool | int | float | None) -> str:
+    if value is None:
+        return "–"
     if isinstance(value, bool):
         return "1" if value else "0"
-    return f"{value:.3f}" if isinstance(value, float) else value
+    return f"{value:.3f}" if isinstance(value, float) else str(value)

@@ -9,7 +9,7 @@ import json
 import platform
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, get_args
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -22,6 +22,7 @@ from remqa_data.evaluation.tracks import Track, is_walked
 from remqa_data.evaluation.truth import Truth, dataset_sha256
 from remqa_data.files import atomic_path
 from remqa_data.measures import LOCALISED_IOU, SUCCESS_DISTANCE_M
+from remqa_data.rows import QuestionKind
 from remqa_data.sim.viewpoints import FRAME_PX, MIN_PIXELS
 from remqa_data.version import __version__
 
@@ -93,8 +94,9 @@ class Results(_Record):
     config: dict[str, Any]
     counts: Counts
     metrics: list[Metric]
-    samples: dict[str, list[str | bool | float]] = Field(
-        description="Columns with one entry for each row of the split: id, scene, answered, the groups and the measures."
+    samples: dict[str, list[str | bool | int | float | None]] = Field(
+        description="Columns with one entry for each row of the split: id, scene, answered, the groups, the measures, and "
+        "what explains them, which is null where nothing was submitted."
     )
 
     def metric(self, name: str, breakdown: str = OVERALL, group: str = "all") -> Metric:
@@ -145,7 +147,7 @@ def make_results(submission: Submission, truth: Truth, scores: Scores, *, replay
             "seed": seed,
         },
         counts=Counts(asked=asked, answered=answered, missing=asked - answered, scored=asked, refused_actions=refused),
-        metrics=_metrics(truth, scores, replayed is not False, seed),
+        metrics=_metrics(truth, scores, seed),
         samples=_samples(truth, scores),
     )
 
@@ -180,27 +182,36 @@ def schema_json() -> str:
     return json.dumps(schema, indent=1) + "\n"
 
 
-def _metrics(truth: Truth, scores: Scores, is_sure: bool, seed: int) -> list[Metric]:
+def _metrics(truth: Truth, scores: Scores, seed: int) -> list[Metric]:
     scenes = np.unique(truth.texts("scene"), return_inverse=True)[1]
     everything = {OVERALL: ["all"] * len(truth.ids)} | truth.groups
     metrics = []
     for name, values in scores.measures.items():
-        if name == "manipulated" and not is_sure:
-            continue  # only the simulator knows
         rng = np.random.default_rng(seed)  # so that a metric does not depend on those before it
         for breakdown, labels in everything.items():
             column = np.array(labels)
-            for group in sorted(set(labels)):
+            for group in sorted(set(labels), key=_order):
                 rows = column == group
                 found = estimate(values[rows], scenes[rows], rng)
                 metrics.append(Metric(name=name, breakdown=breakdown, group=group, **vars(found)))
     return metrics
 
 
+def _order(group: str) -> tuple[int, str]:
+    """Kinds of questions come as the paper has them, all else by its name."""
+    kinds: tuple[str, ...] = get_args(QuestionKind)
+    return kinds.index(group) if group in kinds else len(kinds), group
+
+
 def _samples(truth: Truth, scores: Scores) -> dict[str, list[Any]]:
     columns: dict[str, list[Any]] = {"id": truth.ids.to_pylist(), "scene": truth.texts("scene")}
     columns |= {"answered": scores.answered.tolist(), **truth.groups}
-    return columns | {name: values.tolist() for name, values in scores.measures.items()}
+    columns |= {name: values.tolist() for name, values in scores.measures.items()}
+    for name, values in scores.details.items():
+        columns[name] = [
+            value if said else None for value, said in zip(values.tolist(), columns["answered"], strict=True)
+        ]
+    return columns
 
 
 def _versions() -> dict[str, str]:

@@ -38,6 +38,7 @@ MOST_KNOWN_FOR_HINTS = 10_000
 """Finding the nearest of more ids takes too long."""
 
 Bools = npt.NDArray[np.bool_]
+Columns = dict[str, npt.NDArray[np.generic]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +51,16 @@ class Scores:
         Whether the submission has a row for it.
     measures : dict of (n,) array
         By name: bool, or float.
+    details : dict of (n,) array
+        What explains the measures, by name: steps, metres, what was seen and said. Means nothing where nothing was
+        answered.
     refused : int
         Actions that the simulator refused, over all rows.
     """
 
     answered: Bools
-    measures: dict[str, npt.NDArray[np.generic]]
+    measures: Columns
+    details: Columns
     refused: int = 0
 
 
@@ -104,7 +109,10 @@ def score(
     if attempts:
         for done in replay_all(truth.root, truth.split, attempts, workers, progress):
             filled.add_replayed(truth, done)
-    return Scores(filled.answered, _MEASURES[truth.track](truth, filled), filled.refused)
+    measures = _MEASURES[truth.track](truth, filled)
+    if not replay:
+        measures.pop("manipulated", None)  # only the simulator knows
+    return Scores(filled.answered, measures, _details(truth.track, filled), filled.refused)
 
 
 def attempt_of(truth: Truth, place: int, actions: Sequence[str], manipulation: str | None) -> tuple[Attempt, Room]:
@@ -155,12 +163,14 @@ class _Filled:
         self.is_manipulated[done.place] = done.is_manipulated
         self.refused += done.refused
 
+    def is_visible(self) -> Bools:
+        return np.asarray(~np.isnan(self.target_boxes[:, 0]))
+
     def navigated(self) -> Bools:
-        is_visible = ~np.isnan(self.target_boxes[:, 0])
-        return np.asarray(self.answered & navigation_success(self.distance_m, is_visible))
+        return np.asarray(self.answered & navigation_success(self.distance_m, self.is_visible()))
 
 
-def _remqa(truth: Truth, filled: _Filled) -> dict[str, npt.NDArray[np.generic]]:
+def _remqa(truth: Truth, filled: _Filled) -> Columns:
     is_right = is_right_answer(filled.answers, truth.texts("answer"))
     three = stages(filled.navigated(), box_iou(filled.boxes, filled.target_boxes), is_right)
     return {
@@ -172,8 +182,8 @@ def _remqa(truth: Truth, filled: _Filled) -> dict[str, npt.NDArray[np.generic]]:
     }
 
 
-def _nav(truth: Truth, filled: _Filled) -> dict[str, npt.NDArray[np.generic]]:
-    found: dict[str, npt.NDArray[np.generic]] = {}
+def _nav(truth: Truth, filled: _Filled) -> Columns:
+    found: Columns = {}
     for limit in (None, *STEP_LIMITS):
         suffix = "" if limit is None else f"@{limit}"
         success = filled.navigated() & (True if limit is None else filled.steps <= limit)
@@ -182,21 +192,33 @@ def _nav(truth: Truth, filled: _Filled) -> dict[str, npt.NDArray[np.generic]]:
     return found
 
 
-def _rec(truth: Truth, filled: _Filled) -> dict[str, npt.NDArray[np.generic]]:
+def _rec(truth: Truth, filled: _Filled) -> Columns:
     iou = box_iou(filled.boxes, truth.boxes)
     return {f"prec@{x}": is_hit(iou, x) for x in IOU_THRESHOLDS} | {"mean_iou": iou}
 
 
-def _qa(truth: Truth, filled: _Filled) -> dict[str, npt.NDArray[np.generic]]:
+def _qa(truth: Truth, filled: _Filled) -> Columns:
     return {"answer_accuracy": is_right_answer(filled.answers, truth.texts("answer"))}
 
 
-_MEASURES: dict[Track, Callable[[Truth, _Filled], dict[str, npt.NDArray[np.generic]]]] = {
+_MEASURES: dict[Track, Callable[[Truth, _Filled], Columns]] = {
     "remqa": _remqa,
     "nav": _nav,
     "rec": _rec,
     "qa": _qa,
 }
+
+
+def _details(track: Track, filled: _Filled) -> Columns:
+    found: Columns = {}
+    if is_walked(track):
+        found["steps"], found["path_m"] = filled.steps, filled.walked_m
+        found["goal_distance_m"], found["target_visible"] = filled.distance_m, filled.is_visible()
+    if track == "remqa":
+        found["iou"] = box_iou(filled.boxes, filled.target_boxes)
+    if track in ("remqa", "qa"):
+        found["submitted_answer"] = np.array(filled.answers, dtype=np.object_)
+    return found
 
 
 def _places(submission: Submission, truth: Truth, batch: Batch, answered: Bools) -> npt.NDArray[np.int64]:

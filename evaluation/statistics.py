@@ -19,6 +19,8 @@ from remqa_data.assets.model import F64
 LEVEL = 0.95
 RESAMPLES = 9999
 POWER = 0.8
+ROUNDING = 1e-12
+"""Means that differ by less are the same."""
 IntervalKind = Literal["bootstrap", "wilson", "none"]
 I64 = npt.NDArray[np.int64]
 
@@ -111,8 +113,8 @@ def difference(
     Notes
     -----
     The p-value is that of a paired permutation test which changes the sign of whole scenes
-    (`scipy.stats.permutation_test`). The smallest detectable difference is (z(0.975) + z(0.8)) times the standard error
-    of the difference, which is that of the bootstrap.
+    (`scipy.stats.permutation_test`). The smallest detectable difference is (t(0.975) + t(0.8)) times the standard error
+    of the difference, with Student's t of one degree of freedom fewer than there are scenes.
     """
     change = np.asarray(second, dtype=np.float64) - np.asarray(first, dtype=np.float64)
     sums, counts = _by_scene(change, np.asarray(scenes, dtype=np.int64))
@@ -127,8 +129,8 @@ def difference(
         )
         p_value = float(test.pvalue)
     error = _standard_error(sums, counts, rng)
-    z = float(stats.norm.ppf((1 + LEVEL) / 2) + stats.norm.ppf(POWER))
-    return Difference(value, low, high, p_value, z * error if error > 0 else None, questions, len(sums))
+    errors = float(stats.t.ppf((1 + LEVEL) / 2, len(sums) - 1) + stats.t.ppf(POWER, len(sums) - 1))
+    return Difference(value, low, high, p_value, errors * error if error > ROUNDING else None, questions, len(sums))
 
 
 def _by_scene(values: F64, scenes: I64) -> tuple[F64, F64]:
@@ -144,7 +146,7 @@ def _mean(sums: F64, counts: F64, axis: int = -1) -> F64:
 
 def _bootstrap(sums: F64, counts: F64, rng: np.random.Generator) -> tuple[float | None, float | None]:
     ratios = sums / counts
-    if len(sums) < 2 or np.ptp(ratios) == 0:
+    if len(sums) < 2 or np.ptp(ratios) <= ROUNDING:
         return None, None
     low, high = np.nan, np.nan
     for method in ("BCa", "percentile"):
@@ -166,5 +168,7 @@ def _bootstrap(sums: F64, counts: F64, rng: np.random.Generator) -> tuple[float 
 
 
 def _standard_error(sums: F64, counts: F64, rng: np.random.Generator) -> float:
-    chosen = rng.integers(len(sums), size=(RESAMPLES, len(sums)))
-    return float(_mean(sums[chosen], counts[chosen]).std(ddof=1))
+    """Of the mean, by the bootstrap, whose variance of a mean of n scenes is (n - 1) / n of the true one."""
+    count = len(sums)
+    chosen = rng.integers(count, size=(RESAMPLES, count))
+    return float(_mean(sums[chosen], counts[chosen]).std() * np.sqrt(count / (count - 1)))

@@ -7,9 +7,10 @@ dataset's sha256 as `remqa-eval` prints it, and "agent", a name for reports.
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -165,7 +166,7 @@ def _jsonl_batches(path: Path, names: tuple[str, ...]) -> Iterator[pa.RecordBatc
     with path.open("rb") as handle:
         lines = enumerate(_lines(path, handle), start=1)
         next(lines)  # the header
-        while rows := [_parsed(path, row_type, number, line) for number, line in islice(lines, BATCH_ROWS)]:
+        while rows := _parsed_rows(path, row_type, islice(lines, BATCH_ROWS)):
             yield pa.RecordBatch.from_pylist(rows, schema)
 
 
@@ -176,6 +177,17 @@ def _lines(path: Path, handle: BinaryIO) -> Iterator[bytes]:
         if len(line) > MAX_LINE_BYTES:
             raise SubmissionError(path, f"line {number}", f"longer than {MAX_LINE_BYTES:,} bytes")
         yield line
+
+
+def _parsed_rows(path: Path, row_type: TypeAdapter[Any], lines: Iterable[tuple[int, bytes]]) -> list[Any]:
+    """Some rows. JSON has no cycles: looking for them among its many small lists would take most of the time."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        return [_parsed(path, row_type, number, line) for number, line in lines]
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 def _parsed(path: Path, row_type: TypeAdapter[Any], number: int, line: bytes) -> Any:

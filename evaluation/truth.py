@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from remqa_data.assets.model import F64
 from remqa_data.errors import DatasetError
@@ -65,14 +66,15 @@ class Truth:
         """(n,) ids of the rows."""
         return self.table[id_column(self.track)].combine_chunks()
 
-    @cached_property
-    def _place_of(self) -> dict[str, int]:
-        return {name: place for place, name in enumerate(self.ids.to_pylist())}
-
     def places(self, ids: pa.Array) -> npt.NDArray[np.int64]:
         """(m,) where each id is among those of the rows, -1 where it is not."""
-        known = self._place_of
-        return np.array([known.get(name, -1) for name in ids.to_pylist()], dtype=np.int64)
+        encoded = ids.dictionary_encode()
+        # Looking for all rows among a few ids needs far less memory than a table of all rows in which to look for the ids.
+        found = pc.index_in(self.ids, value_set=encoded.dictionary)
+        rows = np.flatnonzero(found.is_valid().to_numpy(zero_copy_only=False))
+        row_of = np.full(len(encoded.dictionary), -1, dtype=np.int64)
+        row_of[found.drop_null().to_numpy()] = rows
+        return np.asarray(row_of[encoded.indices.to_numpy()])
 
     def texts(self, name: str) -> list[str]:
         """A column of texts."""
@@ -86,7 +88,9 @@ class Truth:
     @cached_property
     def starts(self) -> F64:
         """(n, 4) start poses: x, y, yaw_deg, horizon_deg."""
-        return _poses(self.table["start"].combine_chunks())
+        structs = self.table["start"].combine_chunks()
+        angles = [structs.field(name).to_numpy(zero_copy_only=False)[:, None] for name in ("yaw_deg", "horizon_deg")]
+        return np.hstack([_positions(structs), *angles])
 
     @cached_property
     def goals(self) -> F64:
@@ -95,9 +99,8 @@ class Truth:
         counts = np.asarray(lists.value_lengths().to_numpy(zero_copy_only=False), dtype=np.int64)
         padded = np.full((len(counts), max(counts.max(initial=0), 1), 2), np.nan)
         rows = np.repeat(np.arange(len(counts)), counts)
-        padded[rows, np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)] = _poses(lists.flatten())[
-            :, :2
-        ]
+        firsts = np.cumsum(counts) - counts
+        padded[rows, np.arange(len(rows)) - firsts[rows]] = _positions(lists.flatten())
         return padded
 
     @cached_property
@@ -158,10 +161,9 @@ def _room_types(root: Path, manifest: Manifest, scenes: list[str]) -> list[str]:
     return [room_type[scene] for scene in scenes]
 
 
-def _poses(structs: pa.StructArray) -> F64:
-    positions = np.asarray(structs.field("position").flatten().to_numpy(), dtype=np.float64).reshape(-1, 3)[:, :2]
-    angles = [structs.field(name).to_numpy(zero_copy_only=False)[:, None] for name in ("yaw_deg", "horizon_deg")]
-    return np.hstack([positions, *angles])
+def _positions(structs: pa.StructArray) -> F64:
+    """(n, 2) x and y of agent states."""
+    return np.asarray(structs.field("position").flatten().to_numpy(), dtype=np.float64).reshape(-1, 3)[:, :2]
 
 
 def _bin_name(low: float, high: float) -> str:

@@ -220,6 +220,7 @@ PARQUET: dict[str, tuple[Callable[[Path], None], str]] = {
     "too many rows": (many_rows, "more rows than the split has"),
     "a very long list": (long_list, "field actions"),
     "very long words": (long_words, "field actions"),
+    "a very long id": (lambda path: parquet(path, question_id=pa.array(["q" * 10_000_000])), "field question_id"),
 }
 
 

@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,39 @@ def test_injected_scripts_would_not_run(page: tuple[Any, list[str]]) -> None:
     assert any("Content Security Policy" in event for event in events)
 
 
+@pytest.mark.parametrize("width", [420, 1280])
+def test_it_fits_the_width_of_a_phone_and_of_a_desk(page: tuple[Any, list[str]], width: int) -> None:
+    opened, _ = page
+    opened.set_viewport_size({"width": width, "height": 900})
+    assert opened.evaluate("document.documentElement.scrollWidth") <= width
+    for name in ("svg", "figure", ".scroll"):
+        for box in (one.bounding_box() for one in opened.locator(name).all()):
+            assert box["x"] >= 0
+            assert box["x"] + box["width"] <= width
+
+
+def test_figures_do_not_overlap(page: tuple[Any, list[str]]) -> None:
+    opened, _ = page
+    for width in (420, 1280):
+        opened.set_viewport_size({"width": width, "height": 900})
+        boxes = [one.bounding_box() for one in opened.locator("svg, figure").all()]
+        assert len(boxes) > 5
+        for a, b in combinations(boxes, 2):
+            apart_x = a["x"] + a["width"] <= b["x"] or b["x"] + b["width"] <= a["x"]
+            assert apart_x or a["y"] + a["height"] <= b["y"] or b["y"] + b["height"] <= a["y"]
+
+
+def test_texts_of_plots_are_inside_them(page: tuple[Any, list[str]]) -> None:
+    opened, _ = page
+    for plot in opened.locator("svg").all():
+        around = plot.bounding_box()
+        for text in plot.locator("text").all():
+            box = text.bounding_box()
+            assert around["x"] <= box["x"] + 0.5
+            assert box["x"] + box["width"] <= around["x"] + around["width"] + 0.5
+            assert box["y"] + box["height"] <= around["y"] + around["height"] + 0.5
+
+
 def test_rows_sort_and_filter(page: tuple[Any, list[str]]) -> None:
     opened, _ = page
     ids = opened.locator("#samples tbody tr td:first-child")
@@ -106,6 +140,6 @@ def test_failures_of_walks_show_view_map_and_boxes(rooms: Path, tmp_path: Path) 
         options = ["--data", str(rooms), "--track", track, "-o", str(predictions)]
         assert CliRunner().invoke(app, [agent, *options]).exit_code == 0
         text = report(rooms, tmp_path / track, predictions).read_text()
-        assert ("way on the map" in text) == (track == "remqa")
+        assert ("way from above" in text) == (track == "remqa")
         assert ("<p>None.</p>" in text) == (agent == "oracle")
-        assert ("predicted red" in text) == (agent == "random")
+        assert ("submitted red" in text) == (agent == "random")

@@ -1,7 +1,9 @@
+import io
 import json
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 from submissions import results_of, written
 from typer.testing import CliRunner
 
@@ -9,6 +11,7 @@ from remqa_data.errors import ResultsError
 from remqa_data.evaluation.cli import app
 from remqa_data.evaluation.compare import compare
 from remqa_data.evaluation.results import SCHEMA_PATH, load_results, schema_json, write_results
+from remqa_data.evaluation.tables import in_words, print_results, rounded
 
 
 def answers(data: Path, path: Path, answer: str, agent: str = "a") -> Path:
@@ -38,14 +41,38 @@ def test_the_same_submission_gives_the_same_bytes_whatever_the_row_order(data: P
 
 
 def test_score_writes_results_and_markdown(data: Path, tmp_path: Path) -> None:
-    path = answers(data, tmp_path / "a.jsonl", "yes", agent="a | b")
+    path = answers(data, tmp_path / "a.jsonl", "yes", agent="a | b\n| c |")
     out = tmp_path / "out"
     done = CliRunner().invoke(app, [str(path), "--data", str(data), "--split", "test", "-o", str(out), "--no-report"])
     assert done.exit_code == 0, done.output
     assert {file.name for file in out.iterdir()} == {"results.json", "results.md"}
     lines = (out / "results.md").read_text().splitlines()
-    assert lines[2].startswith("| Kind | n |")
+    assert lines[2].startswith("| Kind | questions |")
     assert all(line.count("|") == lines[2].count("|") for line in lines[2:8])
+    assert len(lines) == 10  # an agent's name makes no lines of its own
+
+
+def test_tables_for_the_terminal_are_whole_in_80_columns(data: Path, tmp_path: Path) -> None:
+    written(tmp_path / "qa.jsonl", "qa", [])
+    written(tmp_path / "rec.jsonl", "rec", [])
+    for name in ("qa", "rec"):
+        results = results_of(data, tmp_path / f"{name}.jsonl")
+        console = Console(width=80, file=io.StringIO())
+        print_results(console, results)
+        text = console.file.getvalue()
+        assert "…" not in text
+        assert all(in_words(measure) in text for measure in results.measures)
+
+
+def test_1_000_is_said_of_1_alone() -> None:
+    assert [rounded(share) for share in (1, 0.9999, 0.9991, 0.9984, 0.25, 0)] == [
+        "1.000",
+        "0.999",
+        "0.999",
+        "0.998",
+        "0.250",
+        "0.000",
+    ]
 
 
 def test_comparing_needs_the_same_questions(data: Path, tmp_path: Path) -> None:

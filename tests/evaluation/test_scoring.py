@@ -30,6 +30,7 @@ def test_answers_are_counted_and_missing_ones_fail(data: Path, tmp_path: Path) -
     counts = results.counts
     assert (counts.asked, counts.answered, counts.missing, counts.scored) == (10, 8, 2, 10)
     assert results.replayed is None
+    assert results.samples["submitted_answer"] == [*ANSWERS[:6], None, "no", None, None]
 
 
 def test_boxes_of_expressions(data: Path, tmp_path: Path) -> None:
@@ -65,6 +66,11 @@ def test_navigation_from_claimed_poses_by_hand(data: Path, tmp_path: Path) -> No
     assert results.samples["success@25"] == [True, False, True, False, True, False, False, False, False, False]
     assert results.samples["success@50"][5:7] == [True, False]
     assert results.samples["SPL@25"][:5] == pytest.approx([1, 0, 1.75 / 6.75, 0, 1])
+    assert results.samples["steps"][:6] == [0, 2, 2, 1, 1, 26]
+    assert results.samples["path_m"][:5] == pytest.approx([0, 0.25 + 0.125**0.5, 6.75, 2, 0.75])
+    assert results.samples["goal_distance_m"][:5] == pytest.approx([0.25, 0, 0.125**0.5, 2.25, 1])
+    assert results.samples["target_visible"][:3] == [True, False, True]
+    assert results.samples["steps"][7:] == [None] * 3  # nothing was submitted
     assert results.replayed is False
     assert "NOT REPLAYED" in results.note
 

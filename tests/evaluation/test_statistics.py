@@ -41,6 +41,14 @@ def test_one_scene_has_no_interval() -> None:
     assert (found.low, found.high, found.interval) == (None, None, "none")
 
 
+def test_scenes_whose_means_differ_by_rounding_alone_have_no_interval() -> None:
+    scenes = np.array([0, 1, 1, 1])
+    found = estimate(np.array([0.1, 0.1, 0.1, 0.1]), scenes, rng())  # 0.1 + 0.1 + 0.1 is not 3 * 0.1
+    assert (found.low, found.high, found.interval) == (None, None, "none")
+    change = difference(np.zeros(4), np.full(4, 0.1), scenes, rng())
+    assert (change.low, change.high, change.detectable) == (None, None, None)
+
+
 def test_a_real_difference_is_found_and_none_is_not() -> None:
     draws = np.random.default_rng(2)
     scenes = np.arange(20).repeat(30)
@@ -61,3 +69,10 @@ def test_the_p_value_of_few_scenes_is_the_exact_one() -> None:
     # By hand: all five scenes better, so 2 of the 2^5 sign patterns are as extreme.
     found = difference(np.zeros(5), np.ones(5) * [0.1, 0.2, 0.3, 0.4, 0.5], np.arange(5), rng())
     assert found.p_value == pytest.approx(2 / 32)
+
+
+def test_the_detectable_difference_is_that_of_the_paired_t_test_where_scenes_are_equal() -> None:
+    # Power of the paired t test as in textbooks: (t(0.975, 19) + t(0.8, 19)) * s / sqrt(20), with t from tables.
+    changes = np.random.default_rng(3).normal(0.1, 0.3, 20)
+    found = difference(np.zeros(600), changes.repeat(30), np.arange(20).repeat(30), rng())
+    assert found.detectable == pytest.approx((2.093 + 0.861) * changes.std(ddof=1) / np.sqrt(20), rel=0.03)
