@@ -6,7 +6,7 @@ What is drawn more often, and how long questions become, is in `templates/questi
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic
 
@@ -34,6 +34,8 @@ FittingTypes = Callable[[P, int], Sequence[tuple[str, float]]]
 """Gives the types of which so many things fit a place at the same time, with weights."""
 SiteKey = tuple[str, str]
 """Object id and relation: in a microwave and under it are two places."""
+Clashes = Mapping[SiteKey, Collection[frozenset[str]]]
+"""By place, sets of types of which each fits, but not all at the same time."""
 PLAN_ORDER: tuple[QuestionKind, ...] = ("COUNTING", "SPATIAL", "EXISTENCE")
 ATTEMPTS = 12
 """Draws of a whole room before its quota counts as impossible."""
@@ -49,6 +51,7 @@ def plan_groups(
     rng: np.random.Generator,
     configurations: int = 4,
     spare_groups: Mapping[QuestionKind, int] | None = None,
+    clashes: Clashes | None = None,
 ) -> list[GroupPlan[P]]:
     """The questions of one room.
 
@@ -68,6 +71,8 @@ def plan_groups(
         How many arrangements of the room there will be.
     spare_groups : mapping, optional
         By kind, groups beyond the quota, as far as there is room.
+    clashes : Clashes, optional
+        What is known not to fit together; no place is asked for all types of such a set.
 
     Returns
     -------
@@ -82,7 +87,7 @@ def plan_groups(
     sites = sites_of(places, expressions, fitting_types)
     order, refusal = PLAN_ORDER, ""
     for _ in range(ATTEMPTS):
-        planner = Planner(sites, quota.scene, configurations, rng)
+        planner = Planner(sites, quota.scene, configurations, rng, clashes or {})
         failed = _fill(planner, order, quota)
         if failed is None:
             for kind in PLAN_ORDER:
@@ -155,6 +160,7 @@ class Planner(Generic[P]):
     scene: str
     configurations: int
     rng: np.random.Generator
+    clashes: Clashes = field(default_factory=dict)
     groups: list[GroupPlan[P]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -220,8 +226,11 @@ class Planner(Generic[P]):
         limit = self.rules.max_groups_per_place[kind] if strict else len(self.texts) + 1
         full = {site.key for site in self.sites if self.at_site[kind, site.key] >= limit}
         at_object: dict[str, set[str]] = {site.place.object_id: set(self.mentioned) for site in self.sites}
+        at_site: dict[SiteKey, set[str]] = {site.key: set() for site in self.sites}
         for group in self.groups:
-            at_object[group.question.place.object_id].add(group.question.type)
+            place = group.question.place
+            at_object[place.object_id].add(group.question.type)
+            at_site[place.object_id, place.relation].add(group.question.type)
         # Of two types that look alike in one place, or a type that phrases of this room name, nobody could tell which.
         # What has something under it is raised, and does not open as it did: an object is one place or the other.
         asked = {group.question.place.object_id: group.question.place.relation for group in self.groups}
@@ -234,7 +243,11 @@ class Planner(Generic[P]):
             and option.text not in self.texts
             and not _any_confusable({option.question.type}, at_object[option.site.place.object_id] | option.named)
             and not _any_confusable(option.named, self.asked_for)
+            and not self._clash(option.site.key, at_site[option.site.key] | {option.question.type})
         ]
+
+    def _clash(self, key: SiteKey, types: set[str]) -> bool:
+        return any(clash <= types for clash in self.clashes.get(key, ()))
 
     def _pools(self, kind: QuestionKind, size: int, options: list[_Option[P]]) -> Iterator[list[_Option[P]]]:
         """The options in lots, of which the first that has room is drawn from: bare nouns or not, then by manipulation."""

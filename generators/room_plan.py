@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
@@ -18,14 +18,16 @@ from remqa_data.generators.expressions import Expression, Expressions
 from remqa_data.generators.groups import GroupPlan, wishes
 from remqa_data.generators.hiding_places import HidingPlace, hiding_places
 from remqa_data.generators.placement_priors import fitting_types
-from remqa_data.generators.planning import plan_groups
+from remqa_data.generators.planning import SiteKey, plan_groups
 from remqa_data.metadata import object_metadata
 from remqa_data.scene import Scene
 from remqa_data.scene_graph import SceneGraph
 from remqa_data.sim.world import World
 
-PLANS = 25
+PLANS = 200
 """How often a room's questions are planned anew before its arrangement counts as impossible."""
+ARRANGED = 25
+"""The same for plans that were arranged in the simulator, which takes seconds and not milliseconds."""
 FAILURES = 3
 """A place in which things could not be arranged so often is used no more."""
 
@@ -69,9 +71,9 @@ class RoomPlanner:
 
     def __init__(self, job: Job, base: Scene) -> None:
         self.job, self.base = job, base
-        self.all_places = hiding_places(base)
-        self.expressions = expressions_of_places(base, self.all_places)
-        self.plans_made = 0
+        self.places = hiding_places(base)
+        self.expressions = expressions_of_places(base, self.places)
+        self.plans_made = self.plans_arranged = 0
         self.failures: Counter[tuple[str, str]] = Counter()
         self.refused: Counter[str] = Counter()
         self._fitting_at_first = cache(lambda place, count: fitting_types(place, job.quota.room_type, count))
@@ -93,10 +95,11 @@ class RoomPlanner:
             try:
                 for number in numbers:  # all of them first, as it takes no time
                     check_room(self.base, _hidden(groups, number), self.job.rng(f"room {number}"))
+                self.plans_arranged += 1
                 return RoomPlan(groups, [self._arranged(groups, number) for number in numbers])
             except ArrangementError as error:
                 self.refused["arrangement"] += 1
-                if self.plans_made >= PLANS:
+                if self.plans_made >= PLANS or self.plans_arranged >= ARRANGED:
                     raise
                 self._learn(error)
 
@@ -110,7 +113,9 @@ class RoomPlanner:
         job, rng = self.job, self.job.rng(f"plan {self.plans_made}")
         configurations, spare = job.config.configurations, job.config.spare_groups.by_kind()
         try:
-            return plan_groups(self.places, self.expressions, self._fitting, job.quota, rng, configurations, spare)
+            return plan_groups(
+                self.places, self.expressions, self._fitting, job.quota, rng, configurations, spare, self.clashes
+            )
         except QuotaError:
             if not self.has_learnt or self.plans_made >= PLANS:
                 raise
@@ -127,21 +132,20 @@ class RoomPlanner:
     @property
     def has_learnt(self) -> bool:
         """Whether anything is ruled out that might work another time."""
-        return bool(self.misfits) or any(p not in self.all_places for p in self.places)
+        return bool(self.misfits or self.clashes)
 
     def _forget(self) -> None:
-        self.places = [p for p in self.all_places if self.failures[p.object_id, p.relation] < FAILURES]
         self.misfits: set[tuple[str, str, str]] = set()
+        self.clashes: defaultdict[SiteKey, set[frozenset[str]]] = defaultdict(set)
 
     def _learn(self, error: ArrangementError) -> None:
-        if len(error.types) == 1:
-            self.misfits.add((error.place_id, error.relation, error.types[0]))
-            self.failures[error.place_id, error.relation] += 1
-            self.places = [p for p in self.places if self.failures[p.object_id, p.relation] < FAILURES]
+        key = error.place_id, error.relation
+        if len(error.types) > 1:
+            self.clashes[key].add(frozenset(error.types))
             return
-        for index, place in enumerate(self.places):  # each may fit, but not all at the same time
-            if (place.object_id, place.relation) == (error.place_id, error.relation) and len(place.spots) > 1:
-                self.places[index] = replace(place, spots=place.spots[:-1])
+        self.misfits.add((*key, error.types[0]))
+        self.failures[key] += 1
+        self.places = [p for p in self.places if self.failures[p.object_id, p.relation] < FAILURES]
 
 
 def expressions_of_places(scene: Scene, places: Iterable[HidingPlace]) -> dict[str, list[Expression]]:

@@ -13,13 +13,13 @@ from remqa_data.generators.walk import WalkFrame, WalkSettings, walk
 from remqa_data.images import RgbFormat, encode_depth, encode_instances, encode_rgb
 from remqa_data.map_rows import map_columns
 from remqa_data.metadata import object_metadata
-from remqa_data.rows import Embodiment, ExpressionRow, FrameRow, GridCell, SceneRow, Split
+from remqa_data.rows import EmbodimentRow, ExpressionRow, FrameRow, GridCell, SceneRow, Split
 from remqa_data.scene_graph import GraphUpdate, SceneGraph
 from remqa_data.semantic_map import VoxelMap
 from remqa_data.sim.navigation import ARM_REACH_M, CAMERA_HEIGHT_M, GRID_M, Cell, ReachableGrid
 from remqa_data.sim.view import WorldView
 
-EMBODIMENT = Embodiment(camera_height_m=CAMERA_HEIGHT_M, fov_deg=90.0, step_m=GRID_M, reach_m=ARM_REACH_M)
+EMBODIMENT = EmbodimentRow(camera_height_m=CAMERA_HEIGHT_M, fov_deg=90.0, step_m=GRID_M, reach_m=ARM_REACH_M)
 
 
 @dataclass(frozen=True)

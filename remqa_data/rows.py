@@ -34,7 +34,7 @@ class GridCell(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Embodiment:
+class EmbodimentRow:
     """The agent's body and eye."""
 
     camera_height_m: Annotated[float, Column("Camera above the floor.", "m")]
@@ -99,7 +99,7 @@ class SceneRow:
     ]
     navigation_cells: Annotated[tuple[GridCell, ...], Column("Cells that the agent can stand on.", frame="grid")]
     start_cell: Annotated[GridCell, Column("Cell where the walk starts.", frame="grid")]
-    embodiment: Annotated[Embodiment, Column("The agent's body and eye.")]
+    embodiment: Annotated[EmbodimentRow, Column("The agent's body and eye.")]
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from remqa_data.metadata import AgentState, ObjectMetadata, VisibleObject
 from remqa_data.pair_relations import Edge
 from remqa_data.parts import Parts, assemble, count_questions, finish
 from remqa_data.rows import (
-    Embodiment,
+    EmbodimentRow,
     ExpressionRow,
     FrameRow,
     GridCell,
@@ -85,7 +85,7 @@ def scene_row(scene: str, split: str, configuration: int = 0) -> SceneRow:
         map_2d=encode_labels(np.arange(12, dtype=np.uint16).reshape(3, 4)),
         navigation_cells=(GridCell(0, 1), GridCell(-2, 3)),
         start_cell=GridCell(0, 1),
-        embodiment=Embodiment(1.576, 90.0, 0.25, 0.63),
+        embodiment=EmbodimentRow(1.576, 90.0, 0.25, 0.63),
     )
 
 

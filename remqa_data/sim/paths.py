@@ -28,10 +28,11 @@ LEAST_HORIZON_DEG, MOST_HORIZON_DEG = -30, 60
 
 
 def shortest_actions(grid: ReachableGrid, start: AgentPose, goal: AgentPose) -> list[str]:
-    """The fewest actions that take the agent from one pose to another.
+    """The shortest way that takes the agent from one pose to another.
 
-    Of equally many, those that walk the fewest metres; posture and camera come last. Headings and horizons must differ by
-    whole steps of 90 and 30 degrees; a horizon that the camera cannot reach is clamped to -30 or 60 degrees first.
+    Of ways of equally many metres, the one with the fewest actions; posture and camera come last. Headings and horizons
+    must differ by whole steps of 90 and 30 degrees; a horizon that the camera cannot reach is clamped to -30 or 60
+    degrees first.
 
     Raises
     ------
@@ -40,7 +41,8 @@ def shortest_actions(grid: ReachableGrid, start: AgentPose, goal: AgentPose) -> 
 
     Notes
     -----
-    Dijkstra's algorithm over (cell, heading), with the cost (actions, cells walked) compared in this order.
+    Dijkstra's algorithm over (cell, heading), with the cost (cells walked, actions) compared in this order: SPL counts
+    metres, and a way with fewer turns can be longer.
     """
     start, goal = _reachable(grid, start), _reachable(grid, goal)
     for name, step in (("yaw_deg", ROTATE_DEG), ("horizon_deg", LOOK_DEG)):
@@ -55,8 +57,6 @@ def shortest_actions(grid: ReachableGrid, start: AgentPose, goal: AgentPose) -> 
 
 def path_length_m(grid: ReachableGrid, start: Cell, goal: Cell) -> float:
     """Metres of the shortest way from one cell to another.
-
-    The way with the fewest *actions* can be longer: it may walk round a corner to save turns.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def _walk_and_turn(grid: ReachableGrid, start: AgentPose, goal: AgentPose) -> li
         if cost > best[here]:
             continue
         for action, there in _options(grid, here):
-            reached = (cost[0] + 1, cost[1] + (action == MOVE_AHEAD))
+            reached = (cost[0] + (action == MOVE_AHEAD), cost[1] + 1)
             if there not in best or reached < best[there]:
                 best[there] = reached
                 came_by[there] = (here, action)

@@ -46,7 +46,7 @@ def rng_for(name: str, seed: int = 0) -> np.random.Generator:
     return np.random.default_rng([seed, zlib.crc32(name.encode())])
 
 
-def plan(quota: SceneQuota, seed: int = 0, configurations: int = 4, spare=SPARE):
+def plan(quota: SceneQuota, seed: int = 0, configurations: int = 4, spare=SPARE, clashes=None):
     places, phrases = phrases_of(quota.scene)
     return plan_groups(
         places,
@@ -56,6 +56,7 @@ def plan(quota: SceneQuota, seed: int = 0, configurations: int = 4, spare=SPARE)
         rng_for(quota.scene, seed),
         configurations,
         spare,
+        clashes,
     )
 
 
@@ -96,6 +97,25 @@ def test_groups_meet_the_quota_and_leave_no_doubt(index) -> None:
             assert not any(confusable(a, other.question.type) for a in named)
             if one is not other and one.question.place.object_id == other.question.place.object_id:
                 assert not confusable(one.question.type, other.question.type)
+
+
+def types_by_place(groups) -> dict[tuple[str, str], set[str]]:
+    found: dict[tuple[str, str], set[str]] = {}
+    for group in groups:
+        place = group.question.place
+        found.setdefault((place.object_id, place.relation), set()).add(group.question.type)
+    return found
+
+
+def test_what_clashes_is_not_asked_for_in_one_place() -> None:
+    clashes: dict[tuple[str, str], set[frozenset[str]]] = {}
+    for _ in range(6):  # whatever comes together is ruled out, again and again
+        groups = types_by_place(plan(quotas()[0], clashes=clashes))
+        assert not any(clash <= groups.get(key, set()) for key, all_ in clashes.items() for clash in all_)
+        for key, types in groups.items():
+            if len(types) > 1:
+                clashes.setdefault(key, set()).add(frozenset(sorted(types)[:2]))
+    assert sum(map(len, clashes.values())) >= 6
 
 
 def test_the_same_generator_gives_the_same_plan_and_another_one_another() -> None:

@@ -106,17 +106,16 @@ STAIRS = grid_of(
 )
 
 
-def test_the_fewest_actions_can_be_more_metres_than_the_shortest_way() -> None:
+def test_the_shortest_way_is_taken_even_if_it_turns_more_often() -> None:
     # up the stairs: 8 cells and 6 turns, and 2 to face down; along the edges: 10 cells and 2 turns
     actions = shortest_actions(STAIRS, AgentPose((0, 0), 90), AgentPose((4, 4), 270))
-    assert actions == ["MoveAhead"] * 5 + ["RotateRight"] + ["MoveAhead"] * 4 + ["RotateRight", "MoveAhead"]
+    assert (len(actions), actions.count("MoveAhead")) == (16, 8)
     assert path_length_m(STAIRS, (0, 0), (4, 4)) == 8 * 0.25
 
 
-def test_of_equally_many_actions_those_with_fewer_metres_are_taken() -> None:
-    # facing up at the end, both ways are 14 actions
-    actions = shortest_actions(STAIRS, AgentPose((0, 0), 90), AgentPose((4, 4), 90))
-    assert (len(actions), actions.count("MoveAhead")) == (14, 8)
+def test_of_equally_long_ways_the_one_with_fewer_turns_is_taken() -> None:
+    actions = shortest_actions(OPEN_3X2, AgentPose((0, 0), 0), AgentPose((2, 1), 90))
+    assert actions == ["MoveAhead", "MoveAhead", "RotateLeft", "MoveAhead"]
 
 
 @st.composite
@@ -135,7 +134,7 @@ poses = st.tuples(
 
 @settings(max_examples=150, deadline=None)
 @given(grids(), poses, poses)
-def test_no_other_search_finds_fewer_actions(grid: ReachableGrid, a: tuple[int, ...], b: tuple[int, ...]) -> None:
+def test_no_other_search_finds_a_shorter_way(grid: ReachableGrid, a: tuple[int, ...], b: tuple[int, ...]) -> None:
     start, goal = (AgentPose(grid.cells[pose[0] % len(grid.cells)], *pose[1:]) for pose in (a, b))
     graph = oracle_graph(grid)
     if not nx.has_path(graph, node(start), node(goal)):
@@ -144,11 +143,12 @@ def test_no_other_search_finds_fewer_actions(grid: ReachableGrid, a: tuple[int, 
         return
     actions = shortest_actions(grid, start, goal)
     assert follow(grid, start, actions) == goal
-    assert len(actions) == nx.shortest_path_length(graph, node(start), node(goal))
-    # of all ways with so few actions, none walks less: a move costs 1 + a little, so that metres break ties
-    cheapest = nx.dijkstra_path_length(graph, node(start), node(goal), lambda u, v, edge: 1 + edge["metres"] / 1000)
-    assert actions.count("MoveAhead") == round((cheapest - len(actions)) * 1000 / GRID_M)
-    assert path_length_m(grid, start.cell, goal.cell) <= actions.count("MoveAhead") * GRID_M
+    metres = actions.count("MoveAhead") * GRID_M
+    assert metres == nx.dijkstra_path_length(graph, node(start), node(goal), "metres")
+    assert metres == path_length_m(grid, start.cell, goal.cell)
+    # of all ways so short, none has fewer actions: each costs a little, so that their number breaks ties
+    cheapest = nx.dijkstra_path_length(graph, node(start), node(goal), lambda u, v, edge: edge["metres"] + 1e-6)
+    assert len(actions) == round((cheapest - metres) / 1e-6)
 
 
 @pytest.mark.parametrize(
