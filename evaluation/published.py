@@ -1,25 +1,13 @@
-"""The published benchmark's figures, for tables beside one's own.
-
-Only those of the dataset are here. The paper's agents saw other pictures of these rooms, AI2-THOR's, so their scores
-are no yardstick for agents here without care; the paper has them.
-"""
+"""The questions of a split beside those of the published benchmark."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from remqa_data.evaluation.tables import Grid
-
-SOURCE = "Sima, Tan and Liu, 2022, arXiv:2210.02709"
-QUESTIONS: Mapping[str, Mapping[str, int]] = {
-    "train": {"EXISTENCE": 1653, "COUNTING": 647, "SPATIAL": 1083},
-    "test": {"EXISTENCE": 324, "COUNTING": 143, "SPATIAL": 222},
-}
-"""By split and kind."""
-MEAN_WORDS: Mapping[str, float] = {"EXISTENCE": 9.5, "COUNTING": 11.8, "SPATIAL": 7.1}
-"""Of a question, by kind."""
+from remqa_data.published import MEAN_WORDS, QUESTIONS
 
 
 def questions_beside_published(split: str, kinds: Sequence[str], questions: Sequence[str]) -> Grid | None:

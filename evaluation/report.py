@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from remqa_data.evaluation.gallery import MAIN_MEASURE, find_failures
-from remqa_data.evaluation.published import SOURCE, questions_beside_published
+from remqa_data.evaluation.published import questions_beside_published
 from remqa_data.evaluation.results import OVERALL, Metric, Results
 from remqa_data.evaluation.submission import Submission
 from remqa_data.evaluation.tables import (
@@ -30,6 +30,7 @@ from remqa_data.evaluation.tracks import Track
 from remqa_data.evaluation.truth import Truth
 from remqa_data.extras import require
 from remqa_data.files import atomic_path
+from remqa_data.published import SOURCE
 from remqa_data.shards import read_table
 
 TEMPLATE, SCRIPT, STYLE = (Path(__file__).with_name(name) for name in ("report.html.j2", "report.js", "report.css"))

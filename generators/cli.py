@@ -12,9 +12,7 @@ import typer
 
 from remqa_data.cli import OneLineErrors
 from remqa_data.generators.config import Config
-
-PUBLISHED_WORDS = {"EXISTENCE": 9.5, "COUNTING": 11.8, "SPATIAL": 7.1}
-"""Mean length of the questions of the published benchmark, in words."""
+from remqa_data.published import MEAN_WORDS
 
 app = typer.Typer(
     name="remqa-gen",
@@ -131,5 +129,5 @@ def _summary(out: str, settings: Config, questions: Mapping[str, Mapping[str, in
             words = [len(row["question"].split()) for row in rows if row["kind"] == kind]
             mean = f"{sum(words) / len(words):.2f}" if words else "-"
             asked = settings.totals[split][kind]  # type: ignore[index]
-            table.add_row(split, kind, str(count), str(asked), mean, f"{PUBLISHED_WORDS[kind]:.1f}")
+            table.add_row(split, kind, str(count), str(asked), mean, f"{MEAN_WORDS[kind]:.1f}")
     Console().print(table)

@@ -23,13 +23,13 @@ from remqa_data.generators.planning import plan_groups
 from remqa_data.generators.questions import KINDS, confusable, mentioned_types
 from remqa_data.generators.selection import select
 from remqa_data.metadata import object_metadata
+from remqa_data.published import MEAN_WORDS
 from remqa_data.scene_graph import SceneGraph
 from remqa_data.shards import read_table
 from remqa_data.sim.world import World
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper.yaml"
 SAMPLE = choose_scenes(12)
-PUBLISHED_WORDS = {"EXISTENCE": 9.5, "COUNTING": 11.8, "SPATIAL": 7.1}
 SPARE = dict.fromkeys(KINDS, 1)
 
 
@@ -205,7 +205,7 @@ def test_mean_lengths_and_manipulations_of_a_fifth_of_the_benchmark() -> None:
     assert manipulations.total() == asked
     # What is promised of 120 rooms, below, holds of 24 within what a sample of rooms varies by.
     assert all(manipulations[m] >= 0.07 * asked for m in ("Open", "Pickup", "Move"))
-    assert {kind: np.mean(w) for kind, w in words.items()} == pytest.approx(PUBLISHED_WORDS, abs=0.8)
+    assert {kind: np.mean(w) for kind, w in words.items()} == pytest.approx(MEAN_WORDS, abs=0.8)
 
 
 @pytest.mark.skipif(
@@ -220,4 +220,4 @@ def test_the_whole_benchmark_has_the_published_lengths_and_enough_of_each_manipu
     counts = Counter(row["manipulation"] for row in rows)
     assert all(counts[m] >= 0.1 * len(rows) for m in ("Open", "Pickup", "Move"))
     means = {kind: np.mean([len(r["question"].split()) for r in rows if r["kind"] == kind]) for kind in KINDS}
-    assert means == pytest.approx(PUBLISHED_WORDS, abs=0.5)
+    assert means == pytest.approx(MEAN_WORDS, abs=0.5)
