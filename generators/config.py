@@ -124,7 +124,7 @@ class Config(_Section):
             if self.scenes > _most_rooms(self.layouts):
                 most = _most_rooms(self.layouts)
                 msg = f"scenes: {self.scenes} is more than the {most} rooms of the layouts {self.layouts}"
-                raise ValueError(msg)
+                raise ValueError(msg + _for_more(self.layouts))
             return self
         unknown = [name for name in self.scenes if not _is_room(self.layouts, name)]
         twice = [name for name in self.scenes if self.scenes.count(name) > 1]
@@ -162,6 +162,7 @@ class Config(_Section):
         if not 1 <= count <= most:
             raise ConfigError(
                 f"scenes: {count} is not between 1 and {most}, the number of rooms of the layouts {self.layouts}"
+                f"{_for_more(self.layouts)}"
             )
         after = _first_rooms(self.layouts, count) if isinstance(self.scenes, int) else before[:count]
         totals = {}
@@ -243,6 +244,10 @@ def _first_problem(error: ValidationError) -> str:
 
 def _most_rooms(layouts: Layouts) -> int:
     return len(scene_names()) if layouts == "ithor" else MOST_SAMPLED
+
+
+def _for_more(layouts: Layouts) -> str:
+    return "; use --layouts sampled for more rooms" if layouts == "ithor" else ""
 
 
 def _first_rooms(layouts: Layouts, count: int) -> tuple[str, ...]:

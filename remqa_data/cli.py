@@ -23,8 +23,15 @@ class OneLineErrors(TyperGroup):
         try:
             return super().invoke(ctx)
         except (RemqaError, OSError) as error:
-            typer.echo(f"{self.name}: {' '.join(str(error).split())}", err=True)
+            typer.echo(f"{self.name}: {' '.join(_in_words(error).split())}", err=True)
             raise typer.Exit(2) from error
+
+
+def _in_words(error: Exception) -> str:
+    """What is wrong, where first; without the number that the system gives it."""
+    if isinstance(error, OSError) and error.filename is not None and error.strerror:
+        return f"{error.filename}: {error.strerror}; choose another path"
+    return str(error)
 
 
 app = typer.Typer(

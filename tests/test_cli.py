@@ -76,7 +76,7 @@ def test_an_unknown_scene_is_one_line_with_the_nearest_names(drawn):
         (FloorPlanError("row 3:\n  aabb_sx is negative"), "remqa-data: row 3: aabb_sx is negative\n"),
         (
             PermissionError(13, "Permission denied", "room.png"),
-            "remqa-data: [Errno 13] Permission denied: 'room.png'\n",
+            "remqa-data: room.png: Permission denied; choose another path\n",
         ),
     ],
 )

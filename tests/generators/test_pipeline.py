@@ -105,7 +105,7 @@ def test_the_shipped_configuration_is_the_published_benchmark() -> None:
     ("arguments", "message"),
     [
         (["--scenes", "0"], "not between 1 and 120"),
-        (["--scenes", "121"], "not between 1 and 120"),
+        (["--scenes", "121"], "use --layouts sampled for more rooms"),
         (["--config", "missing.yaml"], "missing.yaml"),
     ],
 )
