@@ -21,7 +21,7 @@ from remqa_data.sim.navigation import reachable_grid
 from remqa_data.sim.world import World
 
 BEGIN, END = "<!-- table: begin -->\n", "<!-- table: end -->\n"
-SAMPLED_ROOMS, SEED = 96, 0
+SAMPLED_ROOMS, SEED = 120, 0
 
 
 @dataclass(frozen=True)

@@ -49,8 +49,8 @@ def preview(scene: Scene, size_px: int = 300) -> U8:
         _mark_camera(plan, scene, camera, number + 1)
         _label(pictures[number], str(number + 1))
     rows = [np.hstack(pictures[i : i + VIEWS // 2]) for i in range(0, VIEWS, VIEWS // 2)]
-    title = f"{scene.name}  {scene.room_type}  {len(scene.objects)} objects  {len(grid.cells)} reachable cells"
-    _label(plan, title)
+    kind = "" if scene.room_type in scene.name else f"  {scene.room_type}"
+    _label(plan, f"{scene.name}{kind}  {len(scene.objects)} objects  {len(grid.cells)} reachable cells")
     return np.hstack([plan, np.vstack(rows)])
 
 
@@ -96,7 +96,7 @@ def spread_views(view: WorldView, grid: ReachableGrid, size_px: int, count: int 
 
 def _map_camera(scene: Scene, size_px: int) -> TopDownCamera:
     x0, y0, x1, y1 = scene.bounds
-    extent = 1.12 * max(x1 - x0, y1 - y0)
+    extent = 1.2 * max(x1 - x0, y1 - y0)
     return TopDownCamera(
         ((x0 + x1) / 2, (y0 + y1) / 2), scene.floor_z + MAP_CUT_M, extent, width=size_px, height=size_px
     )
@@ -124,5 +124,7 @@ def _mark_camera(plan: U8, scene: Scene, camera: Camera, number: int) -> None:
 
 
 def _label(image: U8, text: str) -> None:
+    (length, _), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.45, 1)
+    scale = 0.45 * min(1.0, (image.shape[1] - 12) / length)
     for color, width in (((255, 255, 255), 3), (TEXT_COLOR, 1)):
-        cv2.putText(image, text, (6, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.45, color, width, cv2.LINE_AA)
+        cv2.putText(image, text, (6, 18), cv2.FONT_HERSHEY_SIMPLEX, scale, color, width, cv2.LINE_AA)

@@ -20,11 +20,12 @@ from remqa_data.errors import ArrangementError
 from remqa_data.generators.floorplans.ithor import furnished
 from remqa_data.generators.floorplans.plan import RoomShell
 from remqa_data.generators.floorplans.sampling.canvas import DOOR_CLEAR_M, Canvas, Wall
-from remqa_data.generators.floorplans.sampling.furnishing import furnish
+from remqa_data.generators.floorplans.sampling.furnishing import SEATS, furnish
 from remqa_data.generators.floorplans.sampling.kitchen import build_kitchen, new_row
-from remqa_data.generators.floorplans.sampling.naming import room_type_of, sampled_name
+from remqa_data.generators.floorplans.sampling.naming import ROOM_TYPES, room_type_of, sampled_name
 from remqa_data.generators.floorplans.sampling.pieces import BUILT, Piece
 from remqa_data.generators.floorplans.sampling.recorded import (
+    ROOMS_OF_A_TYPE,
     Inventory,
     RecordedRooms,
     flags_by_type,
@@ -41,12 +42,14 @@ from remqa_data.sim.world import World
 
 ATTEMPTS = 40
 """So many rooms are drawn for one index before it counts as impossible."""
+ATTEMPTS_PER_MODEL = 10
+"""After so many the room is modelled on another recorded one."""
 FROM_SECOND = 0.25
 """Of each kind, the number comes from a second recorded room with this chance, from the first one else."""
 TOGETHER = {"Chair": "DiningTable", "Stool": "DiningTable"}
 """Kinds whose number comes from the same room as that of others."""
 SIZE_SPREAD = 0.06
-FLOOR_IN_USE = {"kitchen": 0.84, "living_room": 0.97, "bedroom": 1.0, "bathroom": 0.90}
+FLOOR_IN_USE = {"kitchen": 0.9, "living_room": 0.97, "bedroom": 1.0, "bathroom": 0.9}
 """Share of a recorded room's floor that a new one has: some were recorded with niches and stairs behind inner walls."""
 L_SHAPED = 0.3
 NOTCH_SHARE = (0.25, 0.42)
@@ -56,7 +59,8 @@ DOOR_M = (0.9, 0.035, 2.03)
 LARGER = 0.08
 """For each drawer and shelf in it, a pattern is drawn so much more often."""
 MOST_LEFT = 0.1
-"""A room is drawn anew when more than this share of its pieces found no place, or one with any of the following."""
+"""A room is drawn anew when more than this share of its pieces found no place, or one with any of the following; seats do
+not count, as there can be fewer."""
 NEVER_LEFT = BUILT | {"Bed", "Sofa", "Toilet"}
 KITCHEN_UNITS = BUILT - {"Shelf"} | {"StoveBurner", "StoveKnob", "Fridge", "Washstand", "Cupboard"}
 
@@ -80,7 +84,7 @@ def sampled_scene(index: int, seed: int, draw: int = 0) -> Scene:
     """
     for attempt in range(ATTEMPTS):
         rng = np.random.default_rng(np.random.SeedSequence([seed, index, draw, attempt]))
-        made = sampled_rows(index, rng)
+        made = sampled_rows(index, rng, model_of(index, seed, draw + attempt // ATTEMPTS_PER_MODEL))
         if made is None:
             continue
         scene = furnished(*made)
@@ -90,12 +94,25 @@ def sampled_scene(index: int, seed: int, draw: int = 0) -> Scene:
     raise ArrangementError(msg, "", "", ())
 
 
-def sampled_rows(index: int, rng: np.random.Generator) -> tuple[list[RecordedObject], RoomShell] | None:
-    """The floor plan of a new room, as rows of the same form as the recorded ones, and its walls; None if it failed."""
+def model_of(index: int, seed: int, turn: int = 0) -> int:
+    """Which recorded room of its type, 0 to 29, an index takes size and inventory from.
+
+    In 30 rooms of a type each is once, so even few rooms are as the recorded ones are. A `turn` says how many did not do.
+    """
+    cycle, place = divmod(index // len(ROOM_TYPES), ROOMS_OF_A_TYPE)
+    order = np.random.default_rng(np.random.SeedSequence([seed, index % len(ROOM_TYPES), cycle]))
+    return int(order.permutation(ROOMS_OF_A_TYPE)[(place + turn) % ROOMS_OF_A_TYPE])
+
+
+def sampled_rows(index: int, rng: np.random.Generator, model: int) -> tuple[list[RecordedObject], RoomShell] | None:
+    """The floor plan of a new room, as rows of the same form as the recorded ones, and its walls; None if it failed.
+
+    `model` is as `model_of` gives it.
+    """
     room_type = room_type_of(index)
     rooms = recorded_rooms(room_type)
-    first, second = (rooms.inventories[int(i)] for i in rng.integers(len(rooms.inventories), size=2))
-    inventory = _mixed(first, second, rng)
+    second = rooms.inventories[int(rng.integers(len(rooms.inventories)))]
+    inventory = _mixed(rooms.inventories[model], second, rng)
     canvas = _empty_room(sampled_name(index), inventory, rng)
     if not _put_door(canvas, rng):
         return None
@@ -108,7 +125,8 @@ def sampled_rows(index: int, rng: np.random.Generator) -> tuple[list[RecordedObj
         pieces += windows
     left = furnish(canvas, pieces, rng)
     left = furnish(canvas, [_pattern(rooms.patterns[piece.kind], rng) for piece in left], rng)
-    if len(left) > MOST_LEFT * len(pieces) or any(row.type in NEVER_LEFT for piece in left for row in piece.rows):
+    missing = [piece for piece in left if piece.kind not in SEATS]
+    if len(missing) > MOST_LEFT * len(pieces) or any(row.type in NEVER_LEFT for piece in left for row in piece.rows):
         return None
     put_things(canvas, inventory.things, rooms, rng)
     shell = RoomShell(0.0, canvas.bounds, canvas.height, canvas.notch, canvas.door)

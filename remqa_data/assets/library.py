@@ -84,7 +84,7 @@ KINDS: dict[str, Kind] = {
 TYPES = tuple(sorted(KINDS))
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=1024)  # many times what one room needs
 def build(spec: AssetSpec) -> Asset:
     """The asset that a specification describes; equal specifications share one asset.
 

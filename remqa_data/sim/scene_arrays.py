@@ -83,7 +83,7 @@ def surface_instances(parts: Sequence[Part]) -> I32:
     return np.array([part.instance for part in parts for _ in part.surfaces], dtype=np.int32)
 
 
-@lru_cache(maxsize=1 << 13)  # a room has some 300 surfaces and is loaded many times
+@lru_cache(maxsize=1 << 12)  # a room has some 300 surfaces and is loaded many times
 def solid_faces(surface: Surface) -> Flags:
     """(m,) whether each face bounds a solid, so that its back can never be seen from outside.
 

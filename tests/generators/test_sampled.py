@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from remqa_data.errors import UnknownNameError
 from remqa_data.floorplans import load_scene
 from remqa_data.generators.floorplans.plan import RoomShell
-from remqa_data.generators.floorplans.sampled import out_of_reach, sampled_rows, sampled_scene
+from remqa_data.generators.floorplans.sampled import model_of, out_of_reach, sampled_rows, sampled_scene
 from remqa_data.generators.floorplans.sampling.canvas import Canvas
 from remqa_data.generators.floorplans.sampling.naming import (
     ROOM_TYPES,
@@ -38,7 +38,8 @@ BUILT_IN = {"Drawer", "Cabinet", "Shelf", "CounterTop", "Sink", "SinkBasin", "Fa
 def rows_of(index: int, seed: int = SEED) -> tuple[list[RecordedObject], RoomShell]:
     """The first floor plan of an index that can be furnished."""
     for attempt in range(20):
-        made = sampled_rows(index, np.random.default_rng([seed, index, attempt]))
+        model = model_of(index, seed, attempt // 10)
+        made = sampled_rows(index, np.random.default_rng([seed, index, attempt]), model)
         if made is not None:
             return made
     raise AssertionError(f"no floor plan for {index}")
@@ -68,12 +69,22 @@ def test_one_room_in_six_is_for_testing_and_each_type_gets_its_share() -> None:
         assert {room_type_of(i) for i, own in enumerate(of_24) if own == split} == set(ROOM_TYPES)
 
 
+@pytest.mark.parametrize("room_type", range(4))
+def test_in_thirty_rooms_of_a_type_each_recorded_room_is_a_model_once(room_type: int) -> None:
+    orders = [[model_of(4 * i + room_type, seed) for i in range(60)] for seed in (0, 1)]
+    for order in orders:
+        assert sorted(order[:30]) == sorted(order[30:]) == list(range(30))
+        assert order[:30] != order[30:]
+    assert orders[0] != orders[1]
+    assert len({model_of(room_type, 0, turn) for turn in range(30)}) == 30, "one that does not do is not tried again"
+
+
 def test_every_room_has_what_makes_it_one(scene: Scene) -> None:
     needed = {
         "kitchen": {"Fridge", "Sink", "StoveBurner", "CounterTop", "Cabinet"},
         "living_room": {"Sofa"},
         "bedroom": {"Bed"},
-        "bathroom": {"Toilet"},
+        "bathroom": {"Toilet", "Sink"},
     }
     assert needed[scene.room_type] <= {o.type for o in scene.objects}
     assert len({o.id for o in scene.objects}) == len(scene.objects)
@@ -157,6 +168,36 @@ def test_some_rooms_are_l_shaped_and_nothing_is_in_the_corner_that_is_missing() 
         assert inside == []
 
 
+@pytest.mark.parametrize("kind", ["Washstand", "Cupboard"])
+def test_a_washstand_has_all_that_is_under_it_and_nothing_else_gets_there(kind: str) -> None:
+    pieces = recorded_rooms("bathroom").patterns[kind]
+    assert all(piece.low[2] < 0.3 for piece in pieces)
+    assert all(("Sink" in {row.type for row in piece.rows}) == (kind == "Washstand") for piece in pieces)
+    of_402 = next(
+        piece for piece in recorded_rooms("bathroom").patterns["Washstand"] if piece.rows[0].scene == "FloorPlan402"
+    )
+    assert Counter(row.type for row in of_402.rows)["Cabinet"] == 4
+
+
+def test_seats_in_kitchens_are_at_tables() -> None:
+    for index in range(0, 48, 4):
+        rows, _ = rows_of(index)
+        tables = [row for row in rows if row.type in ("DiningTable", "CounterTop", "Desk")]
+        for seat in (row for row in rows if row.type in ("Chair", "Stool")):
+            gaps = [np.linalg.norm(np.maximum(0, np.maximum(t.low - seat.high, seat.low - t.high))[:2]) for t in tables]
+            assert min(gaps) < 0.15, seat.id
+
+
+def test_no_television_stands_amid_the_room() -> None:
+    hosts = Counter()
+    for index in range(1, 41, 4):
+        rows, _ = rows_of(index)
+        types = {row.id: row.type for row in rows}
+        hosts.update(types[parent] for row in rows if row.type == "Television" for parent in row.parents)
+    assert hosts
+    assert not hosts.keys() & {"CoffeeTable", "DiningTable"}
+
+
 @settings(max_examples=40, deadline=None)
 @given(st.sampled_from(ROOM_TYPES[1:]), st.integers(0, 10_000), st.integers(1, 3))
 def test_a_turned_piece_is_the_same_piece(room_type: str, number: int, quarters: int) -> None:
@@ -178,6 +219,14 @@ def test_a_canvas_notices_what_cuts_the_floor_in_two() -> None:
     assert canvas.is_walkable([(np.array([-2.0, -0.1, 0.0]), np.array([0.5, 0.1, 1.0]))])
     assert not canvas.is_walkable([(np.array([-2.0, -0.1, 0.0]), np.array([1.8, 0.1, 1.0]))])
     assert canvas.is_walkable([(np.array([-2.0, -0.1, 1.9]), np.array([1.8, 0.1, 2.4]))]), "it is over one's head"
+
+
+def test_a_canvas_knows_that_the_agent_steps_from_cell_to_cell() -> None:
+    """A gap in a wall, wide enough for the agent, that is between two rows of cells."""
+    for middle, is_gap in ((0.0, True), (0.125, False)):
+        canvas = Canvas("Sampled-kitchen-000000", (-2.0, -2.0, 2.0, 2.0), 2.5)
+        ends = ((-2.0, middle - 0.28), (middle + 0.28, 2.0))
+        assert canvas.is_walkable([(np.array([-0.1, a, 0.0]), np.array([0.1, b, 1.0])) for a, b in ends]) is is_gap
 
 
 def test_a_canvas_keeps_the_missing_corner_free() -> None:

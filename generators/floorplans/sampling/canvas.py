@@ -183,18 +183,17 @@ class Canvas:
         main = labels == 1 + int(sizes.argmax())
         if sizes.max() < 0.9 * sizes.sum():
             return False
-        cells = main & (np.abs(xs / GRID_M - np.round(xs / GRID_M)) < 0.1)[:, None]
-        cells &= (np.abs(ys / GRID_M - np.round(ys / GRID_M)) < 0.1)[None, :]
+        cells = main & _on_grid(xs)[:, None] & _on_grid(ys)[None, :]
         return all(_holds(cells, xs, ys, box) for box in (*self.kept_clear, *clear))
 
     def free_floor(self, more: Sequence[tuple[F64, F64]] = ()) -> tuple[Mask, F64, F64]:
-        """Where the agent can stand, (n, m) bool, and the coordinates of the rows and columns of that."""
+        """Cells that are free, and halves of steps between them, (n, m) bool; with coordinates of its rows and columns."""
         x0, y0, x1, y1 = self.bounds
         xs = np.arange(np.ceil(x0 / STEP_M), np.floor(x1 / STEP_M) + 1) * STEP_M
         ys = np.arange(np.ceil(y0 / STEP_M), np.floor(y1 / STEP_M) + 1) * STEP_M
         reach = AGENT_RADIUS_M + MARGIN_M
         inside_x, inside_y = (xs > x0 + reach) & (xs < x1 - reach), (ys > y0 + reach) & (ys < y1 - reach)
-        free = inside_x[:, None] & inside_y[None, :]
+        free = inside_x[:, None] & inside_y[None, :] & (_on_grid(xs)[:, None] | _on_grid(ys)[None, :])
         boxes = [(low, high) for low, high in (*self.solids, *more) if low[2] < HEAD_M and high[2] > 0.05]
         if self.notch is not None:
             boxes.append((np.array([*self.notch[:2], 0.0]), np.array([*self.notch[2:], 1.0])))
@@ -234,6 +233,11 @@ def _shortened(wall: Wall, notch: Rect) -> Wall:
     if a == wall.start:
         return Wall(wall.side, wall.face, b, wall.end)
     return Wall(wall.side, wall.face, wall.start, a)
+
+
+def _on_grid(values: F64) -> Mask:
+    """Which coordinates, multiples of half a step, are those of cells."""
+    return np.equal(np.round(values / STEP_M) % 2, 0)
 
 
 def _holds(cells: Mask, xs: F64, ys: F64, box: tuple[F64, F64]) -> bool:

@@ -19,6 +19,7 @@ TRIES = 60
 SEAT_GAP_M, SOFA_TO_TABLE_M, SOFA_TO_TV_M = 0.03, (0.4, 0.6), (1.8, 3.2)
 FROM_DOOR_M = (0.06, 0.3)
 NEXT_TO_M = (0.03, 0.12)
+SEATS = frozenset({"Chair", "Stool"})
 CORNER_CHANCE = 0.45
 UPRIGHT, FORWARD = np.eye(3), np.array([0.0, -1.0, 0.0])
 """No turn at all, and where pieces face in their own frame."""
@@ -47,6 +48,7 @@ def put(canvas: Canvas, piece: Piece, places: Iterator[Placement]) -> bool:
             continue
         if turned.is_hung or canvas.is_walkable([(low, high)], clear):
             canvas.add(rows, clear, [replace(spot, point=spot.point + shift) for spot in turned.spots])
+            canvas.solids += [(a + shift, b + shift) for a, b in turned.bases]
             return True
     return False
 
@@ -134,14 +136,11 @@ def _places(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[
     rule = _RULES.get(piece.kind)
     if rule is not None:
         yield from islice(rule(canvas, piece, rng), TRIES // 2)
-    if piece.gaps or piece.kind in ON_WALLS or float(np.max((piece.high - piece.low)[:2])) < SMALL_M:
-        yield from islice(at_wall(canvas, piece, rng), TRIES)
-        return
-    yield from islice(anywhere(canvas, piece, rng), TRIES)
-
-
-SMALL_M = 0.75
-"""Smaller things stand at walls, where nobody stumbles over them."""
+    if piece.kind in SEATS and _found(canvas, "StoveBurner"):
+        return  # in a kitchen nobody sits but at a table
+    if piece.kind == "DiningTable" and not piece.gaps:
+        yield from anywhere(canvas, piece, rng)
+    yield from at_wall(canvas, piece, rng)
 
 
 def _found(canvas: Canvas, *types: str) -> list[RecordedObject]:
@@ -158,9 +157,9 @@ def _seat(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Pl
         yield from islice(beside(piece, desk, ["front"], (SEAT_GAP_M, 0.1), rng, "at", 0.8), 6)
     for table in _some(tables, rng):
         sides = ["front", "back", "left", "right"]
-        yield from islice(beside(piece, table, sides, (SEAT_GAP_M, 0.1), rng, "at", 0.8), 12)
-    for island in [row for row in _found(canvas, "CounterTop") if piece.kind == "Stool"]:
-        yield from islice(beside(piece, island, ["back", "left", "right"], (SEAT_GAP_M, 0.1), rng, "at", 0.8), 8)
+        yield from islice(beside(piece, table, sides, (SEAT_GAP_M, 0.1), rng, "at", 0.8), 16)
+    for worktop in _found(canvas, "CounterTop") if piece.kind == "Stool" or not tables else ():
+        yield from islice(beside(piece, worktop, ["back", "left", "right"], (SEAT_GAP_M, 0.1), rng, "at", 0.8), 8)
 
 
 def _coffee_table(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:

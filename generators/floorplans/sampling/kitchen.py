@@ -27,8 +27,9 @@ HIGH_M, HIGH_DEPTH_M = (1.48, 2.14), 0.34
 BURNER_M, KNOB_M = 0.20, 0.05
 FREE_M = 0.015
 """Neighbours may be this near to a cabinet on the wall."""
-ISLAND_CHANCE = 0.85
-ISLAND_TRIES = 60
+ISLAND_CHANCE = 0.4
+"""Of an island in a kitchen with a dining table; a kitchen without one has an island wherever there is room."""
+ISLAND_TRIES = 300
 ISLAND_M, ISLAND_DEPTH_M, AROUND_ISLAND_M = (1.2, 2.0), (0.65, 0.95), 0.7
 """Islands are so long and deep, and have so much free floor around them."""
 
@@ -64,7 +65,7 @@ def build_kitchen(
             builders[unit.kind](unit)
     kitchen.worktops(units)
     kitchen.high_cabinets(units, doors - low_doors - 2)
-    if rng.random() < ISLAND_CHANCE:
+    if not inventory.kinds["DiningTable"] or rng.random() < ISLAND_CHANCE:
         kitchen.island()
     return canvas.is_walkable()
 
@@ -171,7 +172,7 @@ class _Kitchen:
             wall = Wall(side, back, start, start + length, False)  # no wall, but the plane of the island's back
             low, high = wall.box((start, start + length), (0.0, depth), (0.0, TOP_M))
             around = np.array([AROUND_ISLAND_M, AROUND_ISLAND_M, 0.0])
-            if self.canvas.fits(low - around, high + around):
+            if self.canvas.fits(low, high, [(low - around, high + around)]):
                 break
         else:
             return

@@ -21,11 +21,20 @@ from remqa_data.generators.floorplans.table import RecordedObject
 BUILT = frozenset({"Drawer", "Cabinet", "Shelf", "CounterTop", "Sink", "SinkBasin", "Faucet"})
 """Types of which cupboards and washstands are made."""
 BATHING = frozenset({"Bathtub", "BathtubBasin", "ShowerHead", "ShowerDoor", "ShowerGlass", "ShowerCurtain", "Faucet"})
+CABIN = frozenset({"ShowerHead", "ShowerGlass", "ShowerDoor"})
+"""What a shower cabin has."""
+WORKTOPS = frozenset({"CounterTop", "Sink"})
+"""What has a base on the floor, recorded or not."""
+WET = frozenset({"Bathtub", "Shower"})
 HANGS_ON = frozenset({"TowelHolder", "HandTowelHolder", "ToiletPaperHanger"})
 UNEVEN = frozenset({"Toilet", "Bathtub", "BathtubBasin", "Sink", "SinkBasin", "GarbageCan", "ToiletPaperHanger"})
 """What things stand on only at certain points."""
 SPOT_SLACK_M = 0.02
 TOUCHING_M = 0.06
+UNDER_M = 0.35
+"""Between a washbasin or worktop and the cabinets under it."""
+SHOWER_M = 1.2
+"""Between the head, the pane and the door of one shower."""
 AT_WALL_M = 0.16
 """What ends this near to a wall is at the wall."""
 ON_FLOOR_M = 0.25
@@ -79,6 +88,11 @@ class Piece:
         """Whether it takes up no floor."""
         return bool(self.low[2] > ON_FLOOR_M) or self.kind in ON_WALLS
 
+    @property
+    def bases(self) -> list[tuple[F64, F64]]:
+        """What worktops and washbasins stand on, recorded or not: boxes from the floor up."""
+        return [(row.low * [1, 1, 0], row.high) for row in self.rows if row.type in WORKTOPS]
+
     def turned(self, quarters: int) -> Piece:
         """The same piece, turned counter-clockwise by quarters; its sides keep their names."""
         spin = QUARTERS[quarters % 4]
@@ -122,8 +136,10 @@ def groups_of(objects: Sequence[RecordedObject]) -> list[list[RecordedObject]]:
 def piece_from(group: Sequence[RecordedObject], objects: Sequence[RecordedObject], shell: RoomShell) -> Piece:
     """A piece in its own frame, of objects of a recorded room."""
     kind, front = kind_of(group), _front_of(group)
-    to_front = next(k for k, spin in enumerate(QUARTERS) if float((spin @ front)[1]) < -0.9)
     low, high = np.min([o.low for o in group], axis=0), np.max([o.high for o in group], axis=0)
+    if kind in WET and shell.gap(_wall_towards(front), low, high) < AT_WALL_M:
+        front = -front  # neither bathtubs nor showers have a front; their pieces have their back at a wall
+    to_front = next(k for k, spin in enumerate(QUARTERS) if float((spin @ front)[1]) < -0.9)
     ground = low[2] if group[0].pickupable else shell.floor_z  # what is loose may have stood on a rug
     middle = np.append((low + high)[:2] / 2, ground)
     spin = QUARTERS[to_front]
@@ -132,8 +148,7 @@ def piece_from(group: Sequence[RecordedObject], objects: Sequence[RecordedObject
     for name, (axis, sign) in LOCAL_SIDES.items():
         outward = np.zeros(3)
         outward[axis] = sign
-        side = next(s for s, inward in SIDES.items() if float((spin @ inward) @ outward) < -0.9)
-        gap = shell.gap(side, low, high)
+        gap = shell.gap(_wall_towards(spin.T @ outward), low, high)
         if gap < AT_WALL_M or (kind in ON_WALLS and name == "back"):
             limit = -0.3 if kind in IN_WALLS else 0.004
             gaps[name] = float(np.clip(gap, limit, 0.03))
@@ -155,7 +170,7 @@ def kind_of(group: Sequence[RecordedObject]) -> str:
     types = {o.type for o in group}
     if types & (BATHING - {"Faucet"}):
         return "Bathtub" if "Bathtub" in types else "Shower"
-    if types & {"Sink", "CounterTop"}:
+    if "Sink" in types:
         return "Washstand"
     if types == {"Shelf"}:
         return "ShelfOnWall"
@@ -185,17 +200,17 @@ def _stands_alone(o: RecordedObject) -> bool:
 def _belong_together(a: RecordedObject, b: RecordedObject) -> bool:
     types = {a.type, b.type}
     if types <= BATHING:
-        return _touch(a, b, 2)
+        return _touch(a, b, 2) or (types <= CABIN and len(types) == 2 and _touch(a, b, 2, SHOWER_M))
     if types <= BUILT:
-        return _touch(a, b, 3)
+        return _touch(a, b, 3) or (bool(types & WORKTOPS) and _touch(a, b, 2, 0.0) and _touch(a, b, 3, UNDER_M))
     if types <= IN_WALLS and len(types) == 2:
         return _touch(a, b, 3)
     return False
 
 
-def _touch(a: RecordedObject, b: RecordedObject, axes: int) -> bool:
+def _touch(a: RecordedObject, b: RecordedObject, axes: int, within_m: float = TOUCHING_M) -> bool:
     apart = np.maximum(a.low - b.high, b.low - a.high)[:axes]
-    return bool(np.all(apart < TOUCHING_M))
+    return bool(np.all(apart < within_m))
 
 
 def _front_of(group: Sequence[RecordedObject]) -> F64:
@@ -208,7 +223,15 @@ def _front_of(group: Sequence[RecordedObject]) -> F64:
     return sides[votes.most_common(1)[0][0]]
 
 
+def _wall_towards(direction: F64) -> str:
+    return next(side for side, inward in SIDES.items() if float(inward @ direction) < -0.9)
+
+
 def _corners(rows: Sequence[RecordedObject]) -> tuple[F64, F64]:
     """The box around what takes up room; a shower head does not, above a bathtub."""
-    solid = [row for row in rows if row.type != "ShowerHead"] or rows
-    return np.min([o.low for o in solid], axis=0), np.max([o.high for o in solid], axis=0)
+    has_bathtub = any(row.type == "Bathtub" for row in rows)
+    solid = [row for row in rows if not (has_bathtub and row.type == "ShowerHead")]
+    low, high = np.min([o.low for o in solid], axis=0), np.max([o.high for o in solid], axis=0)
+    if any(row.type in WORKTOPS for row in rows):
+        low[2] = 0.0
+    return low, high

@@ -13,7 +13,7 @@ from remqa_data.assets.model import F64
 from remqa_data.generators.floorplans.ithor import understood
 from remqa_data.generators.floorplans.plan import IN_WALLS, RoomShell
 from remqa_data.generators.floorplans.sampling.naming import ROOM_TYPES
-from remqa_data.generators.floorplans.sampling.pieces import Piece, groups_of, kind_of, piece_from
+from remqa_data.generators.floorplans.sampling.pieces import CABIN, WET, Piece, groups_of, kind_of, piece_from
 from remqa_data.generators.floorplans.table import RecordedObject, recorded_objects, scene_names
 
 ROOMS_OF_A_TYPE = 30
@@ -23,14 +23,18 @@ AT_WALLS = frozenset(
     | {"Washstand", "Window", "Blinds", "Shower", "ShelfOnWall"}
 )
 """Pieces of these kinds serve as patterns only where their back was at a wall."""
-BACKED = frozenset({"Bed", "Cupboard", "Dresser", "ShelvingUnit", "Toilet", "TVStand", "Washstand"})
+BACKED = frozenset({"Bed", "Cupboard", "Desk", "Dresser", "ShelvingUnit", "Toilet", "TVStand", "Washstand"})
 """Of these it is sure that their back was at some wall."""
 BACK_GAP_M = 0.01
 WINDOW_DEPTH_M = 0.35
 """Windows with deeper curtains than this stood in niches."""
-WET, WET_BULKY_M = frozenset({"Bathtub", "Shower"}), 1.7
+WET_BULKY_M = 1.7
 BULKY_M = (2.75, 1.5)
 """Longer and deeper pieces are no patterns, but beds and sofas: they were made for their room."""
+STORING = frozenset({"Cabinet", "Drawer", "Shelf"})
+"""A cupboard has one of these; else it is a tap on a wall, or a worktop alone."""
+CABIN_M = 0.9
+"""The least width of a shower cabin."""
 ON_FLOORS = frozenset(
     {"BaseballBat", "BasketBall", "Boots", "Box", "Dumbbell", "Plunger", "ScrubBrush", "TeddyBear", "TennisRacket"}
     | {"WateringCan"}
@@ -134,7 +138,8 @@ def _is_piece(group: Sequence[RecordedObject]) -> bool:
 
 def _pattern(piece: Piece) -> Piece | None:
     """A piece as it can stand in other rooms, too; None if it cannot."""
-    sides = set(piece.gaps)
+    sides, types = set(piece.gaps), {row.type for row in piece.rows}
+    long, short = sorted((piece.high - piece.low)[:2], reverse=True)
     if "front" in sides and piece.kind in AT_WALLS:
         return None
     if piece.kind in BACKED and "back" not in sides:  # its wall was an inner one, which was not recorded
@@ -143,13 +148,12 @@ def _pattern(piece: Piece) -> Piece | None:
         piece = replace(piece, gaps={side: gap for side, gap in piece.gaps.items() if side != "right"})
     if piece.kind in AT_WALLS and "back" not in piece.gaps and not (piece.kind in WET and piece.gaps):
         return None
-    if piece.kind == "Cupboard" and piece.is_hung:
+    if piece.kind == "Cupboard" and (piece.is_hung or not types & STORING):
         return None
-    if piece.kind == "Shower" and not any(row.type == "ShowerHead" for row in piece.rows):
-        return None  # panes and curtains of what was recorded in several pieces
+    if piece.kind == "Shower" and not (types >= CABIN and len(piece.gaps) > 1 and short > CABIN_M):
+        return None  # it was in a niche, or recorded in several pieces
     if piece.kind in IN_WALLS and (piece.high - piece.low)[1] > WINDOW_DEPTH_M:
         return None
-    long, short = sorted((piece.high - piece.low)[:2], reverse=True)
     is_bulky = long > BULKY_M[0] or short > (BULKY_M[1] if piece.kind not in WET else WET_BULKY_M)
     return piece if piece.kind in ("Bed", "Sofa") or not is_bulky else None
 

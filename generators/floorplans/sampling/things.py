@@ -31,6 +31,8 @@ LID_M = {"Fridge": 0.02, "Cabinet": 0.02, "Drawer": 0.02, "Shelf": 0.005}
 SUNK, OVER_SUNK_M = frozenset({"Sink", "SinkBasin", "StoveBurner"}), 0.1
 """Nothing stands over these that is not in or on them."""
 NO_PLACES = frozenset({"Floor", "Chair", "Stool"})
+NOT_ON = {"Television": frozenset({"CoffeeTable", "DiningTable"})}
+"""Tables amid the room, where one would see the back of it."""
 FLAT = frozenset(
     {"CoffeeTable", "CounterTop", "Desk", "DiningTable", "Dresser", "SideTable", "TVStand", "Toilet", "Sink"}
 )
@@ -69,9 +71,9 @@ class _Surfaces:
 
     def put(self, pattern: RecordedObject) -> RecordedObject | None:
         """A thing after a pattern, on something where such things are."""
-        weights = receptacle_weights(pattern.type, pattern.room, self.receptacles)
-        usual = {name: weight for name, weight in weights.items() if name not in NO_PLACES}
-        anything = dict.fromkeys(sorted(FLAT & self.receptacles.keys()), 1.0)
+        hosts_here = self.receptacles.keys() - NO_PLACES - NOT_ON.get(pattern.type, frozenset())
+        usual = receptacle_weights(pattern.type, pattern.room, hosts_here)
+        anything = dict.fromkeys(FLAT & hosts_here, 1.0)
         for chances in (usual, anything):
             names = sorted(chances)
             shares = np.array([chances[name] for name in names])
