@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from remqa_data.errors import SubmissionError
+from remqa_data.errors import SubmissionError, one_line
 from remqa_data.evaluation.tracks import COLUMNS, FORMAT, MAX_ACTIONS, MAX_TEXT, arrow_schema
 
 METADATA_KEY = FORMAT.encode()
@@ -71,7 +71,7 @@ def parquet_batches(path: Path, names: tuple[str, ...], max_rows: int) -> Iterat
         for batch in _read(path, names, dictionaries=lists):
             yield batch.select(list(names)).cast(schema)
     except (OSError, pa.ArrowException, ValueError) as error:
-        raise SubmissionError(path, "", f"the data cannot be read: {' '.join(str(error).split())[:200]}") from None
+        raise SubmissionError(path, "", f"the data cannot be read: {one_line(error)[:200]}") from None
 
 
 def _read(path: Path, columns: Sequence[str], dictionaries: Sequence[str]) -> Iterator[pa.RecordBatch]:
@@ -83,7 +83,7 @@ def _opened(path: Path, dictionaries: Sequence[str] = ()) -> pq.ParquetFile:
     try:
         return pq.ParquetFile(path, read_dictionary=list(dictionaries), pre_buffer=False, buffer_size=BUFFER_BYTES)
     except (OSError, pa.ArrowException) as error:
-        reason = f"no Parquet file, or a damaged one: {' '.join(str(error).split())[:200]}"
+        reason = f"no Parquet file, or a damaged one: {one_line(error)[:200]}"
         raise SubmissionError(path, "", reason) from None
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +20,8 @@ from remqa_data.metadata import Box2D, scaled_min_pixels
 from remqa_data.rows import EmbodimentRow
 from remqa_data.scene import Scene
 from remqa_data.shards import read_table
-from remqa_data.sim import embodiment
 from remqa_data.sim.actions import DONE, parse_action
+from remqa_data.sim.embodiment import Embodiment
 from remqa_data.sim.navigation import GRID_M
 from remqa_data.sim.replay import Replay
 from remqa_data.sim.viewpoints import AgentPose
@@ -149,10 +149,7 @@ def replay_room(job: RoomJob) -> list[Replayed]:
 
 def load_room(scene_json: str, name: str, body: EmbodimentRow) -> Replay:
     """A stored configuration with the dataset's agent in it; `name` is for error messages."""
-    usual = embodiment.Embodiment()
-    lower_m = usual.camera_height_m - usual.crouched_camera_height_m
-    agent = replace(usual, **vars(body), crouched_camera_height_m=body.camera_height_m - lower_m)
-    return Replay(Scene.from_json(scene_json, name), AgentPose((0, 0), 0), agent)
+    return Replay(Scene.from_json(scene_json, name), AgentPose((0, 0), 0), Embodiment.of_dataset(**vars(body)))
 
 
 def walk(replay: Replay, attempt: Attempt) -> tuple[list[Pose], int]:

@@ -21,6 +21,7 @@ from remqa_data.generators.placement_priors import fitting_types
 from remqa_data.generators.planning import FittingTypes, Planner, sites_of
 from remqa_data.generators.questions import KINDS, P
 from remqa_data.metadata import object_metadata
+from remqa_data.published import QUESTIONS
 from remqa_data.rows import QuestionKind
 from remqa_data.scene_graph import SceneGraph
 from remqa_data.sim.world import World
@@ -30,8 +31,8 @@ HEADER = """\
 # that is with more questions about a place, and longer ones, than templates/questions.yaml wants.
 # Written by: python -m remqa_data.generators.capacities
 """
-MEASURED: Mapping[QuestionKind, float] = {"EXISTENCE": 1653, "COUNTING": 647, "SPATIAL": 1083}
-"""Questions of the published training split."""
+WANTED = QUESTIONS["train"]
+"""Kinds are filled up in these proportions."""
 MOST_GROUPS = 12
 """No room needs to take more groups of one kind."""
 
@@ -67,9 +68,9 @@ def room_capacity(
 
 def _fill_up(planner: Planner[P], crowd: bool) -> dict[QuestionKind, int]:
     """Add groups until no more fit; returns how many there are."""
-    waiting = list(MEASURED)
+    waiting = list(KINDS)
     while waiting:
-        kind = min(waiting, key=lambda k: ((planner.per_kind[k] + 1) / MEASURED[k], KINDS.index(k)))
+        kind = min(waiting, key=lambda k: ((planner.per_kind[k] + 1) / WANTED[k], KINDS.index(k)))
         if planner.per_kind[kind] >= MOST_GROUPS or not planner.add(kind, {}, crowd=crowd):
             waiting.remove(kind)
     return {kind: planner.per_kind[kind] for kind in KINDS}

@@ -20,7 +20,7 @@ from pydantic import (
     model_validator,
 )
 
-from remqa_data.errors import ConfigError, UnknownNameError
+from remqa_data.errors import ConfigError, UnknownNameError, one_line
 from remqa_data.generators.allotment import GROUP_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
 from remqa_data.generators.floorplans.sampling.naming import sampled_index, sampled_name
 from remqa_data.generators.floorplans.table import scene_names
@@ -223,7 +223,7 @@ def parse_config(text: str, where: str = "configuration") -> Config:
     try:
         data: Any = yaml.safe_load(text)
     except yaml.YAMLError as error:
-        raise ConfigError(f"{where}: not YAML: {' '.join(str(error).split())}") from None
+        raise ConfigError(f"{where}: not YAML: {one_line(error)}") from None
     if not isinstance(data, Mapping):
         raise ConfigError(f"{where}: expected keys such as 'seed', found {type(data).__name__}")
     try:

@@ -17,7 +17,7 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.connection import wait as wait_for_sentinels
 from typing import Any, Protocol, TypeVar
 
-from remqa_data.errors import ClusterError, ConfigError, WorkersLostError
+from remqa_data.errors import ClusterError, ConfigError, WorkersLostError, one_line
 from remqa_data.extras import require
 
 EXECUTORS = ("local", "ray")
@@ -180,8 +180,7 @@ class RayExecutor:
         except exceptions.RayTaskError as error:
             raise error.cause from None  # as it was raised there, without Ray's account of the way
         except exceptions.RayError as error:
-            reason = " ".join(str(error).split())
-            raise ClusterError(f"a job was lost for good: {reason}; go on with --resume") from None
+            raise ClusterError(f"a job was lost for good: {one_line(error)}; go on with --resume") from None
 
 
 def _check_address(address: str | None) -> None:
@@ -196,7 +195,7 @@ def _check_address(address: str | None) -> None:
 
 
 def _unreachable(address: str | None, error: Exception) -> ClusterError:
-    return ClusterError(f"Ray cluster {address or 'on this machine'}: {' '.join(str(error).split())}")
+    return ClusterError(f"Ray cluster {address or 'on this machine'}: {one_line(error)}")
 
 
 def _die_with_parent() -> None:

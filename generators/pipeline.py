@@ -18,7 +18,7 @@ from remqa_data.generators.room import make_room
 from remqa_data.generators.room_plan import Job
 from remqa_data.locks import LOCK, exclusive
 from remqa_data.manifest import MANIFEST, FileInfo, Manifest, load_manifest, make_manifest
-from remqa_data.parts import PARTS, Part, Parts, count_questions, finish, merge, tidy, unfinish
+from remqa_data.parts import PARTS, Part, Parts, assemble, count_questions, finish, unfinish
 from remqa_data.shards import check_files
 from remqa_data.storage import Folder, Storage, storage_at
 from remqa_data.version import __version__
@@ -72,12 +72,8 @@ def generate(
             return manifest
         parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "version": __version__})
         made = _made_rooms(parts, quotas, config, executor, progress)
-        unfinish(storage)
-        shards = parts.shard_jobs(made, _shards_per_split(made))
-        files = {info.path: info for _, info in executor.run(merge, shards)}
-        in_order = tuple(files[shard.path] for shard in shards)
-        tidy(storage, in_order)
-        manifest = _manifest(config, made, in_order)
+        files = assemble(parts, made, _shards_per_split(made), executor.run)
+        manifest = _manifest(config, made, files)
         write_card(storage.root, manifest)
         lock.confirm()
         finish(storage, manifest)

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.answers import execute, is_clear
-from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownNameError
+from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownNameError, one_line
 from remqa_data.generators.hiding_places import surface_points
 from remqa_data.generators.sample_picture import poses_along, stored_pose
 from remqa_data.generators.samples import Truth as SampleTruth
@@ -98,7 +98,7 @@ class CheckedRoom:
                 for truth, reason in check(question):
                     yield Failure(question.question_id, truth, reason)
             except RemqaError as error:
-                yield Failure(question.question_id, _TRUTH_OF[check.__name__], " ".join(str(error).split()))
+                yield Failure(question.question_id, _TRUTH_OF[check.__name__], one_line(error))
 
     def _is_consistent(self, question: QuestionRow) -> Iterator[Broken]:
         if (question.split, question.room_type) != (self.row.split, self.row.room_type):

@@ -19,7 +19,7 @@ from typing import Any, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from remqa_data.errors import CatalogError, UnknownNameError
+from remqa_data.errors import CatalogError, UnknownNameError, one_line
 
 Flag = Literal[
     "openable",
@@ -219,7 +219,7 @@ def read_catalog(text: str) -> Mapping[str, ObjectType]:
     try:
         rows = yaml.safe_load(text)
     except yaml.YAMLError as error:
-        raise CatalogError(f"{SOURCE} is not YAML: {' '.join(str(error).split())}") from error
+        raise CatalogError(f"{SOURCE} is not YAML: {one_line(error)}") from error
     if not isinstance(rows, dict):
         raise CatalogError(f"{SOURCE}: expected one entry for each object type, found {type(rows).__name__}")
     return MappingProxyType({name: _read_type(name, rows[name]) for name in sorted(rows, key=str)})

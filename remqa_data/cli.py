@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from remqa_data.errors import RemqaError
+from remqa_data.errors import RemqaError, one_line
 from remqa_data.version import __version__
 
 
@@ -23,7 +23,7 @@ class OneLineErrors(TyperGroup):
         try:
             return super().invoke(ctx)
         except (RemqaError, OSError) as error:
-            typer.echo(f"{self.name}: {' '.join(_in_words(error).split())}", err=True)
+            typer.echo(f"{self.name}: {one_line(_in_words(error))}", err=True)
             raise typer.Exit(2) from error
 
 

@@ -136,7 +136,7 @@ class DatasetEpisodes:
             name=place,
             scene=Scene.from_json(row["scene_json"], place),
             start=_pose(question["start"]),
-            embodiment=Embodiment(**row["embodiment"]),
+            embodiment=Embodiment.of_dataset(**row["embodiment"]),
             task=_task(question),
         )
 

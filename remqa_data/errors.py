@@ -4,6 +4,15 @@ import difflib
 from collections.abc import Iterable
 
 
+def one_line(error: object) -> str:
+    r"""What an error says, in one line: those of other libraries come in several.
+
+    >>> one_line(ValueError("not a number:\n  'x'"))
+    "not a number: 'x'"
+    """
+    return " ".join(str(error).split())
+
+
 class RemqaError(Exception):
     """Base of every error this package raises on purpose; its text is meant for the person who reads it."""
 

@@ -16,7 +16,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from remqa_data.errors import SchemaError
+from remqa_data.errors import SchemaError, one_line
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Leaf:
         try:
             array = pa.array(values, self.type)
         except (pa.ArrowException, TypeError, ValueError) as error:
-            raise SchemaError(f"{where}: {' '.join(str(error).split())}") from None
+            raise SchemaError(f"{where}: {one_line(error)}") from None
         if pa.types.is_floating(self.type) and not pc.all(pc.is_finite(array), min_count=0).as_py():
             raise SchemaError(f"{where}: a number that is not finite")
         if self.allowed and (unknown := set(values) - {*self.allowed, None}):

@@ -12,7 +12,7 @@ import hashlib
 import json
 import os
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -207,10 +207,19 @@ def merge(job: ShardJob) -> FileInfo:
         return file_info(temporary, job.path, job.table, job.split)
 
 
-def assemble(parts: Parts, order: Sequence[Part], shards_per_split: int | Mapping[str, int]) -> tuple[FileInfo, ...]:
-    """Merge all shards in this process; see `Parts.shard_jobs`."""
+Run = Callable[[Callable[[ShardJob], FileInfo], Sequence[ShardJob]], Iterable[tuple[ShardJob, FileInfo]]]
+"""Does some work on all jobs, wherever and in whatever order: `Executor.run` of the generators."""
+
+
+def assemble(
+    parts: Parts, order: Sequence[Part], shards_per_split: int | Mapping[str, int], run: Run | None = None
+) -> tuple[FileInfo, ...]:
+    """Merge all shards, by default in this process, and remove older ones; see `Parts.shard_jobs`."""
     unfinish(parts.storage)
-    files = tuple(merge(job) for job in parts.shard_jobs(order, shards_per_split))
+    jobs = parts.shard_jobs(order, shards_per_split)
+    done = run(merge, jobs) if run else ((job, merge(job)) for job in jobs)
+    made = {info.path: info for _, info in done}
+    files = tuple(made[job.path] for job in jobs)
     tidy(parts.storage, files)
     return files
 

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from remqa_data.errors import DamagedShardError, DatasetError, SchemaError
+from remqa_data.errors import DamagedShardError, DatasetError, SchemaError, one_line
 from remqa_data.files import atomic_path, sha256_of
 from remqa_data.manifest import FileInfo, load_manifest
 from remqa_data.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow
@@ -174,7 +174,7 @@ class Shard:
             return self.file.read_row_groups(groups, columns=columns, use_threads=False)
         except (OSError, pa.ArrowException) as error:
             damage = _damaged_column(self.path, self.file, groups)
-            raise damage or DamagedShardError(self.path, _line(error)) from None
+            raise damage or DamagedShardError(self.path, one_line(error)) from None
 
 
 def check_files(root: str | os.PathLike[str]) -> None:
@@ -221,7 +221,7 @@ def _opened(path: Path) -> pq.ParquetFile:
     except FileNotFoundError:
         raise DamagedShardError(path, "the file is missing") from None
     except (OSError, pa.ArrowException) as error:
-        raise DamagedShardError(path, f"the footer cannot be read: {_line(error)}") from None
+        raise DamagedShardError(path, f"the footer cannot be read: {one_line(error)}") from None
 
 
 def _damaged_column(path: Path, parquet: pq.ParquetFile, groups: Sequence[int]) -> DamagedShardError | None:
@@ -231,12 +231,8 @@ def _damaged_column(path: Path, parquet: pq.ParquetFile, groups: Sequence[int]) 
             try:
                 parquet.read_row_group(group, columns=[column], use_threads=False)
             except (OSError, pa.ArrowException) as error:
-                return DamagedShardError(path, _line(error), group, column.replace(".list.element", "[]"))
+                return DamagedShardError(path, one_line(error), group, column.replace(".list.element", "[]"))
     return None
-
-
-def _line(error: BaseException) -> str:
-    return " ".join(str(error).split())
 
 
 def _options(schema: pa.Schema) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from remqa_data.errors import StorageError
+from remqa_data.errors import StorageError, one_line
 from remqa_data.files import atomic_path
 
 if TYPE_CHECKING:
@@ -243,7 +243,7 @@ class Bucket:
         try:
             system, base = FileSystem.from_uri(self.root)
         except (OSError, ValueError) as error:
-            raise StorageError(self.root, _line(error)) from None
+            raise StorageError(self.root, one_line(error)) from None
         return system, base.rstrip("/")
 
     @contextmanager
@@ -253,7 +253,7 @@ class Bucket:
         except FileNotFoundError:
             raise
         except OSError as error:
-            raise StorageError(self.root, _line(error)) from None
+            raise StorageError(self.root, one_line(error)) from None
 
 
 def _uri(root: str | os.PathLike[str]) -> str:
@@ -263,7 +263,3 @@ def _uri(root: str | os.PathLike[str]) -> str:
     's3://bucket/prefix'
     """
     return _SCHEME.sub(r"\1://", os.fspath(root), count=1)
-
-
-def _line(error: BaseException) -> str:
-    return " ".join(str(error).split())

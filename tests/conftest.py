@@ -1,6 +1,26 @@
-"""Lets tests import the helpers of this folder, such as `dataset_rows`."""
+"""Lets tests import the helpers of this folder, such as `dataset_rows`, and gives them a small dataset."""
 
+import shutil
 import sys
 from pathlib import Path
 
+import pytest
+
 sys.path.insert(0, str(Path(__file__).parent))
+
+from dataset_rows import write_dataset
+
+from remqa_data.manifest import Manifest
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Manifest]:
+    """A small dataset of made-up rows, and its manifest."""
+    root = tmp_path_factory.mktemp("finished")
+    return root, write_dataset(root)
+
+
+@pytest.fixture
+def dataset(finished: tuple[Path, Manifest], tmp_path: Path) -> Path:
+    """The same, for a test to damage."""
+    return Path(shutil.copytree(finished[0], tmp_path / "copy"))

@@ -18,8 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import psutil
-
-from remqa_data.files import sha256_of
+from damaged_files import files_of
 
 HERE = Path(__file__).parent
 PROGRAMS = {"made up": [str(HERE / "crash_run.py")], "real": ["-m", "remqa_data.generators.cli"]}
@@ -53,12 +52,6 @@ def kill_once(process: subprocess.Popen[bytes], after_s: float, rng: np.random.G
 def finish(out: Path, process: subprocess.Popen[bytes], rooms: str = "made up") -> int:
     """Let a run end, and go on with it if its driver was killed; the exit code of the last start."""
     return process.wait() if process.poll() != -9 else start(out, rooms).wait()
-
-
-def files_of(root: Path) -> dict[str, str]:
-    """Checksum of every file of a dataset, hidden ones too."""
-    paths = [path for path in sorted(root.rglob("*")) if path.is_file()]
-    return {path.relative_to(root).as_posix(): sha256_of(path) for path in paths}
 
 
 def main() -> None:

@@ -15,7 +15,7 @@ import kill_runs
 import numpy as np
 import psutil
 import pytest
-from kill_runs import files_of
+from damaged_files import damage, files_of
 
 from remqa_data.errors import DatasetError
 from remqa_data.manifest import MANIFEST, load_manifest
@@ -58,12 +58,6 @@ def wait_until(condition: Callable[[], bool]) -> None:
 
 def parts_in(out: Path) -> list[Path]:
     return sorted(out.glob(".parts/*/*/part.json"))
-
-
-def flip_a_bit(path: Path) -> None:
-    data = bytearray(path.read_bytes())
-    data[len(data) // 2] ^= 0x04
-    path.write_bytes(data)
 
 
 @pytest.fixture(scope="module")
@@ -171,15 +165,10 @@ def test_whenever_it_is_killed_the_bytes_are_the_same(whole: Path, tmp_path: Pat
 # ---- broken
 
 
-@pytest.mark.parametrize("damage", ["torn", "flipped", "missing"])
-def test_a_damaged_shard_is_told_and_replaced_on_request(dataset: Path, whole: Path, damage: str) -> None:
+@pytest.mark.parametrize("how", ["torn", "flipped", "missing"])
+def test_a_damaged_shard_is_told_and_replaced_on_request(dataset: Path, whole: Path, how: str) -> None:
     path = dataset / "frames" / "train-00002-of-00005.parquet"
-    if damage == "torn":
-        path.write_bytes(path.read_bytes()[:-100])
-    elif damage == "flipped":
-        flip_a_bit(path)
-    else:
-        path.unlink()
+    damage(path, how)
     code, text = run(dataset, "--resume")
     assert code == 2
     assert f"damaged shard: {path}" in last_line(text)
@@ -188,15 +177,10 @@ def test_a_damaged_shard_is_told_and_replaced_on_request(dataset: Path, whole: P
     assert files_of(dataset) == files_of(whole)
 
 
-@pytest.mark.parametrize("damage", ["torn", "flipped", "missing"])
-def test_a_damaged_part_is_told_and_made_again(killed: Path, whole: Path, damage: str) -> None:
+@pytest.mark.parametrize("how", ["torn", "flipped", "missing"])
+def test_a_damaged_part_is_told_and_made_again(killed: Path, whole: Path, how: str) -> None:
     path = parts_in(killed)[0].with_name("frames.train.parquet")
-    if damage == "torn":
-        path.write_bytes(path.read_bytes()[:-100])
-    elif damage == "flipped":
-        flip_a_bit(path)
-    else:
-        path.unlink()
+    damage(path, how)
     code, text = run(killed, "--resume", CRASH_ROOM_S="0")
     assert code == 2
     assert f"{path} is not as it was written; go on with remqa-gen --resume" in last_line(text)

@@ -49,3 +49,15 @@ class Embodiment:
     most_horizon_deg: float = 60.0
     reach_m: float = ARM_REACH_M
     visibility_m: float = 1.5
+
+    @classmethod
+    def of_dataset(cls, camera_height_m: float, fov_deg: float, step_m: float, reach_m: float) -> Embodiment:
+        """The body whose figures a dataset stores; to crouch lowers the camera as much as usual."""
+        lower_m = CAMERA_HEIGHT_M - CROUCHED_CAMERA_HEIGHT_M
+        return cls(
+            camera_height_m=camera_height_m,
+            crouched_camera_height_m=camera_height_m - lower_m,
+            fov_deg=fov_deg,
+            step_m=step_m,
+            reach_m=reach_m,
+        )
