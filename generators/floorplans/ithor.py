@@ -42,6 +42,7 @@ SUITES = frozenset(
         "Cabinet",
         "Chair",
         "CoffeeTable",
+        "CounterTop",
         "Curtains",
         "Desk",
         "DiningTable",

@@ -128,3 +128,8 @@ def test_floors_carry_what_stands_on_them() -> None:
             o.position[2] - o.asset.size[2] / 2 for o in scene.objects if o.type in ("Fridge", "Sofa", "Bed", "Toilet")
         ]
         assert np.all(np.abs(np.array(bottoms) - scene.floor_z) < 0.06), name
+
+
+def test_worktops_of_a_kitchen_are_of_one_material() -> None:
+    looks = {(o.asset.variant, o.asset.seed) for o in load_scene("FloorPlan1").objects if o.type == "CounterTop"}
+    assert len(looks) == 1
