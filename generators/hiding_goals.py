@@ -12,8 +12,8 @@ import numpy.typing as npt
 from remqa_data.assets.model import F32, F64
 from remqa_data.generators.hiding_areas import Area, largest_rectangle
 from remqa_data.generators.hiding_rules import HidingRules
-from remqa_data.generators.sightlines import Outline, Sightlines, cells_that_reach, is_clear
-from remqa_data.sim.navigation import AGENT_RADIUS_M, ARM_REACH_M
+from remqa_data.generators.sightlines import Sightlines, cells_that_reach, is_clear
+from remqa_data.sim.navigation import AGENT_RADIUS_M, ARM_REACH_M, Outline
 from remqa_data.sim.viewpoints import AgentPose, facing_poses
 
 Mask = npt.NDArray[np.bool_]

@@ -20,10 +20,10 @@ from remqa_data.generators.hiding_areas import Area, Spot
 from remqa_data.generators.hiding_goals import Goals, at_height, best_goals, out_of_sight, poses_that_reach
 from remqa_data.generators.hiding_rules import HidingRules, hiding_rules
 from remqa_data.generators.shifting import free_shift
-from remqa_data.generators.sightlines import Outline, Sightlines, plan_outlines
+from remqa_data.generators.sightlines import Sightlines, plan_outlines
 from remqa_data.scene import Scene
 from remqa_data.sim.bullet import pybullet
-from remqa_data.sim.navigation import reachable_grid
+from remqa_data.sim.navigation import Outline, reachable_grid
 from remqa_data.sim.view import WorldView
 from remqa_data.sim.viewpoints import (
     FRAME_PX,

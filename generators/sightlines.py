@@ -11,13 +11,11 @@ import numpy.typing as npt
 
 from remqa_data.assets.model import F32, F64
 from remqa_data.sim.camera import Camera
-from remqa_data.sim.navigation import Cell, ReachableGrid, body_outlines, reach_distance
+from remqa_data.sim.navigation import Cell, Outline, ReachableGrid, body_outlines, reach_distance
 from remqa_data.sim.view import WorldView
 from remqa_data.sim.viewpoints import AgentPose
 from remqa_data.sim.world import World
 
-Outline = npt.NDArray[np.float32]
-"""(n, 1, 2) corners of a convex outline on the floor, metres."""
 Flags = npt.NDArray[np.bool_]
 
 TOLERANCE_M = 0.012
@@ -87,10 +85,7 @@ def cells_that_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[C
 
 def plan_outlines(world: World, object_id: str, first_link: int = 0) -> list[Outline]:
     """Convex outlines, seen from above, of an object's links between ankle and head height, as they are now."""
-    outlines = body_outlines(
-        world.assets[object_id], world.link_poses(object_id), world.scene.floor_z, first_link=first_link
-    )
-    return [np.asarray(cv2.convexHull(outline.astype(np.float32)), dtype=np.float32) for outline in outlines]
+    return body_outlines(world.assets[object_id], world.link_poses(object_id), world.scene.floor_z, first_link)
 
 
 def is_clear(position: tuple[float, float], outlines: Iterable[Outline], radius_m: float) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -126,10 +127,7 @@ class Camera:
 
     def view(self) -> View:
         """The camera as the rasteriser reads it."""
-        right, up, forward = self.rotation()
-        focal = self.focal_px
-        axes = np.stack([right * focal, -up * focal, forward])
-        return View.of(self.position, axes, pinhole=True, width=self.width, height=self.height)
+        return _pinhole_view(self)
 
 
 @dataclass(frozen=True)
@@ -178,6 +176,14 @@ class TopDownCamera:
         axes = np.stack([right * scale, -up * scale, forward])
         eye = (*self.centre_xy, self.height_m)
         return View.of(eye, axes, pinhole=False, width=self.width, height=self.height)
+
+
+@lru_cache(maxsize=1024)  # one camera looks, and then points are looked up in its image
+def _pinhole_view(camera: Camera) -> View:
+    right, up, forward = camera.rotation()
+    focal = camera.focal_px
+    axes = np.stack([right * focal, -up * focal, forward])
+    return View.of(camera.position, axes, pinhole=True, width=camera.width, height=camera.height)
 
 
 def _project(view: View, points: npt.ArrayLike) -> F64:

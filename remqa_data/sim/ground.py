@@ -7,20 +7,28 @@ navigation grid this is the same test as in `remqa_data.sim.navigation`, at the 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from itertools import chain
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from remqa_data.assets.model import F64
 from remqa_data.sim.bodies import STRUCTURE_NAME
-from remqa_data.sim.navigation import FINE_M, GRID_M, ReachableGrid, body_outlines, clearance_map, reachable_grid
+from remqa_data.sim.navigation import (
+    FINE_M,
+    GRID_M,
+    Outline,
+    ReachableGrid,
+    body_outlines,
+    building_outlines,
+    clearance_from,
+    reachable_grid,
+)
 from remqa_data.sim.state import ObjectState
 from remqa_data.sim.world import World
 
 Point = tuple[float, float]
-Hull = npt.NDArray[np.float32]
-"""(n, 1, 2) corners of a convex outline on the floor, metres."""
 
 SAMPLE_M = GRID_M / 4
 """A step is tested at least this densely."""
@@ -40,9 +48,11 @@ class Ground:
     def __init__(self, world: World, radius_m: float) -> None:
         self.world, self.radius_m = world, radius_m
         self._states: dict[str, ObjectState] = {}
-        self._hulls: dict[str, list[Hull]] = {}
+        self._outlines: dict[str, list[Outline]] = {}
+        self._building = building_outlines(world.scene)
         self._grid: ReachableGrid | None = None
-        self._follow()
+        self._revision, self._held = world.revision, world.held
+        self._follow(world.ids)
 
     def blocker_at(self, x: float, y: float) -> str | None:
         """What keeps the agent from standing at a point, by object id or "structure"; None if nothing does."""
@@ -64,8 +74,9 @@ class Ground:
 
     def meets_agent(self, object_id: str, link_poses: F64, agent: Point) -> bool:
         """Whether an object would touch the agent with its links at (n, 4, 4) poses; not if it does so already."""
-        now = _distance(self._hulls_now(object_id), agent)
-        return _distance(self._hulls_at(object_id, link_poses), agent) <= min(self.radius_m, now - 1e-6)
+        self._sync()
+        now = _distance(self._outlines[object_id], agent)
+        return _distance(self._outlines_at(object_id, link_poses), agent) <= min(self.radius_m, now - 1e-6)
 
     def grid(self) -> ReachableGrid:
         """The navigation grid as it is now."""
@@ -86,37 +97,38 @@ class Ground:
         return None
 
     def _sync(self) -> None:
-        state = self.world.state
-        if self.world.held != self._held or any(state(name) is not seen for name, seen in self._states.items()):
-            self._follow()
+        world = self.world
+        if world.revision == self._revision:
+            return
+        moved = [name for name in world.ids if self._states[name] is not world.state(name)]
+        if moved or world.held != self._held:
+            self._held = world.held
+            self._follow(moved)
+        self._revision = world.revision
 
-    def _follow(self) -> None:
-        states = {object_id: self.world.state(object_id) for object_id in self.world.ids}
-        self._hulls = {name: hulls for name, hulls in self._hulls.items() if states[name] is self._states[name]}
-        self._states = states
-        self._held = self.world.held
-        self._clearance = clearance_map(self.world)
+    def _follow(self, moved: Iterable[str]) -> None:
+        world = self.world
+        for name in moved:
+            self._states[name] = world.state(name)
+            self._outlines[name] = self._outlines_at(name, world.link_poses(name))
+        in_the_way = (self._outlines[name] for name in self._solid_ids())
+        self._clearance = clearance_from(world.scene.bounds, chain(self._building, *in_the_way))
         self._grid = None
+
+    def _solid_ids(self) -> list[str]:
+        world = self.world
+        return [name for name in world.ids if name != world.held and world.type_of(name) != "Floor"]
 
     def _nearest(self, x: float, y: float) -> str:
         """The object nearest to a point, or the building if nothing is within the agent's radius."""
-        names = [name for name in self.world.ids if name != self._held and self.world.type_of(name) != "Floor"]
-        gaps = {name: _distance(self._hulls_now(name), (x, y)) for name in names}
+        gaps = {name: _distance(self._outlines[name], (x, y)) for name in self._solid_ids()}
         nearest = min(gaps, key=lambda name: gaps[name], default=STRUCTURE_NAME)
         return nearest if gaps.get(nearest, math.inf) <= self.radius_m + 2 * FINE_M else STRUCTURE_NAME
 
-    def _hulls_now(self, object_id: str) -> list[Hull]:
-        self._sync()
-        if object_id not in self._hulls:
-            self._hulls[object_id] = self._hulls_at(object_id, self.world.link_poses(object_id))
-        return self._hulls[object_id]
-
-    def _hulls_at(self, object_id: str, link_poses: F64) -> list[Hull]:
-        """Plan outlines of an object between ankle and head height."""
-        outlines = body_outlines(self.world.assets[object_id], link_poses, self.world.scene.floor_z)
-        return [np.asarray(cv2.convexHull(np.asarray(outline, dtype=np.float32))) for outline in outlines]
+    def _outlines_at(self, object_id: str, link_poses: F64) -> list[Outline]:
+        return body_outlines(self.world.assets[object_id], link_poses, self.world.scene.floor_z)
 
 
-def _distance(hulls: list[Hull], point: Point) -> float:
+def _distance(outlines: list[Outline], point: Point) -> float:
     """Metres from a point to the nearest of some outlines; 0 inside one."""
-    return min((max(0.0, -cv2.pointPolygonTest(hull, point, True)) for hull in hulls), default=math.inf)
+    return min((max(0.0, -cv2.pointPolygonTest(outline, point, True)) for outline in outlines), default=math.inf)

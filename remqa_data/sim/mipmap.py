@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import numpy.typing as npt
 
@@ -36,17 +34,11 @@ CLAMPED = 1 << 12
 """Added to the number of a texture that does not repeat: its border goes on beyond 0..1."""
 
 
-def pack(textures: Sequence[U8]) -> I32:
-    """Join (256, 256, 3) pictures, whose first row is their top, v = 0, in the form `apply_textures` reads.
+def levels(texture: U8) -> I32:
+    """All levels of a (256, 256, 3) picture, whose first row is its top, v = 0, as `apply_textures` reads them.
 
-    Texels are packed red | green << 8 | blue << 16. The pictures get the numbers 1, 2, ...; number 0 is plain white,
-    for surfaces without a texture.
+    Texels are packed red | green << 8 | blue << 16.
     """
-    white = np.full((1 << SIZE_BITS, 1 << SIZE_BITS, 3), 255, dtype=np.uint8)
-    return np.concatenate([_levels(texture) for texture in (white, *textures)])
-
-
-def _levels(texture: U8) -> I32:
     texels = np.zeros(_STRIDE, dtype=np.int32)
     level = np.asarray(texture, dtype=np.float64)
     for bits in range(SIZE_BITS, -1, -1):
@@ -69,7 +61,7 @@ def apply_textures(texels: I32, sheet: F32, fetches: I32, count: int) -> None:
     Parameters
     ----------
     texels : (n,) array
-        From `pack`.
+        `levels` of plain white, which is number 0, and of the other textures, joined.
     sheet : (FLOATS,) array
         Read: TEXTURE, the number of the texture, plus `CLAMPED` for one that does not repeat; U and V in repeats, v
         points down; STRETCH, the square of the distance in repeats that the pixel covers. Changed: RED, GREEN, BLUE.

@@ -8,7 +8,7 @@ when the whole step between them is free.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import cv2
@@ -16,8 +16,9 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.assets.model import F64, Asset, Vec3
+from remqa_data.assets.model import F64, Asset, Rect, Vec3
 from remqa_data.rotations import rotation_of
+from remqa_data.scene import Scene
 from remqa_data.sim.world import World
 
 GRID_M = 0.25
@@ -36,6 +37,8 @@ CROUCHED_CAMERA_HEIGHT_M = 0.901
 """AI2-THOR's agent lowers its camera by 0.675 m when it crouches."""
 
 Cell = tuple[int, int]
+Outline = npt.NDArray[np.float32]
+"""(n, 1, 2) corners of a convex outline on the floor, metres."""
 
 
 @dataclass(frozen=True)
@@ -100,23 +103,27 @@ def _part_nearest_to_most(world: World, parts: list[list[Cell]]) -> list[Cell]:
     return parts[int(votes.argmax())]
 
 
-def obstacles(world: World) -> list[F64]:
-    """Plan outlines, each (n, 2) convex and in metres, of all that blocks the agent."""
-    floor = world.scene.floor_z
-    low, high = floor + STEP_OVER_M, floor + AGENT_HEIGHT_M
-    outlines = []
-    for part in world.scene.structure:
-        x0, y0, z0, x1, y1, z1 = part.box
-        if z1 > low and z0 < high:
-            outlines.append(np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]))
+def obstacles(world: World) -> list[Outline]:
+    """Plan outlines of all that blocks the agent."""
+    outlines = building_outlines(world.scene)
     for object_id in world.ids:
-        if object_id == world.held or world.type_of(object_id) == "Floor":
-            continue
-        outlines += body_outlines(world.assets[object_id], world.link_poses(object_id), floor)
+        if object_id != world.held and world.type_of(object_id) != "Floor":
+            outlines += body_outlines(world.assets[object_id], world.link_poses(object_id), world.scene.floor_z)
     return outlines
 
 
-def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int = 0) -> list[F64]:
+def building_outlines(scene: Scene) -> list[Outline]:
+    """Plan outlines of the walls and what is built in, between ankle and head height."""
+    low, high = scene.floor_z + STEP_OVER_M, scene.floor_z + AGENT_HEIGHT_M
+    outlines = []
+    for part in scene.structure:
+        x0, y0, z0, x1, y1, z1 = part.box
+        if z1 > low and z0 < high:
+            outlines.append(_outline([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]))
+    return outlines
+
+
+def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int = 0) -> list[Outline]:
     """Plan outlines of one object, its links at (n, 4, 4) poses in the room, between ankle and head height.
 
     With `first_link` 1, only of what moves when it opens.
@@ -128,7 +135,7 @@ def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int
             corners = _CORNERS * box.size @ rotation_of(box.quaternion).T + box.centre
             placed = corners @ pose[:3, :3].T + pose[:3, 3]
             if placed[:, 2].max() > low and placed[:, 2].min() < high:
-                outlines.append(placed[:, :2])
+                outlines.append(_outline(placed[:, :2]))
     return outlines
 
 
@@ -174,15 +181,19 @@ class Clearance:
 
 def clearance_map(world: World) -> Clearance:
     """The clearance of a world as it is now; the border of the room counts as an obstacle."""
-    x0, y0, x1, y1 = world.scene.bounds
+    return clearance_from(world.scene.bounds, obstacles(world))
+
+
+def clearance_from(bounds: Rect, outlines: Iterable[Outline]) -> Clearance:
+    """The clearance of a room with given bounds and obstacles."""
+    x0, y0, x1, y1 = bounds
     columns, rows = math.ceil((x1 - x0) / FINE_M) + 1, math.ceil((y1 - y0) / FINE_M) + 1
     free = np.full((rows + 2, columns + 2), 255, dtype=np.uint8)
     free[[0, -1], :] = 0
     free[:, [0, -1]] = 0
     scale = 1 << _SHIFT
-    for outline in obstacles(world):
-        hull = _hull(outline)
-        pixels = np.round(((hull - [x0, y0]) / FINE_M + 1) * scale).astype(np.int32)
+    for outline in outlines:
+        pixels = np.round(((outline - np.array([x0, y0])) / FINE_M + 1) * scale).astype(np.int32)
         cv2.fillConvexPoly(free, pixels, 0, shift=_SHIFT)
     distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * FINE_M
     return Clearance(np.asarray(distance, dtype=np.float32), (x0 - FINE_M, y0 - FINE_M))
@@ -192,6 +203,5 @@ _CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z i
 _SHIFT = 4
 
 
-def _hull(points: Sequence[Vec3] | F64) -> F64:
-    hull = cv2.convexHull(np.asarray(points, dtype=np.float32))
-    return np.asarray(hull[:, 0, :], dtype=np.float64)
+def _outline(points: npt.ArrayLike) -> Outline:
+    return np.asarray(cv2.convexHull(np.asarray(points, dtype=np.float32)), dtype=np.float32)

@@ -78,6 +78,7 @@ class Renderer:
         self._poses = np.full((count, 4, 4), np.nan)
         self._records = np.empty((len(self._geometry.faces), 9), dtype=np.float32)
         self._record_face = np.empty(len(self._geometry.faces), dtype=np.int32)
+        self._candidates = np.empty(len(self._geometry.faces), dtype=np.int32)
         self._drawn = np.empty((count + 1, 2), dtype=np.int32)
         self._image = np.empty((5, vertices), dtype=np.float32)
         lamp = self._lights.positions[0]
@@ -175,7 +176,7 @@ class Renderer:
         return self._frame_buffers[height, width]
 
     def _with_scratch(self, key: F32, slot: I32) -> Buffers:
-        return Buffers(key, slot, self._records, self._record_face, self._drawn, self._image)
+        return Buffers(key, slot, self._records, self._record_face, self._drawn, self._candidates, self._image)
 
 
 def _lights(positions: Sequence[Vec3], ambient: float, background: Vec3) -> Lights:

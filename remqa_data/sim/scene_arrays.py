@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from remqa_data.assets.model import F64, I32, Surface
 from remqa_data.assets.textures import repeats, texture
-from remqa_data.sim.mipmap import CLAMPED, pack
+from remqa_data.sim.mipmap import CLAMPED, levels
 from remqa_data.sim.raster import Flags, Geometry
 from remqa_data.sim.shade import Materials
 
@@ -63,7 +63,7 @@ def build_geometry(parts: Sequence[Part]) -> Geometry:
 
 
 def build_materials(parts: Sequence[Part]) -> tuple[Materials, I32]:
-    """Materials of all surfaces, and the texels of the textures they name."""
+    """Materials of all surfaces, and the texels of the textures they name, which get the numbers 1, 2, ..."""
     materials = [surface.material for part in parts for surface in part.surfaces]
     names = sorted({material.texture for material in materials if material.texture is not None})
     number = {name: i + 1 if repeats(name) else i + 1 + CLAMPED for i, name in enumerate(names)}
@@ -74,8 +74,14 @@ def build_materials(parts: Sequence[Part]) -> tuple[Materials, I32]:
             gloss=np.array([m.gloss for m in materials], dtype=np.float32),
             glow=np.array([m.glow for m in materials], dtype=np.float32),
         ),
-        pack([texture(name) for name in names]),
+        np.concatenate([_texels(name) for name in (None, *names)]),
     )
+
+
+@lru_cache(maxsize=64)  # half a megabyte each; a room has about 13
+def _texels(name: str | None) -> I32:
+    """All levels of a texture; plain white for surfaces without one."""
+    return levels(texture(name) if name is not None else np.full((256, 256, 3), 255, dtype=np.uint8))
 
 
 def surface_instances(parts: Sequence[Part]) -> I32:

@@ -67,10 +67,14 @@ class WorldView:
         self._object_of = np.array([*object_of, STRUCTURE], dtype=np.int32)
         self._link_of = np.array([*link_of, STRUCTURE], dtype=np.int32)
         self._shown = {object_id: world.state(object_id) for object_id in world.ids}
+        self._revision = world.revision
         self.renderer = Renderer(parts, poses, lights=world.scene.lights)
 
     def sync(self) -> None:
         """Follow the world's poses; `render` does it by itself."""
+        if self.world.revision == self._revision:
+            return
+        self._revision = self.world.revision
         for object_id, rows in self._parts_of.items():
             state = self.world.state(object_id)
             if state is not self._shown[object_id]:

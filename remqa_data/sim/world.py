@@ -56,6 +56,7 @@ class World:
         self._objects: dict[str, SceneObject] = {o.id: o for o in scene.objects}
         self._states = {o.id: ObjectState(o.position, o.quaternion, o.openness, o.is_fixed) for o in scene.objects}
         self.held: str | None = None
+        self.revision = 0
         self._bodies = Bodies()
         self._reload()
 
@@ -145,8 +146,7 @@ class World:
         for object_id in free:
             state = self._states[object_id]
             position, quaternion = self._bodies.pose(object_id)
-            self._states[object_id] = replace(state, position=position, quaternion=quaternion)
-            self._tell_pose(object_id)
+            self._put_at(object_id, replace(state, position=position, quaternion=quaternion))
 
     def open(self, object_id: str, openness: float = 1.0) -> list[str]:
         """Open or close an object; what lies in its moving parts is carried along, exactly.
@@ -176,11 +176,10 @@ class World:
         for link in range(1, len(asset.links)):
             carried |= {other: link for other in self.contents(object_id, link) if other not in carried}
         before = self.link_poses(object_id)
-        self._states[object_id] = replace(state, openness=openness)
+        self._put_at(object_id, replace(state, openness=openness))
         after = self.link_poses(object_id)
         for other, link in carried.items():
             self._move_by(other, after[link] @ np.linalg.inv(before[link]))
-        self._tell_pose(object_id)
         return list(carried)
 
     def close_object(self, object_id: str) -> list[str]:
@@ -199,8 +198,7 @@ class World:
         before = state.matrix()
         moved = replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion)
         motion = moved.matrix() @ np.linalg.inv(before)
-        self._states[object_id] = moved
-        self._tell_pose(object_id)
+        self._put_at(object_id, moved)
         for other in carried:
             self._move_by(other, motion)
         return carried
@@ -220,6 +218,7 @@ class World:
             raise ActionError(f"cannot pick up {object_id}: already holding {self.held}")
         self._set_fixed(object_id, False)
         self.held = object_id
+        self.revision += 1
         self._bodies.set_collisions(object_id, False)
 
     def put(self, position: Vec3, quaternion: Quaternion | None = None) -> str:
@@ -235,8 +234,7 @@ class World:
         object_id, self.held = self.held, None
         self._bodies.set_collisions(object_id, True)
         state = self._states[object_id]
-        self._states[object_id] = replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion)
-        self._tell_pose(object_id)
+        self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion))
         return object_id
 
     def overlapping(self, object_id: str, margin_m: float = 0.0) -> list[tuple[str, float]]:
@@ -251,8 +249,7 @@ class World:
 
     def move_alone(self, object_id: str, position: Vec3) -> None:
         """Put an object somewhere else and leave what is in or on it where it is."""
-        self._states[object_id] = replace(self.state(object_id), position=_vec3(position))
-        self._tell_pose(object_id)
+        self._put_at(object_id, replace(self.state(object_id), position=_vec3(position)))
 
     @contextmanager
     def without_collisions(self, object_id: str) -> Iterator[None]:
@@ -276,9 +273,10 @@ class World:
         for object_id, state in snapshot.states.items():
             self._set_fixed(object_id, state.is_fixed)
         for object_id, state in snapshot.states.items():
-            self._states[object_id] = state
-            self._tell_pose(object_id)
+            if state is not self._states[object_id]:
+                self._put_at(object_id, state)
         self.held = snapshot.held
+        self.revision += 1
         if self.held is not None:
             self._bodies.set_collisions(self.held, False)
 
@@ -302,8 +300,10 @@ class World:
         if self.held is not None:
             self._bodies.set_collisions(self.held, False)
 
-    def _tell_pose(self, object_id: str) -> None:
-        self._bodies.place(object_id, self._states[object_id])
+    def _put_at(self, object_id: str, state: ObjectState) -> None:
+        self._states[object_id] = state
+        self._bodies.place(object_id, state)
+        self.revision += 1
 
     def _set_fixed(self, object_id: str, is_fixed: bool) -> None:
         """PyBullet cannot free a fixed body, so the world is loaded anew: bodies keep their order, and so their effect."""
@@ -312,6 +312,7 @@ class World:
             return
         self._states[object_id] = replace(state, is_fixed=is_fixed)
         self._reload()
+        self.revision += 1
 
     def _move_by(self, object_id: str, motion: F64) -> None:
         state = self._states[object_id]
@@ -319,8 +320,7 @@ class World:
         quaternion = state.quaternion
         if not np.allclose(motion[:3, :3], np.eye(3), rtol=0, atol=1e-12):
             quaternion = quaternion_of(motion[:3, :3] @ rotation_of(state.quaternion))
-        self._states[object_id] = replace(state, position=_vec3(position), quaternion=quaternion)
-        self._tell_pose(object_id)
+        self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion))
 
     def _check_known(self, object_id: str) -> None:
         if object_id not in self._objects:
