@@ -16,7 +16,7 @@ from remqa_data.metadata import ObjectMetadata, object_metadata
 from remqa_data.sim.camera import Camera
 from remqa_data.sim.navigation import CAMERA_HEIGHT_M, GRID_M
 from remqa_data.sim.view import WorldView
-from remqa_data.sim.viewpoints import FRAME_PX, MIN_PIXELS
+from remqa_data.sim.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
 from remqa_data.sim.world import World
 
 if TYPE_CHECKING:
@@ -130,14 +130,11 @@ def _ill_seen(world: World, view: WorldView, place: HidingPlace, ids: Sequence[s
         return None
     camera = goal_camera(place)
     index = [world.ids.index(object_id) for object_id in ids]
-    count = len(world.ids)
-    image = view.instances(camera)
-    before = np.bincount(image[image >= 0].ravel(), minlength=count)[index]
+    before = pixels_per_object(view, camera)[index]
     if before.any():
         return f"{ids[int(before.argmax())]} shows {before.max()} pixels before the manipulation"
     with manipulated(world, view, place):
-        image = view.instances(camera)
-    after = np.bincount(image[image >= 0].ravel(), minlength=count)[index]
+        after = pixels_per_object(view, camera)[index]
     if after.min() < MIN_PIXELS:
         return f"{ids[int(after.argmin())]} shows only {after.min()} pixels after the manipulation"
     return None
@@ -151,10 +148,7 @@ def blockers(world: World, view: WorldView, hidden: Wished) -> set[str]:
         camera = goal_camera(place)
         closed = world.link_poses(place.object_id)
         with manipulated(world, view, place) as carried:
-            view.sync()
-            depth, _ = view.renderer.render_instances(camera)
-            depth = depth.copy()
-            image = view.instances(camera)
+            depth, image = view.depth_and_instances(camera)
             motion = world.link_poses(place.object_id) @ np.linalg.inv(closed)
             if place.manipulation == "Open":
                 inside = set(world.contents(place.object_id)) | set(carried)

@@ -40,7 +40,7 @@ class Sightlines:
     def depth(self, pose: AgentPose) -> F32:
         """(h, w) depth of the world as it is now."""
         self.view.sync()
-        return self.view.renderer.render_instances(self.camera(pose))[0].copy()
+        return self.view.renderer.render_instances(self.camera(pose))[0]
 
     def depth_at_rest(self, pose: AgentPose) -> F32:
         """(h, w) depth of the world when it was first looked at from this pose; call it only when nothing is changed."""

@@ -22,7 +22,7 @@ from remqa_data.sim.camera import Camera
 from remqa_data.sim.navigation import GRID_M, STEP_OVER_M, Cell, ReachableGrid
 from remqa_data.sim.paths import path_length_m, pose_after, shortest_actions
 from remqa_data.sim.view import Observation, WorldView
-from remqa_data.sim.viewpoints import FRAME_PX, HEADINGS_DEG, AgentPose
+from remqa_data.sim.viewpoints import FRAME_PX, HEADINGS_DEG, AgentPose, pixel_counts
 
 __all__ = [
     "WalkFrame",
@@ -260,8 +260,7 @@ class _Scout:
         """(objects + cells,) whether each object is visible, and the ground of each cell of the grid."""
         camera = pose.camera(self._grid, size_px)
         image = self._view.instances(camera)
-        counts = np.bincount(image.ravel() + 1, minlength=self.objects + 1)[1:]
-        is_seen = (counts >= scaled_min_pixels(image.shape)) & self._is_thing
+        is_seen = (pixel_counts(image, self.objects) >= scaled_min_pixels(image.shape)) & self._is_thing
         with np.errstate(divide="ignore", invalid="ignore"):  # points beside the camera have depth 0
             x, y, depth = camera.project(self._ground).T
         is_near = (depth > 0.0) & (depth < GROUND_VIEW_M) & (abs(x - size_px / 2) < size_px / 2)

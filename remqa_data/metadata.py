@@ -10,12 +10,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 
 import numpy as np
-import numpy.typing as npt
+from scipy.ndimage import find_objects
 
 from remqa_data.assets.model import F64, Box, Vec3
 from remqa_data.sim.camera import Camera
 from remqa_data.sim.view import Observation
-from remqa_data.sim.viewpoints import FRAME_PX, MIN_PIXELS
+from remqa_data.sim.viewpoints import FRAME_PX, MIN_PIXELS, pixel_counts
 from remqa_data.sim.world import World
 from remqa_data.support import SupportKind, supports
 
@@ -162,7 +162,8 @@ def frame_metadata(
     records = object_metadata(world) if known is None else known
     image = observation.objects
     least = scaled_min_pixels(image.shape) if min_pixels is None else min_pixels
-    counts = np.bincount(image[image >= 0].ravel(), minlength=len(world.ids))
+    counts = pixel_counts(image, len(world.ids))
+    boxes = find_objects(image + 1)
     eye = np.asarray(camera.position)
     visible = []
     for index in np.flatnonzero(counts >= max(least, 1)):
@@ -171,7 +172,7 @@ def frame_metadata(
         visible.append(
             VisibleObject(
                 **{name: getattr(record, name) for name in _SHARED},
-                box_2d=_tight_box(image == index),
+                box_2d=_box_2d(*boxes[index]),
                 pixels=int(counts[index]),
                 distance_m=float(np.linalg.norm(eye - np.clip(eye, box[:3], box[3:]))),
             )
@@ -196,6 +197,5 @@ def _facing_deg(pose: F64) -> float:
     return round(math.degrees(math.atan2(-pose[1, 1], -pose[0, 1])), 6) % 360.0
 
 
-def _tight_box(mask: npt.NDArray[np.bool_]) -> Box2D:
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    return int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1
+def _box_2d(rows: slice, columns: slice) -> Box2D:
+    return int(columns.start), int(rows.start), int(columns.stop), int(rows.stop)

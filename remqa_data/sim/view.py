@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from remqa_data.assets import primitives
 from remqa_data.assets.fitting import surface, with_uv
-from remqa_data.assets.model import F64, Material, Surface
+from remqa_data.assets.model import F32, F64, I32, Material, Surface
 from remqa_data.scene import Scene, StructureBox
 from remqa_data.sim.camera import AnyCamera
 from remqa_data.sim.renderer import Part, Renderer
@@ -18,8 +18,6 @@ from remqa_data.sim.world import World
 
 if TYPE_CHECKING:
     from remqa_data.sim.renderer import Frame
-
-I32 = npt.NDArray[np.int32]
 
 STRUCTURE = -1
 """Object index of walls, ceiling and built-in furniture."""
@@ -94,8 +92,13 @@ class WorldView:
 
     def instances(self, camera: AnyCamera) -> I32:
         """Only the (h, w) image of object indices, which is much cheaper than a picture."""
+        return self.depth_and_instances(camera)[1]
+
+    def depth_and_instances(self, camera: AnyCamera) -> tuple[F32, I32]:
+        """Only the (h, w) images of depth, metres, and of object indices."""
         self.sync()
-        return np.asarray(self._object_of[self.renderer.render_instances(camera)[1]])
+        depth, parts = self.renderer.render_instances(camera)
+        return depth, np.asarray(self._object_of[parts])
 
 
 def world_parts(world: World) -> tuple[list[Part], F64]:

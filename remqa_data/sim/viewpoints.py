@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.assets.model import F64
+from remqa_data.assets.model import F64, I32
 from remqa_data.sim.camera import Camera
 from remqa_data.sim.navigation import CAMERA_HEIGHT_M, CROUCHED_CAMERA_HEIGHT_M, Cell, ReachableGrid, cells_in_reach
 from remqa_data.sim.view import WorldView
@@ -40,8 +40,12 @@ class AgentPose:
 
 def pixels_per_object(view: WorldView, camera: Camera) -> npt.NDArray[np.int64]:
     """(objects,) number of pixels that show each object, in the scene's order."""
-    image = view.instances(camera)
-    return np.bincount(image[image >= 0].ravel(), minlength=len(view.world.ids))
+    return pixel_counts(view.instances(camera), len(view.world.ids))
+
+
+def pixel_counts(image: I32, objects: int) -> npt.NDArray[np.int64]:
+    """(objects,) number of pixels of each object in an image of object indices, -1 for none."""
+    return np.bincount(image.ravel() + 1, minlength=objects + 1)[1:]
 
 
 def facing_poses(

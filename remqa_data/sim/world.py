@@ -7,7 +7,7 @@ closed box, and PyBullet's centre of mass is put there too, so that no conversio
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from types import TracebackType
@@ -27,6 +27,9 @@ SETTLE_STEPS, CHECK_STEPS = 240, 20
 CARRY_MARGIN_M = 0.03
 """Things whose centre is within this distance of a space belong to it."""
 
+_Kept = dict[str, tuple[ObjectState, F64]]
+"""What was found of objects, with the state that they were in."""
+
 
 @dataclass(frozen=True)
 class Snapshot:
@@ -44,6 +47,13 @@ class World:
     scene : Scene
         What to load.
 
+    Attributes
+    ----------
+    held : str or None
+        Id of the object that is out of the room, in the agent's hand.
+    revision : int
+        Grows with every change, so that who follows the world can tell that nothing has changed.
+
     Notes
     -----
     Two worlds loaded from equal scenes behave alike to the last bit, in any process. Use it as a context manager, or
@@ -54,6 +64,8 @@ class World:
         self.scene = scene
         self.assets: dict[str, Asset] = {o.id: build(o.asset) for o in scene.objects}
         self._objects: dict[str, SceneObject] = {o.id: o for o in scene.objects}
+        self._link_poses: _Kept = {}
+        self._boxes: _Kept = {}
         self._states = {o.id: ObjectState(o.position, o.quaternion, o.openness, o.is_fixed) for o in scene.objects}
         self.held: str | None = None
         self.revision = 0
@@ -84,33 +96,25 @@ class World:
 
     def link_poses(self, object_id: str) -> F64:
         """(links, 4, 4) poses of an object's links, each mapping closed asset geometry to the world."""
-        state = self.state(object_id)
-        return np.asarray(state.matrix() @ self.assets[object_id].link_poses(state.openness))
+        return self._known(self._link_poses, object_id, self._find_link_poses)
 
     def box(self, object_id: str) -> F64:
         """(2, 3) corners of the axis-aligned box of an object's visible mesh as it is now, metres."""
-        points = []
-        for link, pose in zip(self.assets[object_id].links, self.link_poses(object_id), strict=True):
-            points += [s.vertices @ pose[:3, :3].T + pose[:3, 3] for s in link.surfaces]
-        stacked = np.vstack(points)
-        return np.stack([stacked.min(axis=0), stacked.max(axis=0)])
+        return self._known(self._boxes, object_id, self._find_box)
 
     def contents(self, object_id: str, link: int | None = None) -> list[str]:
         """Ids of the free objects whose centre is in a space of an object (of one link of it, if given)."""
         asset, poses = self.assets[object_id], self.link_poses(object_id)
         spaces = [s for s in asset.spaces if link is None or s.link == link]
-        inside = []
-        for other, state in self._states.items():
-            if other == object_id or state.is_fixed or other == self.held:
-                continue
-            for space in spaces:
-                pose = poses[space.link]
-                local = pose[:3, :3].T @ (np.asarray(state.position) - pose[:3, 3])
-                low, high = np.asarray(space.box[:3]), np.asarray(space.box[3:])
-                if np.all(local > low - CARRY_MARGIN_M) and np.all(local < high + CARRY_MARGIN_M):
-                    inside.append(other)
-                    break
-        return inside
+        others = [o for o, s in self._states.items() if not s.is_fixed and o not in (object_id, self.held)]
+        centres = np.array([self._states[other].position for other in others]).reshape(-1, 3)
+        is_inside = np.zeros(len(others), dtype=np.bool_)
+        for space in spaces:
+            pose = poses[space.link]
+            local = (centres - pose[:3, 3]) @ pose[:3, :3]
+            low, high = np.asarray(space.box[:3]) - CARRY_MARGIN_M, np.asarray(space.box[3:]) + CARRY_MARGIN_M
+            is_inside |= ((local > low) & (local < high)).all(axis=1)
+        return [other for other, inside in zip(others, is_inside, strict=True) if inside]
 
     def to_scene(self) -> Scene:
         """The world as it is now, as data; loading it gives this world again."""
@@ -291,6 +295,26 @@ class World:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    # ---- what follows from an object's state
+
+    def _known(self, kept: _Kept, object_id: str, find: Callable[[str], F64]) -> F64:
+        """A copy of what was found when the object came to be where it is."""
+        state = self.state(object_id)
+        if object_id not in kept or kept[object_id][0] is not state:
+            kept[object_id] = (state, find(object_id))
+        return kept[object_id][1].copy()
+
+    def _find_link_poses(self, object_id: str) -> F64:
+        state = self._states[object_id]
+        return np.asarray(state.matrix() @ self.assets[object_id].link_poses(state.openness))
+
+    def _find_box(self, object_id: str) -> F64:
+        points = []
+        for link, pose in zip(self.assets[object_id].links, self.link_poses(object_id), strict=True):
+            points += [s.vertices @ pose[:3, :3].T + pose[:3, 3] for s in link.surfaces]
+        stacked = np.vstack(points)
+        return np.stack([stacked.min(axis=0), stacked.max(axis=0)])
 
     # ---- PyBullet
 

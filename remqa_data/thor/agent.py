@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from remqa_data.assets.model import F64
+from remqa_data.assets.model import F64, I32
 from remqa_data.metadata import scaled_min_pixels
 from remqa_data.sim.agent import ActionResult, Agent, Hands
 from remqa_data.sim.camera import Camera
 from remqa_data.sim.embodiment import Embodiment
-from remqa_data.sim.view import I32, WorldView
+from remqa_data.sim.view import WorldView
 from remqa_data.sim.world import World
 from remqa_data.thor.settings import FrameSize, Settings
 
