@@ -49,13 +49,9 @@ def find_question(root: Path, question_id: str) -> tuple[QuestionRow, SceneRow]:
     for split in load_manifest(root).splits("questions"):
         ids = read_table(root, "questions", split, ["question_id"])["question_id"].to_pylist()
         if question_id in ids:
-            question = next(row for row in read_rows(root, QuestionRow, split) if row.question_id == question_id)
-            scene = next(
-                row
-                for row in read_rows(root, SceneRow, split)
-                if (row.scene, row.configuration) == (question.scene, question.configuration)
-            )
-            return question, scene
+            question = next(read_rows(root, QuestionRow, split, question_id=question_id))
+            scene, configuration = question.scene, question.configuration
+            return question, next(read_rows(root, SceneRow, split, scene=scene, configuration=configuration))
         known += ids
     raise UnknownNameError("question", question_id, known)
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeVar
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -113,13 +114,22 @@ def read_table(root: str | os.PathLike[str], table: str, split: str, columns: Se
     return pa.concat_tables([Shard(path).read(columns=columns) for path in shard_paths(root, table, split)])
 
 
-def read_rows(root: str | os.PathLike[str], row_type: type[R], split: str) -> Iterator[R]:
-    """Typed rows of a split, one row group in memory at a time; errors as in `read_table`."""
+def read_rows(root: str | os.PathLike[str], row_type: type[R], split: str, **wanted: str | int) -> Iterator[R]:
+    """Typed rows of a split, one row group in memory at a time; errors as in `read_table`.
+
+    With values of columns, such as ``scene="FloorPlan1"``, only the rows that have them: the images of other row groups
+    are not read.
+    """
     name = next(spec.name for spec in TABLES.values() if spec.row_type is row_type)
     for path in shard_paths(root, name, split):
         shard = Shard(path)
         for group in range(shard.row_groups):
-            yield from to_rows(row_type, shard.read(group))
+            keys = shard.read(group, list(wanted))
+            is_wanted = np.ones(shard.rows(group), dtype=np.bool_)
+            for column, value in wanted.items():
+                is_wanted &= keys[column].to_numpy() == value
+            if is_wanted.any():
+                yield from to_rows(row_type, shard.read(group).filter(is_wanted))
 
 
 def shard_paths(root: str | os.PathLike[str], table: str, split: str) -> list[Path]:

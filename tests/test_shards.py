@@ -49,6 +49,14 @@ def test_rows_come_back_in_the_order_of_the_scenes(finished) -> None:
     assert [row.scene for row in read_rows(root, ExpressionRow, "val")] == ["Kitchen2"] * 5
 
 
+def test_rows_are_found_by_the_values_of_columns(finished) -> None:
+    root = finished[0]
+    wanted = list(read_rows(root, FrameRow, "train"))[6]
+    found = read_rows(root, FrameRow, "train", scene=wanted.scene, frame_id=wanted.frame_id)
+    assert list(found) == [wanted]
+    assert list(read_rows(root, FrameRow, "train", scene="Kitchen1", frame_id="none")) == []
+
+
 def test_row_groups_are_small_where_rows_hold_images_and_images_are_not_compressed_again(finished) -> None:
     about = pq.read_metadata(finished[0] / "frames/train-00000-of-00002.parquet")
     assert [about.row_group(i).num_rows for i in range(about.num_row_groups)] == [4, 4, 4, 4, 4, 1]
