@@ -15,6 +15,7 @@ from meshes import GREY, at, box, from_trimesh, furnished_room, quad, sphere
 
 from remqa_data.sim import scene_arrays
 from remqa_data.sim.camera import Camera, TopDownCamera
+from remqa_data.sim.mipmap import levels
 from remqa_data.sim.renderer import Part, Renderer
 from remqa_data.sim.scene_arrays import solid_faces
 
@@ -149,7 +150,7 @@ def test_floor_under_a_bar_shows_in_the_pixels_that_the_bar_covers_in_part():
 
 def test_far_checker_board_fades_to_its_mean_instead_of_flickering(monkeypatch):
     checker = np.kron(np.indices((64, 64)).sum(axis=0) % 2, np.ones((4, 4)))[..., None] * np.array([255, 255, 255])
-    monkeypatch.setattr(scene_arrays, "texture", lambda name: checker.astype(np.uint8))
+    monkeypatch.setattr(scene_arrays, "_texels", lambda name: levels(checker.astype(np.uint8)))
     board = replace(GLOWING, texture="tile")
     floor = quad((0, -40, 0), (80, 0, 0), (0, 80, 0), board, 80.0)
     pictures = [
