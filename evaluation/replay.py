@@ -6,9 +6,7 @@ and Habitat. All questions of one configuration share a world, which is brought 
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.errors import DatasetError, RemqaError
+from remqa_data.executors import LocalExecutor
 from remqa_data.metadata import Box2D, scaled_min_pixels
 from remqa_data.rows import EmbodimentRow
 from remqa_data.scene import Scene
@@ -123,12 +122,13 @@ def replay_all(
         If the dataset has no such configuration, or an agent that cannot be replayed.
     """
     jobs = _jobs(root, split, attempts)
-    if workers == 1 or len(jobs) < 2:
-        yield from _told(map(replay_room, jobs), progress)
-        return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(workers, len(jobs)), mp_context=context) as pool:
-        yield from _told(pool.map(replay_room, jobs), progress)
+    done: dict[str, list[Replayed]] = {}
+    for job, replayed in LocalExecutor(min(workers, len(jobs)) or 1).run(replay_room, jobs):
+        done[job.name] = replayed
+        if progress is not None:
+            progress(len(replayed))
+    for job in jobs:
+        yield from done[job.name]
 
 
 def replay_room(job: RoomJob) -> list[Replayed]:
@@ -190,13 +190,6 @@ def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[R
     if replayed != sum(map(len, attempts.values())):
         raise DatasetError(f"{root}: split {split} has questions about configurations that its scenes do not have")
     return jobs
-
-
-def _told(done: Iterator[list[Replayed]], progress: Callable[[int], None] | None) -> Iterator[Replayed]:
-    for room in done:
-        if progress is not None:
-            progress(len(room))
-        yield from room
 
 
 def _replayed(replay: Replay, attempt: Attempt) -> Replayed:

@@ -11,9 +11,9 @@ from typing import Any
 
 from remqa_data.dataset_card import write_card
 from remqa_data.errors import DamagedShardError, DatasetError
+from remqa_data.executors import Executor, LocalExecutor
 from remqa_data.generators.allotment import SceneQuota, allot, capacities
 from remqa_data.generators.config import Config
-from remqa_data.generators.executors import Executor, LocalExecutor
 from remqa_data.generators.room import make_room
 from remqa_data.generators.room_plan import Job
 from remqa_data.locks import LOCK, exclusive

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from itertools import groupby
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
 from remqa_data.errors import RemqaError
+from remqa_data.executors import LocalExecutor
 from remqa_data.generators.balance import AskedQuestion, asked_questions, balance_failures
 from remqa_data.generators.truths import CheckedRoom, Failure
 from remqa_data.manifest import load_manifest
@@ -79,7 +78,7 @@ def verify(
     tell, done = progress or (lambda done, total: None), 0
     tell(done, len(questions))
     found: dict[str, list[Failure]] = {}
-    for room, wrong in _in_processes(_rooms(root, questions), workers):
+    for room, wrong in LocalExecutor(workers).run(_check_room, _rooms(root, questions)):
         found[room.scene] = wrong
         done += len(room.question_ids)
         tell(done, len(questions))
@@ -123,21 +122,6 @@ def _pieces(root: Path, table: str, split: str) -> dict[str, list[Piece]]:
             for scene in shard.read(group, ["scene"])["scene"].unique().to_pylist():
                 found.setdefault(scene, []).append((path, group))
     return found
-
-
-def _in_processes(jobs: list[_RoomJob], workers: int) -> Iterator[tuple[_RoomJob, list[Failure]]]:
-    if workers == 1:
-        for job in jobs:
-            yield job, _check_room(job)
-        return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        waiting = {pool.submit(_check_room, job): job for job in jobs}
-        try:
-            for future in as_completed(waiting):
-                yield waiting[future], future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
 
 
 def _check_room(job: _RoomJob) -> list[Failure]:

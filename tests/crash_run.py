@@ -12,8 +12,9 @@ from collections.abc import Callable, Iterator, Sequence
 
 from dataset_rows import scene_rows
 
-from remqa_data.generators import cli, executors
-from remqa_data.generators.executors import J, LocalExecutor, R
+from remqa_data import executors
+from remqa_data.executors import J, LocalExecutor, R
+from remqa_data.generators import cli
 from remqa_data.generators.pipeline import RoomJob, make_part
 from remqa_data.parts import Part
 

@@ -7,9 +7,9 @@ import pytest
 from typer.testing import CliRunner
 
 from remqa_data.cli import app as data_app
+from remqa_data.executors import LocalExecutor
 from remqa_data.generators.cli import app
 from remqa_data.generators.config import Config, load_config, paper_config
-from remqa_data.generators.executors import LocalExecutor
 from remqa_data.generators.pipeline import generate
 from remqa_data.manifest import Manifest
 from remqa_data.rows import FrameRow, QuestionRow

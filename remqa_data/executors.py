@@ -1,4 +1,4 @@
-"""Where rooms are made: in processes of this machine, or on a Ray cluster.
+"""Where the work on rooms is done: in processes of this machine, or on a Ray cluster.
 
 A job writes its results itself, to a place that is the same for all, and gives back little. So an executor only says which
 jobs there are and counts them. What a job does may depend on nothing but the job; then a job can be done again, on another
@@ -92,7 +92,7 @@ class LocalExecutor:
         waiting, losses = dict.fromkeys(range(len(jobs))), 0
         while waiting:
             try:
-                for number, result in self._run_until_loss(work, jobs, list(waiting)):
+                for number, result in _run_until_loss(work, jobs, list(waiting), min(self.workers, len(waiting))):
                     del waiting[number]
                     losses = 0
                     yield jobs[number], result
@@ -101,25 +101,8 @@ class LocalExecutor:
                 if losses == LOSSES_IN_A_ROW:
                     raise WorkersLostError(
                         f"worker processes died {losses} times with {len(waiting)} jobs to do, perhaps for lack of "
-                        "memory; go on with --resume and fewer --workers"
+                        "memory; use fewer --workers (remqa-gen goes on with --resume)"
                     ) from None
-
-    def _run_until_loss(self, work: Callable[[J], R], jobs: Sequence[J], numbers: list[int]) -> Iterator[tuple[int, R]]:
-        numbers.reverse()
-        running: dict[Future[R], int] = {}
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(self.workers, mp_context=context, initializer=_die_with_parent) as pool:
-            try:
-                while numbers or running:
-                    while numbers and len(running) < QUEUE_PER_WORKER * self.workers:
-                        number = numbers.pop()
-                        running[pool.submit(work, jobs[number])] = number
-                    done, _ = wait(running, return_when=FIRST_COMPLETED)
-                    for future in sorted(done, key=lambda future: future.exception() is not None):
-                        yield running.pop(future), future.result()
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
 
 
 class RayExecutor:
@@ -181,6 +164,26 @@ class RayExecutor:
             raise error.cause from None  # as it was raised there, without Ray's account of the way
         except exceptions.RayError as error:
             raise ClusterError(f"a job was lost for good: {one_line(error)}; go on with --resume") from None
+
+
+def _run_until_loss(
+    work: Callable[[J], R], jobs: Sequence[J], numbers: list[int], workers: int
+) -> Iterator[tuple[int, R]]:
+    numbers.reverse()
+    running: dict[Future[R], int] = {}
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_die_with_parent) as pool:
+        try:
+            while numbers or running:
+                while numbers and len(running) < QUEUE_PER_WORKER * workers:
+                    number = numbers.pop()
+                    running[pool.submit(work, jobs[number])] = number
+                done, _ = wait(running, return_when=FIRST_COMPLETED)
+                for future in sorted(done, key=lambda future: future.exception() is not None):
+                    yield running.pop(future), future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
 
 
 def _check_address(address: str | None) -> None:

@@ -9,12 +9,12 @@ import executor_jobs as jobs
 import pytest
 
 from remqa_data.errors import ArrangementError, ClusterError, ConfigError, UnknownNameError, WorkersLostError
+from remqa_data.executors import Executor, LocalExecutor, RayExecutor, make_executor
 from remqa_data.generators.config import load_config
-from remqa_data.generators.executors import Executor, LocalExecutor, RayExecutor, make_executor
 from remqa_data.generators.pipeline import generate
 from remqa_data.manifest import load_manifest
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[1] / "configs"
 pytestmark = pytest.mark.slow
 
 
