@@ -20,10 +20,12 @@ import numpy as np
 import psutil
 from damaged_files import files_of
 
+from remqa_data.manifest import load_manifest
+
 HERE = Path(__file__).parent
 PROGRAMS = {
     "made up": [str(HERE / "crash_run.py")],
-    "real": ["-m", "remqa_data.generators.cli", "--config", str(HERE / "kill_runs.yaml")],
+    "real": ["-c", "from remqa_data.generators.cli import main; main()", "--config", str(HERE / "kill_runs.yaml")],
 }
 WORKERS = 2
 
@@ -70,6 +72,7 @@ def main() -> None:
         began = time.monotonic()
         assert start(whole, asked.rooms).wait() == 0
         usual_s, expected = time.monotonic() - began, files_of(whole)
+        assert len(load_manifest(whole).files) >= 4
         same = struck = 0
         number = 0
         while struck < asked.kills:
