@@ -234,14 +234,14 @@ def _find_candidates(geometry: Geometry, start: int, stop: int, cull: bool, buff
     for face in range(start, stop):
         a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
         xa, ya, xb, yb, xc, yc = image[3, a], image[4, a], image[3, b], image[4, b], image[3, c], image[4, c]
-        away = (xb - xa) * (yc - ya) - (xc - xa) * (yb - ya) >= np.float32(0.0)
+        turned_away = solid[face] & ((xb - xa) * (yc - ya) - (xc - xa) * (yb - ya) >= np.float32(0.0))
         x_low, x_high = min(xa, min(xb, xc)) + shift_x - slack, max(xa, max(xb, xc)) + shift_x + slack
         y_low, y_high = min(ya, min(yb, yc)) + shift_y - slack, max(ya, max(yb, yc)) + shift_y + slack
         inside = (x_high >= 0.0) & (x_low <= width - 1) & (y_high >= 0.0) & (y_low <= height - 1)
         covers = (np.floor(x_high) >= x_low) & (np.floor(y_high) >= y_low)
         candidates[count] = face
         # Without culling the part may cross the near plane, where divided coordinates mean nothing.
-        count += (inside & covers & ~(solid[face] & away)) | (not cull)
+        count += (inside & covers & (not turned_away)) | (not cull)
     return count
 
 
@@ -303,6 +303,7 @@ def _draw_faces(
                 last = math.floor(high + half_width - 0.5)
                 if first > last:
                     continue
+                # Views that start at the run, and no branches, let the compiler vectorise.
                 keys, slots = key[row, first : last + 1], slot[row, first : last + 1]
                 for i in range(keys.shape[0]):
                     value = np.float32(kx * (first + i + 0.5 - half_width) + rk)
