@@ -135,7 +135,7 @@ def rasterise(geometry: Geometry, placed: Placed, view: View, buffers: Buffers) 
         first, last = part_faces(geometry, part)
         # From inside a solid, or where the near plane cuts it open, back faces do show.
         cull = not crosses_near
-        candidates = _find_candidates(geometry, first, last, cull, buffers)
+        candidates = find_candidates(geometry, first, last, cull, buffers, 1)
         count = _draw_faces(geometry, candidates, cull, view.pinhole, near_key, buffers, count)
         buffers.drawn[drawn, 0], buffers.drawn[drawn, 1] = part, cull
         drawn += 1
@@ -219,25 +219,29 @@ def _project_vertices(vertices: F32, start: int, stop: int, view: View, image: F
 
 
 @exact
-def _find_candidates(geometry: Geometry, start: int, stop: int, cull: bool, buffers: Buffers) -> int:
-    """Write which of a range of faces turn to the viewer and may cover a pixel; returns how many.
+def find_candidates(geometry: Geometry, start: int, stop: int, cull: bool, buffers: Buffers, per_pixel: int) -> int:
+    """Write which of a range of faces may show; returns how many.
 
-    Most faces of a room turn away or fall between pixels, and which do is anyone's guess: a loop without branches is
-    several times as quick as one that decides face by face.
+    That is those that turn to the viewer and are not between the columns, or the rows, of the points where the image is
+    sampled, of which there are as many to a pixel as given. Most faces of a room fail, and which do is hard to foretell:
+    a loop without branches is several times as quick as one that decides face by face.
     """
     faces, solid, image, candidates = geometry.faces, geometry.face_of_solid, buffers.image, buffers.candidates
     height, width = buffers.key.shape
-    shift_x, shift_y = np.float32(0.5 * width - 0.5), np.float32(0.5 * height - 0.5)
-    # Wider than what `_draw_faces` tests, as this is rounded more coarsely.
-    slack = np.float32(2 * _SLACK_PX + 1e-6 * (width + height))
+    scale = np.float32(per_pixel)
+    last_x, last_y = np.float32(per_pixel * width - 1), np.float32(per_pixel * height - 1)
+    # Wider than what is tested when faces are drawn, as this is rounded more coarsely.
+    slack = scale * np.float32(2 * _SLACK_PX + 1e-6 * (width + height))
+    start_x, stop_x = np.float32(0.5) * last_x - slack, np.float32(0.5) * last_x + slack
+    start_y, stop_y = np.float32(0.5) * last_y - slack, np.float32(0.5) * last_y + slack
     count = 0
     for face in range(start, stop):
         a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
         xa, ya, xb, yb, xc, yc = image[3, a], image[4, a], image[3, b], image[4, b], image[3, c], image[4, c]
         turned_away = solid[face] & ((xb - xa) * (yc - ya) - (xc - xa) * (yb - ya) >= np.float32(0.0))
-        x_low, x_high = min(xa, min(xb, xc)) + shift_x - slack, max(xa, max(xb, xc)) + shift_x + slack
-        y_low, y_high = min(ya, min(yb, yc)) + shift_y - slack, max(ya, max(yb, yc)) + shift_y + slack
-        inside = (x_high >= 0.0) & (x_low <= width - 1) & (y_high >= 0.0) & (y_low <= height - 1)
+        x_low, x_high = min(xa, min(xb, xc)) * scale + start_x, max(xa, max(xb, xc)) * scale + stop_x
+        y_low, y_high = min(ya, min(yb, yc)) * scale + start_y, max(ya, max(yb, yc)) * scale + stop_y
+        inside = (x_high >= 0.0) & (x_low <= last_x) & (y_high >= 0.0) & (y_low <= last_y)
         covers = (np.floor(x_high) >= x_low) & (np.floor(y_high) >= y_low)
         candidates[count] = face
         # Without culling the part may cross the near plane, where divided coordinates mean nothing.

@@ -14,7 +14,16 @@ import numpy as np
 from remqa_data.assets.model import F32, I32
 from remqa_data.sim.compiled import exact, relaxed
 from remqa_data.sim.outline import face_bounds, side
-from remqa_data.sim.raster import FAR_M, Buffers, Flags, Geometry, edge_functions, nearest_key, part_faces
+from remqa_data.sim.raster import (
+    FAR_M,
+    Buffers,
+    Flags,
+    Geometry,
+    edge_functions,
+    find_candidates,
+    nearest_key,
+    part_faces,
+)
 
 _SAMPLE_BITS = 2
 SAMPLES = 1 << _SAMPLE_BITS
@@ -65,7 +74,9 @@ def sample_edges(geometry: Geometry, buffers: Buffers, pinhole: bool, is_edge: F
         if part < 0:
             break
         start, stop = part_faces(geometry, part)
-        _draw_faces(geometry, start, stop, buffers.drawn[i, 1] > 0, pinhole, buffers.image, samples)
+        cull = buffers.drawn[i, 1] > 0
+        candidates = find_candidates(geometry, start, stop, cull, buffers, SAMPLES)
+        _draw_faces(geometry, buffers.candidates[:candidates], cull, pinhole, buffers.image, samples)
     return samples
 
 
@@ -154,17 +165,15 @@ def _least_at_samples(slope: float, fall: float, constant: float, across: float,
 
 
 @relaxed
-def _draw_faces(
-    geometry: Geometry, start: int, stop: int, cull: bool, pinhole: bool, image: F32, samples: Samples
-) -> None:
-    """Draw a range of faces into the samples."""
+def _draw_faces(geometry: Geometry, candidates: I32, cull: bool, pinhole: bool, image: F32, samples: Samples) -> None:
+    """Draw some faces into the samples."""
     first_edge, columns, reach, least = samples.first, samples.column, samples.reach, samples.least
     keys, found = samples.key, samples.face
     faces, is_solid = geometry.faces, geometry.face_of_solid
     height, width = len(first_edge), first_edge.shape[1] - 1
     half_width, half_height = 0.5 * width, 0.5 * height
     limit = np.float32(nearest_key(pinhole))
-    for face in range(start, stop):
+    for face in candidates:
         a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
         skip_back = cull and is_solid[face]
         x_least, x_most, y_least, y_most = face_bounds(image, a, b, c, skip_back, pinhole, half_width, half_height)
