@@ -12,8 +12,8 @@ import numpy.typing as npt
 from remqa_data.assets.model import F32, F64
 from remqa_data.generators.hiding_areas import Area, largest_rectangle
 from remqa_data.generators.hiding_rules import HidingRules
-from remqa_data.generators.sightlines import Sightlines, cells_that_reach, is_clear
-from remqa_data.sim.navigation import AGENT_RADIUS_M, ARM_REACH_M, Outline
+from remqa_data.generators.sightlines import Sightlines, cells_that_reach
+from remqa_data.sim.navigation import AGENT_RADIUS_M, ARM_REACH_M, Outline, outline_distance
 from remqa_data.sim.viewpoints import AgentPose, facing_poses
 
 Mask = npt.NDArray[np.bool_]
@@ -48,7 +48,7 @@ def poses_that_reach(
     cells = [
         cell
         for cell in cells_that_reach(sight.grid, points, ARM_REACH_M)
-        if is_clear(sight.grid.position(cell), outlines, AGENT_RADIUS_M)
+        if outline_distance(outlines, sight.grid.position(cell)) > AGENT_RADIUS_M
     ]
     for pose in facing_poses(sight.grid, cells, target):
         with np.errstate(divide="ignore", invalid="ignore"):

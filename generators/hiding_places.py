@@ -20,10 +20,10 @@ from remqa_data.generators.hiding_areas import Area, Spot
 from remqa_data.generators.hiding_goals import Goals, at_height, best_goals, out_of_sight, poses_that_reach
 from remqa_data.generators.hiding_rules import HidingRules, hiding_rules
 from remqa_data.generators.shifting import free_shift
-from remqa_data.generators.sightlines import Sightlines, plan_outlines
+from remqa_data.generators.sightlines import Sightlines
 from remqa_data.scene import Scene
 from remqa_data.sim.bullet import pybullet
-from remqa_data.sim.navigation import Outline, reachable_grid
+from remqa_data.sim.navigation import Outline, object_outlines, reachable_grid
 from remqa_data.sim.view import WorldView
 from remqa_data.sim.viewpoints import (
     FRAME_PX,
@@ -153,7 +153,7 @@ class _Finder:
             swept: list[Outline] = []
             for openness in SWEPT:
                 world.open(object_id, openness)
-                swept += plan_outlines(world, object_id, first_link=1)
+                swept += object_outlines(world, object_id, first_link=1)
             motion = world.link_poses(object_id) @ np.linalg.inv(closed)
             poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept)
             after = {pose: self.sight.depth(pose) for pose in poses}
@@ -259,7 +259,7 @@ class _Finder:
             points, outlines = surface_points(world, object_id), list[Outline]()
             if move_to is not None:
                 world.move_alone(object_id, move_to)
-                outlines = plan_outlines(world, object_id)
+                outlines = object_outlines(world, object_id)
                 world.move_alone(object_id, (x, y, z + RAISED_M))
             poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines)
             before = {pose: self.sight.depth(pose) for pose in poses}

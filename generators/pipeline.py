@@ -72,7 +72,7 @@ def generate(
             return manifest
         parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "version": __version__})
         made = _made_rooms(parts, quotas, config, executor, progress)
-        files = assemble(parts, made, _shards_per_split(made), executor.run)
+        files = assemble(parts, made, _shards_per_split(made), executor)
         manifest = _manifest(config, made, files)
         write_card(storage.root, manifest)
         lock.confirm()

@@ -45,15 +45,13 @@ def write_sample_picture(root: Path, question_id: str, path: Path) -> None:
 
 def find_question(root: Path, question_id: str) -> tuple[QuestionRow, SceneRow]:
     """A question and the configuration that it is about."""
-    known: list[str] = []
-    for split in load_manifest(root).splits("questions"):
-        ids = read_table(root, "questions", split, ["question_id"])["question_id"].to_pylist()
-        if question_id in ids:
-            question = next(read_rows(root, QuestionRow, split, question_id=question_id))
+    splits = load_manifest(root).splits("questions")
+    for split in splits:
+        for question in read_rows(root, QuestionRow, split, question_id=question_id):
             scene, configuration = question.scene, question.configuration
             return question, next(read_rows(root, SceneRow, split, scene=scene, configuration=configuration))
-        known += ids
-    raise UnknownNameError("question", question_id, known)
+    ids = (read_table(root, "questions", split, ["question_id"])["question_id"] for split in splits)
+    raise UnknownNameError("question", question_id, [name for column in ids for name in column.to_pylist()])
 
 
 def sample_picture(question: QuestionRow, scene: SceneRow) -> U8:

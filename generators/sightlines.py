@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from remqa_data.assets.model import F32, F64
 from remqa_data.sim.camera import Camera
-from remqa_data.sim.navigation import Cell, Outline, ReachableGrid, body_outlines, reach_distance
+from remqa_data.sim.navigation import Cell, ReachableGrid, reach_distance
 from remqa_data.sim.view import WorldView
 from remqa_data.sim.viewpoints import AgentPose
-from remqa_data.sim.world import World
 
 Flags = npt.NDArray[np.bool_]
 
@@ -81,13 +78,3 @@ def cells_that_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[C
         if gap <= 1.0 and any(reach_distance(position, grid.floor_z, point) <= reach_m for point in points):
             found.append((math.dist(position, middle), cell))
     return [cell for _, cell in sorted(found)]
-
-
-def plan_outlines(world: World, object_id: str, first_link: int = 0) -> list[Outline]:
-    """Convex outlines, seen from above, of an object's links between ankle and head height, as they are now."""
-    return body_outlines(world.assets[object_id], world.link_poses(object_id), world.scene.floor_z, first_link)
-
-
-def is_clear(position: tuple[float, float], outlines: Iterable[Outline], radius_m: float) -> bool:
-    """Whether outlines stay farther from a position than a radius."""
-    return all(-cv2.pointPolygonTest(outline, position, True) > radius_m for outline in outlines)

@@ -12,7 +12,7 @@ import hashlib
 import json
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -22,6 +22,7 @@ import pyarrow as pa
 from pydantic import TypeAdapter, ValidationError
 
 from remqa_data.errors import DamagedPartError, DatasetError
+from remqa_data.executors import Executor, LocalExecutor
 from remqa_data.files import is_leftover, sha256_of
 from remqa_data.manifest import MANIFEST, FileInfo, Manifest, config_hash, write_manifest
 from remqa_data.rows import Row
@@ -207,18 +208,16 @@ def merge(job: ShardJob) -> FileInfo:
         return file_info(temporary, job.path, job.table, job.split)
 
 
-Run = Callable[[Callable[[ShardJob], FileInfo], Sequence[ShardJob]], Iterable[tuple[ShardJob, FileInfo]]]
-"""Does some work on all jobs, wherever and in whatever order: `Executor.run` of the generators."""
-
-
 def assemble(
-    parts: Parts, order: Sequence[Part], shards_per_split: int | Mapping[str, int], run: Run | None = None
+    parts: Parts,
+    order: Sequence[Part],
+    shards_per_split: int | Mapping[str, int],
+    executor: Executor | None = None,
 ) -> tuple[FileInfo, ...]:
     """Merge all shards, by default in this process, and remove older ones; see `Parts.shard_jobs`."""
     unfinish(parts.storage)
     jobs = parts.shard_jobs(order, shards_per_split)
-    done = run(merge, jobs) if run else ((job, merge(job)) for job in jobs)
-    made = {info.path: info for _, info in done}
+    made = {info.path: info for _, info in (executor or LocalExecutor()).run(merge, jobs)}
     files = tuple(made[job.path] for job in jobs)
     tidy(parts.storage, files)
     return files

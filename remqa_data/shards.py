@@ -129,7 +129,8 @@ def read_rows(root: str | os.PathLike[str], row_type: type[R], split: str, **wan
             for column, value in wanted.items():
                 is_wanted &= keys[column].to_numpy() == value
             if is_wanted.any():
-                yield from to_rows(row_type, shard.read(group).filter(is_wanted))
+                rows = shard.read(group)
+                yield from to_rows(row_type, rows if is_wanted.all() else rows.filter(is_wanted))
 
 
 def shard_paths(root: str | os.PathLike[str], table: str, split: str) -> list[Path]:

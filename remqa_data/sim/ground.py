@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterable
 from itertools import chain
 
-import cv2
 import numpy as np
 
 from remqa_data.assets.model import F64
@@ -23,7 +22,10 @@ from remqa_data.sim.navigation import (
     body_outlines,
     building_outlines,
     clearance_from,
+    object_outlines,
+    outline_distance,
     reachable_grid,
+    solid_ids,
 )
 from remqa_data.sim.state import ObjectState
 from remqa_data.sim.world import World
@@ -75,8 +77,9 @@ class Ground:
     def meets_agent(self, object_id: str, link_poses: F64, agent: Point) -> bool:
         """Whether an object would touch the agent with its links at (n, 4, 4) poses; not if it does so already."""
         self._sync()
-        now = _distance(self._outlines[object_id], agent)
-        return _distance(self._outlines_at(object_id, link_poses), agent) <= min(self.radius_m, now - 1e-6)
+        now = outline_distance(self._outlines[object_id], agent)
+        then = body_outlines(self.world.assets[object_id], link_poses, self.world.scene.floor_z)
+        return outline_distance(then, agent) <= min(self.radius_m, now - 1e-6)
 
     def grid(self) -> ReachableGrid:
         """The navigation grid as it is now."""
@@ -110,25 +113,13 @@ class Ground:
         world = self.world
         for name in moved:
             self._states[name] = world.state(name)
-            self._outlines[name] = self._outlines_at(name, world.link_poses(name))
-        in_the_way = (self._outlines[name] for name in self._solid_ids())
+            self._outlines[name] = object_outlines(world, name)
+        in_the_way = (self._outlines[name] for name in solid_ids(world))
         self._clearance = clearance_from(world.scene.bounds, chain(self._building, *in_the_way))
         self._grid = None
 
-    def _solid_ids(self) -> list[str]:
-        world = self.world
-        return [name for name in world.ids if name != world.held and world.type_of(name) != "Floor"]
-
     def _nearest(self, x: float, y: float) -> str:
         """The object nearest to a point, or the building if nothing is within the agent's radius."""
-        gaps = {name: _distance(self._outlines[name], (x, y)) for name in self._solid_ids()}
+        gaps = {name: outline_distance(self._outlines[name], (x, y)) for name in solid_ids(self.world)}
         nearest = min(gaps, key=lambda name: gaps[name], default=STRUCTURE_NAME)
         return nearest if gaps.get(nearest, math.inf) <= self.radius_m + 2 * FINE_M else STRUCTURE_NAME
-
-    def _outlines_at(self, object_id: str, link_poses: F64) -> list[Outline]:
-        return body_outlines(self.world.assets[object_id], link_poses, self.world.scene.floor_z)
-
-
-def _distance(outlines: list[Outline], point: Point) -> float:
-    """Metres from a point to the nearest of some outlines; 0 inside one."""
-    return min((max(0.0, -cv2.pointPolygonTest(outline, point, True)) for outline in outlines), default=math.inf)

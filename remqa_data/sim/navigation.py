@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import chain
 
 import cv2
 import networkx as nx
@@ -105,11 +106,12 @@ def _part_nearest_to_most(world: World, parts: list[list[Cell]]) -> list[Cell]:
 
 def obstacles(world: World) -> list[Outline]:
     """Plan outlines of all that blocks the agent."""
-    outlines = building_outlines(world.scene)
-    for object_id in world.ids:
-        if object_id != world.held and world.type_of(object_id) != "Floor":
-            outlines += body_outlines(world.assets[object_id], world.link_poses(object_id), world.scene.floor_z)
-    return outlines
+    return [*building_outlines(world.scene), *chain(*(object_outlines(world, name) for name in solid_ids(world)))]
+
+
+def solid_ids(world: World) -> list[str]:
+    """The objects that may block the agent: all but the floor and what is held."""
+    return [name for name in world.ids if name != world.held and world.type_of(name) != "Floor"]
 
 
 def building_outlines(scene: Scene) -> list[Outline]:
@@ -121,6 +123,11 @@ def building_outlines(scene: Scene) -> list[Outline]:
         if z1 > low and z0 < high:
             outlines.append(_outline([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]))
     return outlines
+
+
+def object_outlines(world: World, object_id: str, first_link: int = 0) -> list[Outline]:
+    """`body_outlines` of an object as it is now."""
+    return body_outlines(world.assets[object_id], world.link_poses(object_id), world.scene.floor_z, first_link)
 
 
 def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int = 0) -> list[Outline]:
@@ -137,6 +144,11 @@ def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int
             if placed[:, 2].max() > low and placed[:, 2].min() < high:
                 outlines.append(_outline(placed[:, :2]))
     return outlines
+
+
+def outline_distance(outlines: Iterable[Outline], point: tuple[float, float]) -> float:
+    """Metres from a point to the nearest of some outlines; 0 inside one."""
+    return min((max(0.0, -cv2.pointPolygonTest(outline, point, True)) for outline in outlines), default=math.inf)
 
 
 def reach_distance(position: tuple[float, float], floor_z: float, point: Vec3 | F64) -> float:

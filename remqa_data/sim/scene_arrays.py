@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from remqa_data.assets.model import F64, I32, Surface
 from remqa_data.assets.textures import repeats, texture
-from remqa_data.sim.mipmap import CLAMPED, levels
+from remqa_data.sim.mipmap import CLAMPED, SIZE_BITS, levels
 from remqa_data.sim.raster import Flags, Geometry
 from remqa_data.sim.shade import Materials
 
@@ -81,7 +81,8 @@ def build_materials(parts: Sequence[Part]) -> tuple[Materials, I32]:
 @lru_cache(maxsize=64)  # half a megabyte each; a room has about 13
 def _texels(name: str | None) -> I32:
     """All levels of a texture; plain white for surfaces without one."""
-    return levels(texture(name) if name is not None else np.full((256, 256, 3), 255, dtype=np.uint8))
+    white = np.full((1 << SIZE_BITS, 1 << SIZE_BITS, 3), 255, dtype=np.uint8)
+    return levels(white if name is None else texture(name))
 
 
 def surface_instances(parts: Sequence[Part]) -> I32:
