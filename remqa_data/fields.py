@@ -32,7 +32,8 @@ class Column:
     frame : str, optional
         Frame of the coordinates: "world", "image", "grid" or "voxels".
     arrow : str, optional
-        Arrow type where it is not the usual one for the Python type, such as "int64" or "large_string".
+        Arrow type where it is not the usual one for the Python type, such as "int64" or "large_string"; of an array,
+        that of its numbers.
     columns : tuple of str
         For an (n, k) array: the names of its k columns; it is stored as a list of structs.
     """
@@ -242,6 +243,10 @@ def struct_of(record: type, documentation: Documentation) -> Struct:
 
 def node_of(hint: Any, column: Column, documentation: Documentation) -> Node:
     """The node of an annotation, see `struct_of`."""
+    if column.columns:  # said by the Column alone: what `NDArray[...]` is at run time differs between releases of numpy
+        if column.arrow is None:
+            raise SchemaError(f"an array with the columns {', '.join(column.columns)} needs an Arrow type")
+        return Array(column.columns, pa.type_for_alias(column.arrow))
     if column.arrow is not None:
         return Leaf(pa.type_for_alias(column.arrow))
     if hint in _LEAVES:
@@ -252,8 +257,6 @@ def node_of(hint: Any, column: Column, documentation: Documentation) -> Node:
     if origin is tuple:
         length = None if inner[-1] is Ellipsis else len(inner)
         return ListOf(node_of(inner[0], column, documentation), length)
-    if origin is np.ndarray:
-        return Array(column.columns, pa.from_numpy_dtype(get_args(inner[1])[0]))
     if isinstance(hint, type) and (dataclasses.is_dataclass(hint) or hasattr(hint, "_fields")):
         return struct_of(hint, documentation)
     raise SchemaError(f"{hint} has no Arrow type here")

@@ -56,6 +56,7 @@ class SemanticMap:
         Column(
             "Occupied voxels: x, y, z counted from the origin, and an index into labels.",
             frame="voxels",
+            arrow="int16",
             columns=("x", "y", "z", "label"),
         ),
     ]
