@@ -95,7 +95,7 @@ def million_rows() -> tuple[pa.Table, pa.Table]:
     asked = pa.table(
         {
             "question_id": ids,
-            "start": poses(starts, angles),
+            "initial_pose": poses(starts, angles),
             "goal_poses": pa.ListArray.from_arrays(np.arange(ROWS + 1, dtype=np.int32), poses(goals, angles)),
             "path_length_m": np.abs(goals - starts).sum(axis=1),
         }

@@ -129,12 +129,12 @@ class _Frames:
 
 def _questions(results: Results, truth: Truth, rows: dict[int, dict[str, object]]) -> list[Failure]:
     stored = SplitReader(truth.root, "questions", truth.split)
-    asked = stored.columns(["question", "target_box_2d"]).to_pylist()
+    asked = stored.columns(["question", "start_target_box_2d"]).to_pylist()
     walked = _walked(truth, rows) if results.replayed else {}
     failures = []
     for place, row in rows.items():
         before, after = (decode_rgb(memoryview(data)).copy() for data in stored.images(place, ["start_rgb", "end_rgb"]))
-        _draw_boxes(before, asked[place]["target_box_2d"], None)
+        _draw_boxes(before, asked[place]["start_target_box_2d"], None)
         pictures = [*walked.get(place, ()), _picture("stored view from the goal pose: target green", before)]
         pictures += [_picture("stored view after the manipulation", after)] if truth.track in ("remqa", "qa") else []
         facts = _facts(results, truth, place, row)

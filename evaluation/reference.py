@@ -53,7 +53,7 @@ def reference_rows(agent: Agent, root: Path, track: Track, split: str, rng: np.r
     return [{name: row[name] for name in names} for row in complete]
 
 
-_QUESTION_COLUMNS = ("question_id", "kind", "question", "answer", "actions", "target_box_2d", "object_ids")
+_QUESTION_COLUMNS = ("question_id", "kind", "question", "answer", "actions", "start_target_box_2d", "object_ids")
 
 
 def _oracle(root: Path, asked: Sequence[Row], rng: np.random.Generator, answers: bool) -> Iterator[Row]:
@@ -66,7 +66,7 @@ def _oracle(root: Path, asked: Sequence[Row], rng: np.random.Generator, answers:
         yield {
             "question_id": row["question_id"],
             "actions": [*way[:first], DONE],
-            "box": row["target_box_2d"],
+            "box": row["start_target_box_2d"],
             "manipulation": way[first],
             "answer": row["answer"],
         }

@@ -43,7 +43,7 @@ class Attempt:
     ----------
     place : int
         Of the question in its split.
-    start : Pose
+    initial_pose : Pose
     target_id : str
     actions : sequence of str
         Of navigation.
@@ -54,7 +54,7 @@ class Attempt:
     """
 
     place: int
-    start: Pose
+    initial_pose: Pose
     target_id: str
     actions: Sequence[str]
     manipulation: str | None
@@ -70,7 +70,7 @@ class Replayed:
     place : int
         Of the question in its split.
     poses : tuple of Pose
-        The start, then the pose after each action but Done.
+        The initial pose, then the pose after each action but Done.
     target_box : Box2D or None
         The target in the final view before the manipulation, or None where it is not visible.
     is_manipulated : bool
@@ -153,10 +153,10 @@ def load_room(scene_json: str, name: str, body: EmbodimentRow) -> Replay:
 
 
 def walk(replay: Replay, attempt: Attempt) -> tuple[list[Pose], int]:
-    """Put the agent at the start and let it walk: the poses it passes, and how many actions were refused."""
-    x, y, yaw, horizon = attempt.start
+    """Put the agent at its initial pose and let it walk: the poses it passes, and how many actions were refused."""
+    x, y, yaw, horizon = attempt.initial_pose
     replay.pose = AgentPose((round(x / GRID_M), round(y / GRID_M)), round(yaw), round(horizon))
-    poses, refused = [attempt.start], 0
+    poses, refused = [attempt.initial_pose], 0
     agent = replay.agent
     for action in attempt.actions:
         if action == DONE:

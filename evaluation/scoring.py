@@ -33,7 +33,7 @@ STEP_LIMITS = (25, 50)
 """Steps within which the track `nav` asks for success, beside any number of them."""
 IOU_THRESHOLDS = (0.5, 0.6, 0.7, 0.8, 0.9)
 START_SLACK = 1e-3
-"""Metres and degrees by which the first pose may differ from the start pose."""
+"""Metres and degrees by which the first pose may differ from the initial pose."""
 MOST_KNOWN_FOR_HINTS = 10_000
 """Finding the nearest of more ids takes too long."""
 
@@ -118,7 +118,7 @@ def score(
 def attempt_of(truth: Truth, place: int, actions: Sequence[str], manipulation: str | None) -> tuple[Attempt, Room]:
     """What is to be replayed of a submitted row, and in which room; `place` is that of the question in the truth."""
     question = {name: truth.table[name][place].as_py() for name in _ASKED}
-    x, y, yaw, horizon = truth.starts[place].tolist()
+    x, y, yaw, horizon = truth.initial_poses[place].tolist()
     wanted = question["manipulation"], question["manipulation_object_id"]
     attempt = Attempt(place, (x, y, yaw, horizon), question["target_id"], actions, manipulation, wanted)
     return attempt, (question["scene"], question["configuration"])
@@ -245,16 +245,16 @@ def _places(submission: Submission, truth: Truth, batch: Batch, answered: Bools)
 def _fill_claimed(
     submission: Submission, truth: Truth, filled: _Filled, places: npt.NDArray[np.int64], batch: Batch
 ) -> None:
-    """Take poses and true boxes as the file claims them; only the start pose is known, and checked."""
+    """Take poses and true boxes as the file claims them; only the initial pose is known, and checked."""
     lists = batch.rows["poses"]
     counts = np.asarray(lists.value_lengths().to_numpy(zero_copy_only=False), dtype=np.int64)
     poses = np.asarray(lists.flatten().flatten().to_numpy(), dtype=np.float64).reshape(-1, 4)
-    off = np.abs(poses[np.cumsum(counts) - counts] - truth.starts[places]).max(axis=1) > START_SLACK
+    off = np.abs(poses[np.cumsum(counts) - counts] - truth.initial_poses[places]).max(axis=1) > START_SLACK
     if off.any():
         row = int(off.argmax())
-        start = truth.starts[places[row]].tolist()
+        initial = truth.initial_poses[places[row]].tolist()
         where = f"{submission.place(batch.first + row)}, field poses[0]"
-        raise SubmissionError(submission.path, where, f"not the question's start pose, which is {start}")
+        raise SubmissionError(submission.path, where, f"not the question's initial pose, which is {initial}")
     filled.add_walks(truth, places, poses, counts)
     filled.target_boxes[places] = _boxes(batch.rows["target_box"])
 

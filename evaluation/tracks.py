@@ -60,7 +60,7 @@ COLUMNS: dict[str, Column] = {
     "poses": Column(
         Annotated[list[Annotated[list[float], MaxLen(4)]], MaxLen(MAX_ACTIONS + 1)],
         pa.list_(NUMBERS),
-        f"1 to {MAX_ACTIONS + 1} poses [x, y, yaw_deg, horizon_deg], the start pose first",
+        f"1 to {MAX_ACTIONS + 1} poses [x, y, yaw_deg, horizon_deg], the initial pose first",
     ),
     "target_box": Column(
         Annotated[list[float], MaxLen(4)] | None,

@@ -27,7 +27,7 @@ QUESTION_COLUMNS = (
     "scene",
     "room_type",
     "configuration",
-    "start",
+    "initial_pose",
     "goal_poses",
     "target_id",
     "target_type",
@@ -86,9 +86,9 @@ class Truth:
         return np.asarray(self.table["path_length_m"].to_numpy(), dtype=np.float64)
 
     @cached_property
-    def starts(self) -> F64:
-        """(n, 4) start poses: x, y, yaw_deg, horizon_deg."""
-        structs = self.table["start"].combine_chunks()
+    def initial_poses(self) -> F64:
+        """(n, 4) initial poses: x, y, yaw_deg, horizon_deg."""
+        structs = self.table["initial_pose"].combine_chunks()
         angles = [structs.field(name).to_numpy(zero_copy_only=False)[:, None] for name in ("yaw_deg", "horizon_deg")]
         return np.hstack([_positions(structs), *angles])
 

@@ -55,10 +55,10 @@ def find_question(root: Path, question_id: str) -> tuple[QuestionRow, SceneRow]:
 
 
 def sample_picture(question: QuestionRow, scene: SceneRow) -> U8:
-    """The question above the start view with the target's box, the end view and the map, (h, w, 3) RGB."""
+    """The question above I_start with the target's box, I_end and the map, (h, w, 3) RGB."""
     before, after = decode_rgb(question.start_rgb.bytes).copy(), decode_rgb(question.end_rgb.bytes)
-    if question.target_box_2d is not None:
-        x1, y1, x2, y2 = question.target_box_2d
+    if question.start_target_box_2d is not None:
+        x1, y1, x2, y2 = question.start_target_box_2d
         cv2.rectangle(before, (x1, y1), (x2 - 1, y2 - 1), BOX_COLOR, 2)
     body = np.hstack([before, after, _way_map(question, scene)])
     facts = f"{question.question_id}   {question.manipulation} {question.target_type}   {question.path_steps} steps"
@@ -93,7 +93,7 @@ def _way_map(question: QuestionRow, row: SceneRow) -> U8:
     with World(scene) as world:
         grid = reachable_grid(world)
         plan = room_map(scene, WorldView(world), grid, TILE_PX)
-    poses = poses_along(grid, stored_pose(question.start), question.actions)
+    poses = poses_along(grid, stored_pose(question.initial_pose), question.actions)
     points = np.array([map_pixel(scene, TILE_PX, *grid.position(pose.cell)) for pose in poses], dtype=np.int32)
     cv2.polylines(plan, [points], False, PATH_COLOR, 2, cv2.LINE_AA)
     for point, color in ((points[0], START_COLOR), (points[-1], GOAL_COLOR)):

@@ -113,7 +113,7 @@ def tour(
         semantic_map=stored,
         map_2d=map_2d,
         navigation_cells=tuple(GridCell(*cell) for cell in grid.cells),
-        start_cell=GridCell(*start),
+        walk_start_cell=GridCell(*start),
         embodiment=EMBODIMENT,
     )
     return Tour(scene, tuple(frames), tuple(said))

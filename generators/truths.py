@@ -143,8 +143,8 @@ class CheckedRoom:
         target = before == _number(question, question.target_id)
         if np.count_nonzero(target) < least:
             yield "visible", f"{question.target_id} shows {np.count_nonzero(target)} pixels in the start frame"
-        if question.target_box_2d != _box_of(target):
-            yield "visible", f"the box of {question.target_id} is {_box_of(target)}, not {question.target_box_2d}"
+        if question.start_target_box_2d != _box_of(target):
+            yield "visible", f"the box of {question.target_id} is {_box_of(target)}, not {question.start_target_box_2d}"
         for object_id in question.answer_ids:
             shown, revealed = (np.count_nonzero(image == _number(question, object_id)) for image in (before, after))
             if shown:
@@ -163,8 +163,8 @@ class CheckedRoom:
         """The shortest way leads to the first goal, and from every goal the arm reaches the target."""
         if not question.goal_poses:
             raise NoPathError("there is no goal pose")
-        start, goals = stored_pose(question.start), [stored_pose(goal) for goal in question.goal_poses]
-        stored = (question.start, *question.goal_poses)
+        start, goals = stored_pose(question.initial_pose), [stored_pose(goal) for goal in question.goal_poses]
+        stored = (question.initial_pose, *question.goal_poses)
         if any(agent_state(self.grid, pose) != state for pose, state in zip((start, *goals), stored, strict=True)):
             yield "reachable", "a pose is not on the grid"
         if poses_along(self.grid, start, question.actions)[-1] != goals[0]:
@@ -182,7 +182,7 @@ class CheckedRoom:
 
     def _replayed(self, question: QuestionRow) -> Iterator[Broken]:
         """The oracle's actions, in a freshly loaded world, give the stored pictures."""
-        replay = Replay(self.scene, stored_pose(question.start))
+        replay = Replay(self.scene, stored_pose(question.initial_pose))
         try:
             for goal in question.goal_poses:
                 distance = _reach_m(replay, question, goal.position)

@@ -221,11 +221,11 @@ def _image(name: str, data: memoryview) -> torch.Tensor:
 
 def _values(name: str, array: pa.Array) -> dict[str, _Values]:
     """For each key that a column becomes, what gives its value for a row."""
-    if name in ("agent", "start"):
+    if name in ("agent", "initial_pose"):
         return {name: _tensors(_poses(array))}
     if name == "goal_poses":
         return {name: _ragged_tensors(_poses(array.flatten()), array)}
-    if name in ("box_2d", "target_box_2d"):
+    if name in ("box_2d", "start_target_box_2d"):
         boxes = np.full((len(array), 4), -1, dtype=np.int64)
         boxes[array.is_valid().to_numpy(zero_copy_only=False)] = _matrix(array, np.int64)
         return {name: _tensors(boxes)}

@@ -58,7 +58,7 @@ class Episode:
         Of the room and its configuration; equal names mean equal rooms.
     scene : Scene
         The room, at rest.
-    start : tuple of float or None
+    initial_pose : tuple of float or None
         Where the agent begins; None for anywhere on the grid.
     task : Task or None
         None in a bare room.
@@ -66,7 +66,7 @@ class Episode:
 
     name: str
     scene: Scene
-    start: Pose | None
+    initial_pose: Pose | None
     embodiment: Embodiment
     task: Task | None
 
@@ -135,7 +135,7 @@ class DatasetEpisodes:
         return Episode(
             name=place,
             scene=Scene.from_json(row["scene_json"], place),
-            start=_pose(question["start"]),
+            initial_pose=_pose(question["initial_pose"]),
             embodiment=Embodiment.of_dataset(**row["embodiment"]),
             task=_task(question),
         )
@@ -184,10 +184,10 @@ _QUESTION_COLUMNS = (
     "answer",
     "scene",
     "configuration",
-    "start",
+    "initial_pose",
     "goal_poses",
     "target_id",
-    "target_box_2d",
+    "start_target_box_2d",
     "manipulation",
     "manipulation_object_id",
     "path_length_m",
@@ -207,7 +207,7 @@ def _pose(stored: dict[str, Any]) -> Pose:
 
 
 def _task(stored: dict[str, Any]) -> Task:
-    box = stored["target_box_2d"]
+    box = stored["start_target_box_2d"]
     return Task(
         question_id=stored["question_id"],
         kind=stored["kind"],

@@ -38,14 +38,14 @@ class LoadedRoom:
         return ThirdPerson(self.agent)
 
     def begin(self, episode: Episode, rng: np.random.Generator) -> None:
-        """Undo what was done, and put the agent at its start."""
+        """Undo what was done, and put the agent at its initial pose."""
         self.episode = episode
         if self.world.held is not None:
             self.view.hide(self.world.held, False)
         self.world.restore(self._first)
-        if episode.start is None:
+        if episode.initial_pose is None:
             cells = self.agent.grid.cells
             position = self.agent.grid.position(cells[int(rng.integers(len(cells)))])
             self.agent.place(position, float(rng.choice(HEADINGS_DEG)))
         else:
-            self.agent.place(episode.start[:2], episode.start[2], episode.start[3])
+            self.agent.place(episode.initial_pose[:2], episode.initial_pose[2], episode.initial_pose[3])

@@ -21,7 +21,8 @@ from remqa_data.storage import Folder, Storage, storage_at
 from remqa_data.version import __version__
 
 MANIFEST = "manifest.json"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
+"""2: initial_pose, start_target_box_2d and walk_start_cell have their names."""
 VERSIONED = ("pybullet", "numpy", "numba", "opencv-python-headless", "pyarrow")
 """Packages whose version can change the bytes of a dataset."""
 
@@ -149,7 +150,10 @@ def load_manifest(root: str | os.PathLike[str]) -> Manifest:
         field = ".".join(str(part) for part in first["loc"]) or "the whole text"
         raise DatasetError(f"{path}: {field}: {first['msg']}; generate the dataset again") from None
     if manifest.format_version != FORMAT_VERSION:
-        msg = f"{path}: format version {manifest.format_version}; this package reads {FORMAT_VERSION}"
+        msg = (
+            f"{path}: format version {manifest.format_version}; this package reads {FORMAT_VERSION}; generate the dataset "
+            f"again, or install the remqa-data that made it ({manifest.versions.get('remqa-data')})"
+        )
         raise DatasetError(msg)
     return manifest
 

@@ -99,7 +99,10 @@ class SceneRow:
         ),
     ]
     navigation_cells: Annotated[tuple[GridCell, ...], Column("Cells that the agent can stand on.", frame="grid")]
-    start_cell: Annotated[GridCell, Column("Cell where the walk starts.", frame="grid")]
+    walk_start_cell: Annotated[
+        GridCell,
+        Column("Cell where the walk that takes the frames begins; for episodes see initial_pose.", frame="grid"),
+    ]
     embodiment: Annotated[EmbodimentRow, Column("The agent's body and eye.")]
 
 
@@ -145,7 +148,11 @@ class ExpressionRow:
 
 @dataclass(frozen=True)
 class QuestionRow:
-    """One task: a question that is answered by walking to something, manipulating it and looking."""
+    """One task: a question that is answered by walking to something, manipulating it and looking.
+
+    I_start and I_end are the paper's names for the views from the goal before and after the manipulation. A column that
+    begins with `start_` or `end_` is about one of them; where the episode begins is `initial_pose`.
+    """
 
     question_id: Annotated[str, Column("Unique name of the question.")]
     kind: Annotated[QuestionKind, Column("EXISTENCE, COUNTING or SPATIAL.")]
@@ -158,30 +165,44 @@ class QuestionRow:
     configuration: Annotated[int, Column("Configuration of the room.")]
     split: Annotated[Split, Column("train or test, by room.")]
     group: Annotated[str, Column("Same for the same question about other configurations of the room.")]
-    start: Annotated[AgentState, Column("Where the agent starts.")]
+    initial_pose: Annotated[AgentState, Column("Where the agent is when the episode begins.")]
     goal_poses: Annotated[
         tuple[AgentState, ...],
-        Column("Poses that see the target and from which the arm reaches it; the stored frames are from the first."),
+        Column(
+            "Poses that see the target and from which the arm reaches it; I_start and I_end are seen from the first."
+        ),
     ]
     target_id: Annotated[str, Column("Id of the object to manipulate first, the one the expression means.")]
     target_type: Annotated[str, Column("Type of that object.")]
-    target_box_2d: Annotated[
-        Box2D | None, Column("Box of the target's pixels in the start frame, [x1, y1, x2, y2).", "px", "image")
+    start_target_box_2d: Annotated[
+        Box2D | None, Column("Box of the target's pixels in I_start, [x1, y1, x2, y2).", "px", "image")
     ]
     answer_type: Annotated[str, Column("Type of the objects asked for.")]
     answer_ids: Annotated[tuple[str, ...], Column("Ids of the objects that make the answer; empty for no and 0.")]
     manipulation: Annotated[Manipulation, Column("What must be done: Open, Move or Pickup.")]
     manipulation_object_id: Annotated[str, Column("Id of the object that it must be done to.")]
-    path_length_m: Annotated[float, Column("Length of the shortest path from start to the nearest goal pose.", "m")]
+    path_length_m: Annotated[
+        float, Column("Length of the shortest path from the initial pose to the nearest goal pose.", "m")
+    ]
     path_steps: Annotated[int, Column("Number of moves and turns on that path.")]
-    actions: Annotated[tuple[str, ...], Column("Oracle actions from the start pose to the end frame.")]
-    start_rgb: Annotated[StoredImage, Column("View from the goal pose before the manipulation, 8-bit RGB.")]
-    start_depth: Annotated[StoredImage, Column("Its depth along the forward axis, 16-bit PNG, 0 for nothing.", "mm")]
-    start_instances: Annotated[StoredImage, Column("Its objects, 16-bit PNG: index into object_ids + 1, 0 for none.")]
-    end_rgb: Annotated[StoredImage, Column("View from the goal pose after the manipulation, 8-bit RGB.")]
-    end_depth: Annotated[StoredImage, Column("Its depth along the forward axis, 16-bit PNG, 0 for nothing.", "mm")]
-    end_instances: Annotated[StoredImage, Column("Its objects, 16-bit PNG: index into object_ids + 1, 0 for none.")]
-    object_ids: Annotated[tuple[str, ...], Column("What the instance values 1, 2, ... of both frames mean.")]
+    actions: Annotated[tuple[str, ...], Column("Oracle actions from the initial pose to I_end.")]
+    start_rgb: Annotated[
+        StoredImage, Column("I_start: the view from the first goal pose before the manipulation, 8-bit RGB.")
+    ]
+    start_depth: Annotated[
+        StoredImage, Column("Depth of I_start along the forward axis, 16-bit PNG, 0 for nothing.", "mm")
+    ]
+    start_instances: Annotated[
+        StoredImage, Column("Objects of I_start, 16-bit PNG: index into object_ids + 1, 0 for none.")
+    ]
+    end_rgb: Annotated[
+        StoredImage, Column("I_end: the view from the first goal pose after the manipulation, 8-bit RGB.")
+    ]
+    end_depth: Annotated[StoredImage, Column("Depth of I_end along the forward axis, 16-bit PNG, 0 for nothing.", "mm")]
+    end_instances: Annotated[
+        StoredImage, Column("Objects of I_end, 16-bit PNG: index into object_ids + 1, 0 for none.")
+    ]
+    object_ids: Annotated[tuple[str, ...], Column("What the instance values 1, 2, ... of I_start and I_end mean.")]
 
 
 Row = SceneRow | FrameRow | ExpressionRow | QuestionRow

@@ -32,14 +32,14 @@ class QuestionSample(TypedDict, total=False):
     configuration: int
     split: str
     group: str
-    start: Tensor
+    initial_pose: Tensor
     """(5,) float32: a pose."""
     goal_poses: Tensor
     """(n, 5) float32: poses."""
     target_id: str
     target_type: str
-    target_box_2d: Tensor
-    """(4,) int64: x1, y1, x2, y2 in pixels of the start frame, half open; all -1 where there is none."""
+    start_target_box_2d: Tensor
+    """(4,) int64: x1, y1, x2, y2 in pixels of I_start, half open; all -1 where there is none."""
     answer_type: str
     answer_ids: list[str]
     manipulation: Literal["Open", "Move", "Pickup"]
@@ -50,7 +50,7 @@ class QuestionSample(TypedDict, total=False):
     object_ids: list[str]
     """The instance number k + 1 means object_ids[k]."""
     start_rgb: Tensor
-    """(3, H, W) uint8, 0 to 255; channels last in memory. So is end_rgb."""
+    """I_start, before the manipulation: (3, H, W) uint8, 0 to 255; channels last in memory. So is end_rgb, I_end."""
     start_depth: Tensor
     """(H, W) float32, metres along the camera's forward axis, 0 to 65.535; 0 where nothing is seen."""
     start_instances: Tensor

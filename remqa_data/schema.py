@@ -207,7 +207,12 @@ TABLES: dict[str, TableSpec] = {
         _table("scenes", SceneRow, "One row per configuration of a room: its ground truth, graph and maps.", 1),
         _table("frames", FrameRow, "One row per frame of a breadth-first walk through a configuration.", 4),
         _table("expressions", ExpressionRow, "One row per referring expression in a frame.", 1024),
-        _table("questions", QuestionRow, "One row per question, with the views before and after the manipulation.", 4),
+        _table(
+            "questions",
+            QuestionRow,
+            "One row per question, with the views before (I_start) and after (I_end) the manipulation.",
+            4,
+        ),
     )
 }
 """By name, in the order in which they are written."""

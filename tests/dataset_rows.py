@@ -84,7 +84,7 @@ def scene_row(scene: str, split: str, configuration: int = 0) -> SceneRow:
         semantic_map=SemanticMap((0.0, 0.0, -0.1), 0.05, (-3, 4), ("structure", "Mug"), voxels),
         map_2d=encode_labels(np.arange(12, dtype=np.uint16).reshape(3, 4)),
         navigation_cells=(GridCell(0, 1), GridCell(-2, 3)),
-        start_cell=GridCell(0, 1),
+        walk_start_cell=GridCell(0, 1),
         embodiment=EmbodimentRow(1.576, 90.0, 0.25, 0.63),
     )
 
@@ -143,11 +143,11 @@ def question_row(scene: str, split: str, index: int) -> QuestionRow:
         configuration=index,
         split=split,
         group=f"{scene}-g{index // 2}",
-        start=agent(),
+        initial_pose=agent(),
         goal_poses=(agent(1), agent(2)),
         target_id="Drawer|1",
         target_type="Drawer",
-        target_box_2d=MUG_BOX_2D if index % 2 else None,
+        start_target_box_2d=MUG_BOX_2D if index % 2 else None,
         answer_type="Mug",
         answer_ids=("Mug|1",) if answer != "no" else (),
         manipulation="Open",

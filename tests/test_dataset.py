@@ -48,15 +48,15 @@ def test_a_question_is_what_was_stored(root) -> None:
     assert json.loads(sample["program"]) == [["exists", "Mug"]]
     assert sample["actions"] == ["MoveAhead", "RotateLeft", "OpenObject"]
     assert sample["path_length_m"] == 1.75
-    assert sample["start"].tolist() == [0.0, -0.5, 0.0, 0.0, 30.0]
+    assert sample["initial_pose"].tolist() == [0.0, -0.5, 0.0, 0.0, 30.0]
     assert sample["goal_poses"].tolist() == [[0.25, -0.5, 0.0, 90.0, 30.0], [0.5, -0.5, 0.0, 180.0, 30.0]]
-    assert sample["target_box_2d"].tolist() == list(MUG_BOX_2D)
+    assert sample["start_target_box_2d"].tolist() == list(MUG_BOX_2D)
 
 
 def test_a_box_that_is_not_there_is_minus_one(root) -> None:
     dataset = RemqaDataset(root, "train", images=())
-    assert dataset[0]["target_box_2d"].tolist() == [-1] * 4
-    assert dataset[1]["target_box_2d"].tolist() == list(MUG_BOX_2D)
+    assert dataset[0]["start_target_box_2d"].tolist() == [-1] * 4
+    assert dataset[1]["start_target_box_2d"].tolist() == list(MUG_BOX_2D)
 
 
 def test_images_have_the_documented_shapes_dtypes_and_values(root) -> None:
@@ -214,7 +214,7 @@ def test_a_batch_stacks_what_has_one_shape_and_lists_the_rest(root) -> None:
     batch = collate([questions[0], questions[1]])
     assert batch["start_rgb"].shape == (2, 3, HEIGHT, WIDTH)
     assert batch["end_depth"].shape == (2, HEIGHT, WIDTH)
-    assert batch["target_box_2d"].shape == (2, 4)
+    assert batch["start_target_box_2d"].shape == (2, 4)
     assert batch["path_length_m"].tolist() == [1.75, 1.75]
     assert batch["path_steps"].dtype == torch.int64
     assert batch["answer"] == ["yes", "2"]

@@ -65,15 +65,24 @@ def test_the_columns_of_the_design_are_there() -> None:
     # DESIGN.md and the list, written out here by hand.
     expected = {
         "scenes": "scene room_type split configuration seed scene_json objects graph_nodes graph_edges semantic_map map_2d "
-        "navigation_cells start_cell embodiment",
+        "navigation_cells walk_start_cell embodiment",
         "frames": "frame_id scene configuration split index rgb depth instances agent objects added_nodes added_edges",
         "expressions": "expression_id scene configuration split frame_id text kind target_id target_type anchor_id relation "
         "box_2d program",
-        "questions": "question_id kind question expression answer program scene room_type configuration split group start "
-        "goal_poses target_id target_type target_box_2d answer_type answer_ids manipulation manipulation_object_id "
-        "path_length_m path_steps actions start_rgb start_depth start_instances end_rgb end_depth end_instances object_ids",
+        "questions": "question_id kind question expression answer program scene room_type configuration split group "
+        "initial_pose goal_poses target_id target_type start_target_box_2d answer_type answer_ids manipulation "
+        "manipulation_object_id path_length_m path_steps actions start_rgb start_depth start_instances "
+        "end_rgb end_depth end_instances object_ids",
     }
     assert {name: spec.schema.names for name, spec in TABLES.items()} == {k: v.split() for k, v in expected.items()}
+
+
+def test_start_and_end_in_a_name_mean_the_views_before_and_after_the_manipulation_and_nothing_else() -> None:
+    told = {doc.path: doc.description for spec in TABLES.values() for doc in field_docs(spec.schema)}
+    for when in ("start", "end"):
+        named = {path for path in told if when in path.partition(".")[0].split("_") and not path.startswith("walk_")}
+        assert f"{when}_rgb" in named
+        assert named == {path for path, text in told.items() if f"I_{when}" in text and path.startswith(f"{when}_")}
 
 
 def test_types_that_other_readers_rely_on() -> None:
@@ -121,11 +130,14 @@ def test_hugging_face_features_describe_the_arrow_types(spec) -> None:
         ({"kind": "EXIST"}, r"row 1: kind: 'EXIST' is none of EXISTENCE, COUNTING, SPATIAL"),
         ({"path_length_m": float("nan")}, r"row 1: path_length_m: .*not finite"),
         ({"path_steps": 2.5}, r"row 1: path_steps: expected a whole number, not 2\.5"),
-        ({"target_box_2d": (1, 2, 3)}, r"row 1: target_box_2d: expected 4 values, not 3"),
+        ({"start_target_box_2d": (1, 2, 3)}, r"row 1: start_target_box_2d: expected 4 values, not 3"),
         ({"actions": "MoveAhead"}, r"row 1: actions: expected a tuple"),
         ({"actions": ("MoveAhead", None)}, r"row 1: actions: None in a list"),
         ({"start_rgb": b"bytes"}, r"row 1: start_rgb: expected StoredImage, not bytes"),
-        ({"start": replace(question_row("K", "train", 0).start, yaw_deg="east")}, r"row 1: start\.yaw_deg: "),
+        (
+            {"initial_pose": replace(question_row("K", "train", 0).initial_pose, yaw_deg="east")},
+            r"row 1: initial_pose\.yaw_deg: ",
+        ),
     ],
 )
 def test_a_row_that_does_not_fit_is_named(change, message: str) -> None:
@@ -143,8 +155,8 @@ def test_voxels_must_be_four_columns_of_int16(voxels) -> None:
 
 
 def test_plain_pairs_count_as_cells() -> None:
-    row = replace(scene_row("K", "train"), navigation_cells=((4, 5),), start_cell=(4, 5))
-    assert to_rows(SceneRow, to_table(SceneRow, [row]))[0].start_cell.j == 5
+    row = replace(scene_row("K", "train"), navigation_cells=((4, 5),), walk_start_cell=(4, 5))
+    assert to_rows(SceneRow, to_table(SceneRow, [row]))[0].walk_start_cell.j == 5
 
 
 def test_a_foreign_schema_is_refused() -> None:
@@ -162,9 +174,9 @@ def test_a_foreign_schema_is_refused() -> None:
 def test_pandas_reads_a_table_without_our_code() -> None:
     frame = to_table(*ROWS["questions"]).to_pandas()
     assert frame["answer"].tolist() == ["yes", "2", "no", "yes"]
-    assert frame["start"][0]["yaw_deg"] == 90.0 * 0
-    assert frame["target_box_2d"][0] is None
-    assert frame["target_box_2d"][1].tolist() == [8, 4, 20, 16]
+    assert frame["initial_pose"][0]["yaw_deg"] == 90.0 * 0
+    assert frame["start_target_box_2d"][0] is None
+    assert frame["start_target_box_2d"][1].tolist() == [8, 4, 20, 16]
 
 
 # ---- images

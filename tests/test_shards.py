@@ -121,13 +121,13 @@ def test_a_folder_that_is_not_there_is_named(tmp_path) -> None:
     [
         ("{", "the whole text"),
         ('{"seed": 0}', "config: Field required"),
-        (None, "format version 99; this package reads 1"),
+        ({"format_version": 99}, "format version 99; this package reads 2; generate the dataset again"),
+        ({"format_version": 1}, "format version 1; this package reads 2; generate the dataset again"),
     ],
 )
 def test_a_manifest_that_cannot_be_read_says_where(dataset, text, message) -> None:
     path = dataset / MANIFEST
-    newer = json.dumps(json.loads(path.read_text()) | {"format_version": 99})
-    path.write_text(text or newer)
+    path.write_text(text if isinstance(text, str) else json.dumps(json.loads(path.read_text()) | text))
     with pytest.raises(DatasetError, match=message):
         load_manifest(dataset)
 

@@ -259,7 +259,7 @@ def test_files_that_are_not_there_or_have_another_name(data: Path, tmp_path: Pat
         ([], "field poses: no pose"),
         ([[0, -0.5, 0]], "field poses"),
         ([[0, -0.5, 0, 1e9]], "field poses: a number beyond"),
-        ([[3, 3, 0, 30]], "field poses[0]: not the question's start pose"),
+        ([[3, 3, 0, 30]], "field poses[0]: not the question's initial pose"),
         ([[0, -0.5, 0, 30]] * 502, "field poses"),
         ([[0, -0.5, 0, "30"]], "field poses[0][3]"),
     ],

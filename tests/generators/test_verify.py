@@ -184,7 +184,7 @@ def test_changed_actions_are_found(rooms, questions, change, truth: str) -> None
         ({"program": "[["}, "answer"),
         ({"target_id": "Unicorn|1"}, "unique"),
         ({"target_type": "Unicorn"}, "consistent"),
-        ({"target_box_2d": (0, 0, 1, 1)}, "visible"),
+        ({"start_target_box_2d": (0, 0, 1, 1)}, "visible"),
         ({"goal_poses": ()}, "reachable"),
         ({"path_steps": 0}, "reachable"),
         ({"path_length_m": 99.0}, "reachable"),
@@ -217,7 +217,7 @@ def test_a_manipulation_that_changes_nothing_is_found(rooms, questions) -> None:
 
 def test_a_goal_out_of_the_arms_reach_is_found(rooms, questions) -> None:
     question = max(questions.values(), key=lambda q: q.path_length_m)
-    far = replace(question.goal_poses[0], position=question.start.position)
+    far = replace(question.goal_poses[0], position=question.initial_pose.position)
     assert "reachable" in broken_by(rooms, question, goal_poses=(*question.goal_poses, far))
 
 
