@@ -31,8 +31,8 @@ CELL_COLOR, START_COLOR, WALL_COLOR, TEXT_COLOR = (60, 160, 60), (220, 60, 40), 
 
 def write_preview(scene_name: str, path: Path, size_px: int = 300) -> None:
     """Write the preview sheet of a floor plan or a sampled room as PNG; `size_px` is the side of each view."""
-    image = preview(load_scene(scene_name), size_px)
     with atomic_path(path) as temporary:
+        image = preview(load_scene(scene_name), size_px)
         temporary.write_bytes(cv2.imencode(".png", image[..., ::-1])[1].tobytes())
 
 

@@ -134,6 +134,10 @@ class BusyDatasetError(DatasetError):
     """A dataset into which another run is writing, or that has passed on to another run."""
 
 
+class OutputError(RemqaError, OSError):
+    """A file that cannot be written where it was asked for, or was not written whole: says which and why."""
+
+
 class StorageError(RemqaError, OSError):
     """A bucket that cannot be reached, read or written.
 

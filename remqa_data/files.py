@@ -5,10 +5,13 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
+
+from remqa_data.errors import OutputError
 
 _LEFTOVER = re.compile(r"\..+\.[0-9a-f]{12}(\.[^.]*)?")
 
@@ -33,6 +36,8 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
 
     Raises
     ------
+    OutputError
+        If the path is taken by what is not a regular file, such as a device, a folder or a symbolic link.
     FileNotFoundError
         If the block ended without creating the file.
 
@@ -48,11 +53,13 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     'whole'
     """
     path = Path(path)
+    _refuse_what_is_no_file(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.stem}.{uuid4().hex[:12]}{path.suffix}")
     try:
         yield temporary
         _flush(temporary)
+        _refuse_what_is_no_file(path)  # again: the block may have taken an hour
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
@@ -73,6 +80,27 @@ def sha256_of(path: Path) -> str:
     """Checksum of a file, in hexadecimal."""
     with path.open("rb") as handle:
         return hashlib.file_digest(handle, "sha256").hexdigest()
+
+
+def _refuse_what_is_no_file(path: Path) -> None:
+    """Renaming would put a picture in the place of /dev/full, and cut a link off from what it leads to."""
+    try:
+        mode = path.lstat().st_mode
+    except FileNotFoundError:
+        return
+    if not stat.S_ISREG(mode):
+        kind = next((name for is_kind, name in _KINDS if is_kind(mode)), "no regular file")
+        raise OutputError(f"{path} is {kind}; give the path of a file")
+
+
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISLNK, "a symbolic link"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+)
 
 
 def _flush(path: Path) -> None:

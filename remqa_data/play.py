@@ -14,7 +14,7 @@ import numpy.typing as npt
 from remqa_data.env import RemqaEnv
 from remqa_data.env_actions import Command
 from remqa_data.env_oracle import oracle_commands
-from remqa_data.errors import DatasetError, UnknownNameError
+from remqa_data.errors import OutputError, UnknownNameError
 from remqa_data.files import atomic_path
 from remqa_data.manifest import load_manifest
 from remqa_data.map_picture import draw_plan
@@ -44,18 +44,31 @@ def write_film(root: Path, question_id: str, path: Path) -> int:
     UnknownNameError
         If the dataset has no such question; names the nearest.
     DatasetError
-        If this is not a finished dataset, or films cannot be written here.
+        If this is not a finished dataset.
+    OutputError
+        If films of this kind cannot be written here, or the film was not written whole.
     """
-    frames = _of_one_size(list(film(root, question_id)))
-    height, width = frames[0].shape[:2]
     with atomic_path(path) as temporary:
+        frames = _of_one_size(list(film(root, question_id)))
+        height, width = frames[0].shape[:2]
         writer = cv2.VideoWriter(str(temporary), cv2.VideoWriter.fourcc(*CODEC), FRAMES_PER_S, (width, height))
         if not writer.isOpened():
-            raise DatasetError(f"{path}: OpenCV cannot write this kind of film; give a name that ends with .mp4")
+            raise OutputError(f"{path}: OpenCV cannot write this kind of film; give a name that ends with .mp4")
         for frame in frames:
             writer.write(np.ascontiguousarray(frame[..., ::-1]))
         writer.release()
+        if _readable_frames(temporary) != len(frames):  # OpenCV says nothing when a write fails
+            raise OutputError(f"{path}: the film could not be written whole; is the disk full?")
     return len(frames)
+
+
+def _readable_frames(path: Path) -> int:
+    """How many frames of a film can be decoded."""
+    reader, count = cv2.VideoCapture(str(path)), 0
+    while reader.read()[0]:
+        count += 1
+    reader.release()
+    return count
 
 
 def film(root: Path, question_id: str) -> Iterator[U8]:

@@ -1,5 +1,6 @@
 """The Gymnasium environment: Gymnasium's own checker, and episodes of rooms and of a generated dataset."""
 
+import gc
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -265,6 +266,17 @@ def test_an_agent_that_errs_is_scored_alike_by_the_environment_and_the_evaluator
     for name, values in scores.measures.items():
         assert [info[name] for info in ended] == values.tolist()
     assert all(math.isfinite(info["distance_to_goal_m"]) for info in ended)
+
+
+def test_an_environment_that_is_dropped_gives_its_simulator_back() -> None:
+    clients = set()
+    for _ in range(3):
+        env = RemqaEnv(**SMALL)
+        env.reset(seed=0)
+        clients.add(env.agent.world.client)
+        del env
+        gc.collect()
+    assert len(clients) == 1
 
 
 @pytest.mark.slow

@@ -1,8 +1,11 @@
 import os
+import socket
 import stat
+from pathlib import Path
 
 import pytest
 
+from remqa_data.errors import OutputError
 from remqa_data.files import atomic_path
 
 
@@ -61,3 +64,44 @@ def test_the_file_has_ordinary_permissions(tmp_path):
     with atomic_path(target) as temporary:
         temporary.write_bytes(b"")
     assert stat.S_IMODE(target.stat().st_mode) == stat.S_IMODE(plain.stat().st_mode)
+
+
+def bound_socket(path: Path) -> None:
+    with socket.socket(socket.AF_UNIX) as made:
+        made.bind(str(path))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kinds of files of POSIX")
+@pytest.mark.parametrize(
+    ("make", "kind"),
+    [
+        (Path.mkdir, "a folder"),
+        (os.mkfifo, "a pipe"),
+        (bound_socket, "a socket"),
+        (lambda path: path.symlink_to(path.with_name("other")), "a symbolic link"),
+    ],
+)
+def test_what_is_no_regular_file_is_refused_and_stays(tmp_path, make, kind):
+    target, other = tmp_path / "target", tmp_path / "other"
+    other.write_bytes(b"precious")
+    make(target)
+    before = target.lstat()
+    with pytest.raises(OutputError, match=f"target is {kind}; give the path of a file"), atomic_path(target):
+        pytest.fail("nothing is done before")
+    assert (target.lstat().st_ino, target.lstat().st_mode) == (before.st_ino, before.st_mode)
+    assert other.read_bytes() == b"precious"
+
+
+@pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="needs /dev/full")
+@pytest.mark.parametrize("name", ["full", "null", "stdout"])
+def test_devices_are_refused(name):
+    with pytest.raises(OutputError, match=f"/dev/{name} is a"), atomic_path(f"/dev/{name}"):
+        pytest.fail("nothing is done before")
+
+
+def test_what_comes_to_be_no_regular_file_meanwhile_is_refused_too(tmp_path):
+    target = tmp_path / "target"
+    with pytest.raises(OutputError, match="is a symbolic link"), atomic_path(target) as temporary:  # noqa: PT012
+        temporary.write_bytes(b"new")
+        target.symlink_to("elsewhere")
+    assert [path.name for path in tmp_path.iterdir()] == ["target"]

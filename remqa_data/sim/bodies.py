@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -31,7 +32,7 @@ STRUCTURE_NAME = "structure"
 
 
 class Bodies:
-    """The bodies of one PyBullet client.
+    """The bodies of one PyBullet client, which is disconnected by `close`, or with the last reference to this.
 
     Attributes
     ----------
@@ -41,6 +42,7 @@ class Bodies:
 
     def __init__(self) -> None:
         self.client = int(pybullet.connect(pybullet.DIRECT))
+        self._disconnect = weakref.finalize(self, pybullet.disconnect, self.client)
         self._assets: Mapping[str, Asset] = {}
         self._of: dict[str, int] = {}
         self._structure: list[int] = []
@@ -114,9 +116,8 @@ class Bodies:
 
     def close(self) -> None:
         """Give PyBullet's memory back."""
-        if self.client >= 0:
-            pybullet.disconnect(self.client)
-            self.client = -1
+        self._disconnect()  # the first time only
+        self.client = -1
 
     def _static_boxes(self, boxes: Sequence[Box]) -> list[int]:
         bodies = []
