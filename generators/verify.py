@@ -15,7 +15,7 @@ from remqa_data.generators.balance import AskedQuestion, asked_questions, balanc
 from remqa_data.generators.truths import CheckedRoom, Failure
 from remqa_data.manifest import load_manifest
 from remqa_data.rows import QuestionRow, SceneRow
-from remqa_data.schema import R, to_rows
+from remqa_data.schema import R, table_of, to_rows
 from remqa_data.shards import Shard, check_files, shard_paths
 
 
@@ -117,7 +117,7 @@ def _pieces(root: Path, table: str, split: str) -> dict[str, list[Piece]]:
     """Where the rows of each room lie."""
     found: dict[str, list[Piece]] = {}
     for path in shard_paths(root, table, split):
-        shard = Shard(path)
+        shard = Shard(path, table)
         for group in range(shard.row_groups):
             for scene in shard.read(group, ["scene"])["scene"].unique().to_pylist():
                 found.setdefault(scene, []).append((path, group))
@@ -152,4 +152,4 @@ def _by_configuration(questions: Iterable[QuestionRow]) -> list[tuple[int, list[
 
 def _rows(row_type: type[R], pieces: Iterable[Piece]) -> Iterator[R]:
     for path, group in pieces:
-        yield from to_rows(row_type, Shard(path).read(group))
+        yield from to_rows(row_type, Shard(path, table_of(row_type).name).read(group))

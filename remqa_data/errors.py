@@ -5,12 +5,14 @@ from collections.abc import Iterable
 
 
 def one_line(error: object) -> str:
-    r"""What an error says, in one line: those of other libraries come in several.
+    r"""What an error says, in one line: those of other libraries come in several, and what files say may be anything.
 
     >>> one_line(ValueError("not a number:\n  'x'"))
     "not a number: 'x'"
+    >>> print(one_line("a name that clears the screen: \x1b[2J"))
+    a name that clears the screen: \x1b[2J
     """
-    return " ".join(str(error).split())
+    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in " ".join(str(error).split()))
 
 
 class RemqaError(Exception):
@@ -124,6 +126,29 @@ class DamagedShardError(DatasetError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.path, self.reason, self.row_group, self.column)  # whole again after a worker process
+
+
+class ForgedRowError(DatasetError):
+    """A row of a dataset that no generation writes: a value is missing, out of bounds, or more than is read.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    row : int
+        In the file, from 0.
+    field : str
+        Such as "objects[].box".
+    reason : str
+        What is wrong.
+    """
+
+    def __init__(self, path: object, row: int, field: str, reason: str) -> None:
+        self.path, self.row, self.field, self.reason = path, row, field, reason
+        super().__init__(f"{path}: row {row}, field {field}: {reason}; fetch or generate this file again")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.path, self.row, self.field, self.reason)  # whole again after a worker process
 
 
 class DamagedPartError(DatasetError):

@@ -36,6 +36,10 @@ class Column:
         that of its numbers.
     columns : tuple of str
         For an (n, k) array: the names of its k columns; it is stored as a list of structs.
+    within : tuple of float, optional
+        Least and greatest number, where they are not the usual ones of its unit (`limits.number_range`).
+    most : int, optional
+        Bytes of a text or items of a list, where they are not the usual ones of `remqa_data.limits`.
     """
 
     description: str
@@ -43,6 +47,8 @@ class Column:
     frame: str | None = None
     arrow: str | None = None
     columns: tuple[str, ...] = ()
+    within: tuple[float, float] | None = None
+    most: int | None = None
 
     def metadata(self) -> dict[str, str]:
         """The documentation, as Arrow stores it with a field."""

@@ -270,13 +270,13 @@ def _rows(storage: Storage, piece: Piece) -> Iterator[pa.Table]:
         with storage.fetch(piece.file.path) as path:
             if sha256_of(path) != piece.file.sha256:
                 raise _damaged(storage, piece)
-            yield from _sliced(path, piece.first, piece.rows)
+            yield from _sliced(path, piece.file.table, piece.first, piece.rows)
     except FileNotFoundError:
         raise _damaged(storage, piece) from None
 
 
-def _sliced(path: Path, first: int, rows: int) -> Iterator[pa.Table]:
-    shard, start = Shard(path), 0
+def _sliced(path: Path, table: str, first: int, rows: int) -> Iterator[pa.Table]:
+    shard, start = Shard(path, table), 0
     for group in range(shard.row_groups):
         end = start + shard.rows(group)
         low, high = max(first, start), min(first + rows, end)

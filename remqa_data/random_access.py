@@ -121,7 +121,7 @@ class SplitReader:
     def _open(self) -> list[Shard]:
         """The shards, opened by this process."""
         if self._process != os.getpid():
-            self._shards = [Shard(path) for path in self.paths]
+            self._shards = [Shard(path, self.table) for path in self.paths]
             self._bytes = [memoryview(_mapped(path)) for path in self.paths]
             self._spans = {}
             self._process = os.getpid()

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from remqa_data.assets.model import Vec3
 from remqa_data.fields import Column
 from remqa_data.images import StoredImage
+from remqa_data.limits import MOST_OBJECTS, MOST_SCENE_JSON_BYTES, MOST_VOXELS
 from remqa_data.metadata import AgentState, Box2D, ObjectMetadata, VisibleObject
 from remqa_data.pair_relations import Edge
 
@@ -37,10 +38,12 @@ class GridCell(NamedTuple):
 class EmbodimentRow:
     """The agent's body and eye."""
 
-    camera_height_m: Annotated[float, Column("Camera above the floor.", "m")]
-    fov_deg: Annotated[float, Column("Vertical field of view.", "deg")]
-    step_m: Annotated[float, Column("Length of one step, the spacing of the navigation grid.", "m")]
-    reach_m: Annotated[float, Column("How far the arm reaches from its shoulder.", "m")]
+    camera_height_m: Annotated[float, Column("Camera above the floor.", "m", within=(0.1, 10.0))]
+    fov_deg: Annotated[float, Column("Vertical field of view.", "deg", within=(1.0, 170.0))]
+    step_m: Annotated[
+        float, Column("Length of one step, the spacing of the navigation grid.", "m", within=(0.01, 10.0))
+    ]
+    reach_m: Annotated[float, Column("How far the arm reaches from its shoulder.", "m", within=(0.0, 10.0))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +51,7 @@ class SemanticMap:
     """Which voxels of the room hold what, as the walk has seen it; `remqa_data.map_rows` makes and reads it."""
 
     origin: Annotated[Vec3, Column("Low corner of voxel (0, 0, 0): x, y, z.", "m", "world")]
-    voxel_m: Annotated[float, Column("Edge of a voxel.", "m")]
+    voxel_m: Annotated[float, Column("Edge of a voxel.", "m", within=(0.01, 10.0))]
     corner: Annotated[tuple[int, int], Column("x, y of the voxel column in map_2d's lower left pixel.", frame="voxels")]
     labels: Annotated[tuple[str, ...], Column("What voxels are labelled with: structure, or a type of object.")]
     voxels: Annotated[
@@ -58,6 +61,7 @@ class SemanticMap:
             frame="voxels",
             arrow="int16",
             columns=("x", "y", "z", "label"),
+            most=MOST_VOXELS,
         ),
     ]
     """(n, 4)."""
@@ -84,9 +88,14 @@ class SceneRow:
     configuration: Annotated[int, Column("Which arrangement of the room's things, from 0.")]
     seed: Annotated[int, Column("Seed of the dataset that this configuration was drawn with.", arrow="int64")]
     scene_json: Annotated[
-        str, Column("The room as JSON: remqa_data.scene.Scene.from_json loads it.", arrow="large_string")
+        str,
+        Column(
+            "The room as JSON: remqa_data.scene.Scene.from_json loads it.",
+            arrow="large_string",
+            most=MOST_SCENE_JSON_BYTES,
+        ),
     ]
-    objects: Annotated[tuple[ObjectMetadata, ...], Column("Ground truth of every object.")]
+    objects: Annotated[tuple[ObjectMetadata, ...], Column("Ground truth of every object.", most=MOST_OBJECTS)]
     graph_nodes: Annotated[tuple[str, ...], Column("Ids of the objects in the scene graph, as the walk found them.")]
     graph_edges: Annotated[tuple[Edge, ...], Column("Edges of the scene graph after the walk.")]
     semantic_map: Annotated[SemanticMap, Column("Voxels that the walk has seen, by object type.")]
@@ -122,7 +131,9 @@ class FrameRow:
     ]
     instances: Annotated[StoredImage, Column("16-bit PNG: index into objects + 1, 0 where no such object is seen.")]
     agent: Annotated[AgentState, Column("Where the agent is.")]
-    objects: Annotated[tuple[VisibleObject, ...], Column("The visible objects, in the scene's order.")]
+    objects: Annotated[
+        tuple[VisibleObject, ...], Column("The visible objects, in the scene's order.", most=MOST_OBJECTS)
+    ]
     added_nodes: Annotated[tuple[str, ...], Column("Ids of objects that this frame adds to the scene graph.")]
     added_edges: Annotated[tuple[Edge, ...], Column("Edges that this frame adds to the scene graph.")]
 
@@ -202,7 +213,9 @@ class QuestionRow:
     end_instances: Annotated[
         StoredImage, Column("Objects of I_end, 16-bit PNG: index into object_ids + 1, 0 for none.")
     ]
-    object_ids: Annotated[tuple[str, ...], Column("What the instance values 1, 2, ... of I_start and I_end mean.")]
+    object_ids: Annotated[
+        tuple[str, ...], Column("What the instance values 1, 2, ... of I_start and I_end mean.", most=MOST_OBJECTS)
+    ]
 
 
 Row = SceneRow | FrameRow | ExpressionRow | QuestionRow

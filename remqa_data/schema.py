@@ -98,6 +98,11 @@ def table_spec(name: str) -> TableSpec:
     return TABLES[name]
 
 
+def table_of(row_type: type[Row]) -> TableSpec:
+    """The table that holds rows of a class."""
+    return next(spec for spec in TABLES.values() if spec.row_type is row_type)
+
+
 def to_table(row_type: type[R], rows: Sequence[R]) -> pa.Table:
     """Typed rows as an Arrow table with the table's schema.
 
@@ -106,7 +111,7 @@ def to_table(row_type: type[R], rows: Sequence[R]) -> pa.Table:
     SchemaError
         Naming the table, the row, the field and what is wrong with it.
     """
-    spec = _spec_of(row_type)
+    spec = table_of(row_type)
     try:
         return _to_table(spec, rows)
     except SchemaError as error:
@@ -126,7 +131,7 @@ def to_rows(row_type: type[R], data: pa.Table) -> list[R]:
     SchemaError
         If the table's columns are not those of the row type.
     """
-    spec = _spec_of(row_type)
+    spec = table_of(row_type)
     check_schema(spec.name, data.schema)
     return [
         row for batch in data.combine_chunks().to_batches() for row in spec.record.from_arrow(batch.to_struct_array())
@@ -150,10 +155,6 @@ def check_schema(name: str, schema: pa.Schema) -> None:
 def field_docs(schema: pa.Schema) -> list[FieldDoc]:
     """Documentation of all columns of a table and of the fields nested in them, from the schema's metadata."""
     return [doc for field in schema for doc in _docs(field, field.name)]
-
-
-def _spec_of(row_type: type[Row]) -> TableSpec:
-    return next(spec for spec in TABLES.values() if spec.row_type is row_type)
 
 
 def _to_table(spec: TableSpec, rows: Sequence[Row]) -> pa.Table:

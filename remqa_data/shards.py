@@ -18,11 +18,12 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from remqa_data.errors import DamagedShardError, DatasetError, SchemaError, one_line
+from remqa_data.errors import DamagedShardError, DatasetError, ForgedRowError, SchemaError, one_line
 from remqa_data.files import atomic_path, sha256_of
 from remqa_data.manifest import FileInfo, load_manifest
+from remqa_data.row_checks import find_problem
 from remqa_data.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow
-from remqa_data.schema import IMAGE_TYPE, TABLES, check_schema, table_spec, to_rows, to_table
+from remqa_data.schema import IMAGE_TYPE, check_schema, table_of, table_spec, to_rows, to_table
 from remqa_data.shard_cache import local_shard
 
 R = TypeVar("R", SceneRow, FrameRow, ExpressionRow, QuestionRow)
@@ -111,7 +112,7 @@ def read_table(root: str | os.PathLike[str], table: str, split: str, columns: Se
     DamagedShardError
         Naming the file, row group and column.
     """
-    return pa.concat_tables([Shard(path).read(columns=columns) for path in shard_paths(root, table, split)])
+    return pa.concat_tables([Shard(path, table).read(columns=columns) for path in shard_paths(root, table, split)])
 
 
 def read_rows(root: str | os.PathLike[str], row_type: type[R], split: str, **wanted: str | int) -> Iterator[R]:
@@ -120,9 +121,9 @@ def read_rows(root: str | os.PathLike[str], row_type: type[R], split: str, **wan
     With values of columns, such as ``scene="FloorPlan1"``, only the rows that have them: the images of other row groups
     are not read.
     """
-    name = next(spec.name for spec in TABLES.values() if spec.row_type is row_type)
+    name = table_of(row_type).name
     for path in shard_paths(root, name, split):
-        shard = Shard(path)
+        shard = Shard(path, name)
         for group in range(shard.row_groups):
             keys = shard.read(group, list(wanted))
             is_wanted = np.ones(shard.rows(group), dtype=np.bool_)
@@ -152,16 +153,23 @@ class Shard:
     ----------
     path : path
         The file.
+    table : str
+        Name of its table.
 
     Raises
     ------
     DamagedShardError
-        If it is missing, cut off, or no Parquet file.
+        If it is missing, cut off, no Parquet file, or has other columns than its table.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, table: str) -> None:
         self.path = path
         self.file = _opened(path)
+        self._record = table_spec(table).record
+        try:
+            check_schema(table, self.file.schema_arrow)
+        except SchemaError as error:
+            raise DamagedShardError(path, str(error)) from None
 
     @property
     def row_groups(self) -> int:
@@ -179,13 +187,20 @@ class Shard:
         ------
         DamagedShardError
             Naming the file, row group and column.
+        ForgedRowError
+            If a value is not what `row_checks` lets through; names the file, row and field.
         """
         groups = list(range(self.row_groups)) if group is None else [group]
         try:
-            return self.file.read_row_groups(groups, columns=columns, use_threads=False)
+            data = self.file.read_row_groups(groups, columns=columns, use_threads=False)
         except (OSError, pa.ArrowException) as error:
             damage = _damaged_column(self.path, self.file, groups)
             raise damage or DamagedShardError(self.path, one_line(error)) from None
+        problem = find_problem(self._record, data)
+        if problem is not None:
+            first = sum(self.rows(earlier) for earlier in range(groups[0]))
+            raise ForgedRowError(self.path, first + problem.row, problem.field, problem.reason)
+        return data
 
 
 def check_files(root: str | os.PathLike[str]) -> None:

@@ -1,0 +1,70 @@
+"""How much a dataset may hold: what is read from files is refused beyond this.
+
+A dataset may come from anywhere, and what it says decides how much memory and time reading it takes. Each limit is
+several times what generation makes (in brackets: the most in the 120 floor plans and the sampled ones), and so low that
+whatever keeps all of them is read, drawn and simulated within seconds and 2 GB.
+"""
+
+from __future__ import annotations
+
+import math
+
+from remqa_data.fields import Column
+
+MOST_TEXT_BYTES = 4096
+"""Of an id, a question, an expression, a program [400]: they are looked for, split into words, and shown."""
+MOST_SCENE_JSON_BYTES = 1 << 20
+"""Of a room as JSON [60,000]."""
+MOST_ITEMS = 10_000
+"""Of a list, such as the edges of a graph or the cells of a grid [1,500]."""
+MOST_VOXELS = 1_000_000
+"""Of a semantic map [100,000]."""
+
+MOST_IMAGE_BYTES = 1 << 26
+"""Of an encoded image [30,000]."""
+MOST_IMAGE_PX = 4096
+"""Width and height of an image [300]; `remqa-gen` makes none that are larger. It takes 50 MB as RGB."""
+
+MOST_OBJECTS = 400
+"""Of a room [110]: each is built, drawn and asked about, and pairs of them are looked at."""
+MOST_STRUCTURE_BOXES, MOST_LIGHTS = 2000, 16
+"""Of a building [130, 1]."""
+MOST_ROOM_M, MOST_ROOM_HEIGHT_M = 30.0, 8.0
+"""Sides of a room's floor [11] and its height [3.1]: of such a room, a map of 5 cm voxels takes 240 MB."""
+MOST_FAR_M = 1000.0
+"""From the origin to anything [15]: float32 still tells millimetres apart."""
+MOST_OUTSIDE_M = 10.0
+"""From a room to what belongs to it, such as the thickness of its walls [0.7]."""
+LEAST_ASSET_M, MOST_ASSET_M = 1e-4, MOST_ROOM_M
+"""A side of an object [0.0035 to 11]."""
+MOST_ASSET_PARTS = 64
+"""Heights, pockets and rectangles that an object's shape is told by [15]: each becomes a part of it."""
+MOST_TRIANGLES = 1_000_000
+"""Of all objects of a room together [36,000 of which are drawn in 10 ms]."""
+
+MOST_SEED = 2**63 - 1
+"""It is stored as an int64."""
+
+_RANGES: dict[str | None, tuple[float, float]] = {
+    "m": (-MOST_FAR_M, MOST_FAR_M),
+    "deg": (-720.0, 720.0),
+    "px": (0, MOST_IMAGE_PX**2),
+    "grid": (-4 * MOST_FAR_M, 4 * MOST_FAR_M),
+    "voxels": (-(2**15), 2**15 - 1),
+}
+
+
+def number_range(column: Column, *, is_whole: bool) -> tuple[float, float]:
+    """Least and greatest number that a column may hold: its own, else that of its unit or frame.
+
+    Whole numbers without a unit count something, so they are not negative; other numbers without one are shares.
+
+    >>> number_range(Column("Height.", "m"), is_whole=False)
+    (-1000.0, 1000.0)
+    >>> number_range(Column("How far open."), is_whole=False)
+    (0.0, 1.0)
+    """
+    if column.within is not None:
+        return column.within
+    usual = (0, math.inf) if is_whole else (0.0, 1.0)
+    return _RANGES.get(column.unit) or _RANGES.get(column.frame) or usual
