@@ -25,6 +25,7 @@ from remqa_data.catalog import catalog
 from remqa_data.env_actions import TELEPORT, ActionMode, Command, action_space, command
 from remqa_data.env_episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes
 from remqa_data.env_measures import Course
+from remqa_data.env_question import QuestionText
 from remqa_data.env_room import LoadedRoom
 from remqa_data.errors import ActionError
 from remqa_data.scene import Scene
@@ -37,7 +38,7 @@ ENV_ID = "remqa_data/Remqa-v0"
 
 MAX_QUESTION_CHARACTERS, MAX_QUESTION_WORDS = 200, 40
 CHARACTERS = " " + string.printable.replace(" ", "")
-"""Of questions. Vector environments fill texts up with the first one, so there a question ends with spaces."""
+"""Of questions."""
 ROOM_M, DEPTH_M = 100.0, 100.0
 """Bounds of the spaces: no room is so large."""
 
@@ -269,7 +270,7 @@ def _observation_space(width: int, height: int, words: int, privileged: bool) ->
         "depth": spaces.Box(0.0, DEPTH_M, (height, width), np.float32),
         "pose": spaces.Box(low, high, dtype=np.float32),
         "held": spaces.Discrete(len(catalog()) + 1),
-        "question": spaces.Text(MAX_QUESTION_CHARACTERS, min_length=0, charset=CHARACTERS),
+        "question": QuestionText(MAX_QUESTION_CHARACTERS, min_length=0, charset=CHARACTERS),
         "question_tokens": spaces.Box(0, max(words - 1, 1), (MAX_QUESTION_WORDS,), np.int64),
     }
     if privileged:

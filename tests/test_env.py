@@ -3,6 +3,7 @@
 import gc
 import math
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from remqa_data.generators.config import load_config
 from remqa_data.generators.pipeline import generate
 from remqa_data.play import write_film
 from remqa_data.recorder import Recorder
+from remqa_data.shards import read_table
 from remqa_data.sim.actions import Action, parse_action
 from remqa_data.sim.arm import HOME
 
@@ -209,11 +211,43 @@ def test_two_environments_in_processes_of_their_own_are_like_one() -> None:
     alone = RemqaEnv(**SMALL)
     first, _ = alone.reset(seed=5)
     assert np.array_equal(seen["rgb"][0], first["rgb"])
-    assert [text.strip() for text in seen["question"]] == ["", ""]
+    assert seen["question"] == ("", "")
     seen, *_ = envs.step(np.array([LEFT, AHEAD]))
     assert np.array_equal(seen["depth"][0], alone.step(LEFT)[0]["depth"])
     envs.close()
     alone.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "vector",
+    [
+        gymnasium.vector.SyncVectorEnv,
+        gymnasium.vector.AsyncVectorEnv,
+        partial(gymnasium.vector.AsyncVectorEnv, copy=False),
+        partial(gymnasium.vector.AsyncVectorEnv, shared_memory=False),
+        partial(gymnasium.vector.AsyncVectorEnv, context="spawn"),
+    ],
+)
+def test_vector_environments_ask_the_questions_that_are_played(dataset: Path, vector: Any) -> None:
+    table = read_table(dataset, "questions", "train", ["question_id", "question"])
+    asked = dict(zip(*(table[name].to_pylist() for name in table.column_names), strict=True))
+    assert len(set(asked.values())) > 1
+    envs = vector([partial(RemqaEnv, dataset, "train", width=8, height=8, max_steps=1)] * 2)
+    heard = set()
+    for seed in range(3):
+        seen, info = envs.reset(seed=seed)
+        assert list(seen["question"]) == [asked[name] for name in info["episode"]]
+        heard |= set(seen["question"])
+        before = seen
+        seen, *_ = envs.step(np.array([LEFT, LEFT]))
+        assert list(seen["question"]) == [asked[name] for name in info["episode"]]
+        seen, *_, info = envs.step(np.array([LEFT, LEFT]))  # which begins the next episode
+        assert list(seen["question"]) == [asked[name] for name in info["episode"]]
+        heard |= set(seen["question"])
+    assert len(heard) > 1
+    assert isinstance(before["question"], tuple) or not envs.copy
+    envs.close()
 
 
 @pytest.mark.slow
