@@ -14,9 +14,16 @@ from remqa_data.cli import OneLineErrors
 from remqa_data.generators.config import Config
 from remqa_data.published import MEAN_WORDS
 
+
+class Resumable(OneLineErrors):
+    """A command that goes on after it was stopped."""
+
+    when_stopped = "stopped; the rooms that are finished are kept, go on with --resume"
+
+
 app = typer.Typer(
     name="remqa-gen",
-    cls=OneLineErrors,
+    cls=Resumable,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )

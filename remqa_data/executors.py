@@ -7,24 +7,16 @@ machine and by two at the same time, when a process or a machine is lost.
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import socket
-import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from multiprocessing.connection import wait as wait_for_sentinels
 from typing import Any, Protocol, TypeVar
 
-from remqa_data.errors import ClusterError, ConfigError, WorkersLostError, one_line
+from remqa_data.errors import ClusterError, ConfigError, one_line
 from remqa_data.extras import require
+from remqa_data.workers import run_in_processes
 
 EXECUTORS = ("local", "ray")
-LOSSES_IN_A_ROW = 3
-"""Processes die by accident, as when a machine is short of memory for a moment; so often without a single job done in
-between is no accident."""
-QUEUE_PER_WORKER = 4
 RAY_QUEUE = 2000
 """Jobs that Ray knows at a time: more than a cluster can do at once, so that it grows if it can, and not a million."""
 ANSWER_S = 10.0
@@ -83,26 +75,14 @@ class LocalExecutor:
         Raises
         ------
         WorkersLostError
-            If processes die again and again, and no job gets done.
+            If the processes of a job die again and again.
         """
         if self.workers == 1:
             for job in jobs:
                 yield job, work(job)
             return
-        waiting, losses = dict.fromkeys(range(len(jobs))), 0
-        while waiting:
-            try:
-                for number, result in _run_until_loss(work, jobs, list(waiting), min(self.workers, len(waiting))):
-                    del waiting[number]
-                    losses = 0
-                    yield jobs[number], result
-            except BrokenProcessPool:
-                losses += 1
-                if losses == LOSSES_IN_A_ROW:
-                    raise WorkersLostError(
-                        f"worker processes died {losses} times with {len(waiting)} jobs to do, perhaps for lack of "
-                        "memory; use fewer --workers (remqa-gen goes on with --resume)"
-                    ) from None
+        for number, result in run_in_processes(work, jobs, self.workers):
+            yield jobs[number], result
 
 
 class RayExecutor:
@@ -166,26 +146,6 @@ class RayExecutor:
             raise ClusterError(f"a job was lost for good: {one_line(error)}; go on with --resume") from None
 
 
-def _run_until_loss(
-    work: Callable[[J], R], jobs: Sequence[J], numbers: list[int], workers: int
-) -> Iterator[tuple[int, R]]:
-    numbers.reverse()
-    running: dict[Future[R], int] = {}
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_die_with_parent) as pool:
-        try:
-            while numbers or running:
-                while numbers and len(running) < QUEUE_PER_WORKER * workers:
-                    number = numbers.pop()
-                    running[pool.submit(work, jobs[number])] = number
-                done, _ = wait(running, return_when=FIRST_COMPLETED)
-                for future in sorted(done, key=lambda future: future.exception() is not None):
-                    yield running.pop(future), future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
 def _check_address(address: str | None) -> None:
     """Look whether anybody answers, as Ray itself waits for minutes."""
     host, _, port = (address or "").removeprefix("ray://").rpartition(":")
@@ -199,16 +159,3 @@ def _check_address(address: str | None) -> None:
 
 def _unreachable(address: str | None, error: Exception) -> ClusterError:
     return ClusterError(f"Ray cluster {address or 'on this machine'}: {one_line(error)}")
-
-
-def _die_with_parent() -> None:
-    """Let this process end as soon as the one that started it is gone, even if that was killed."""
-    parent = multiprocessing.parent_process()
-    if parent is None:
-        return
-
-    def watch() -> None:
-        wait_for_sentinels([parent.sentinel])
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()

@@ -1,12 +1,15 @@
 """`remqa-gen` with rooms that are made up in no time, for tests that kill it: everything else is as it is.
 
-Run as a program. $CRASH_ROOM_S is how long a room takes; with $CRASH_ALWAYS, every worker dies in its first room.
+Run as a program. $CRASH_ROOM_S is how long a room takes; with $CRASH_ALWAYS, every worker dies in its first room; with
+$CRASH_STUCK, a room is minutes in a function that is not Python's, as a compiler is.
 """
 
 from __future__ import annotations
 
+import hashlib
 import os
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 
@@ -29,6 +32,9 @@ class MadeUpRooms(LocalExecutor):
 def made_up_part(job: RoomJob) -> Part:
     if os.environ.get("CRASH_ALWAYS"):
         os.kill(os.getpid(), signal.SIGKILL)
+    if os.environ.get("CRASH_STUCK"):
+        print("stuck", file=sys.stderr, flush=True)
+        hashlib.pbkdf2_hmac("sha256", b"", b"", 10**9)
     time.sleep(float(os.environ.get("CRASH_ROOM_S", "0.05")))
     rows = scene_rows(job.room.scene, job.room.quota.split)
     report = {"questions": len(rows["questions"]), "frames": len(rows["frames"]), "refused": {"made up": 1}}
