@@ -17,9 +17,9 @@ import numpy as np
 import torch
 from measure import OUTPUT, Benchmark, Facts, Headline, Table
 
-from remqa_data.dataset import ExpressionDataset, FrameDataset, RemqaDataset
-from remqa_data.manifest import MANIFEST, load_manifest
-from remqa_data.shards import read_table
+from remqa_data.datasets.torch_datasets import ExpressionDataset, FrameDataset, RemqaDataset
+from remqa_data.storage.manifest import MANIFEST, load_manifest
+from remqa_data.storage.shards import read_table
 
 ROOMS, ROOMS_DATASET = ("FloorPlan1", "FloorPlan27"), OUTPUT / "two_rooms"
 ROUNDS, SAMPLES = 9, 96

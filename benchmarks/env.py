@@ -14,8 +14,8 @@ import numpy as np
 from measure import Benchmark, Facts, Headline, Table, times_ms
 
 from remqa_data.env import ENV_ID, RemqaEnv
-from remqa_data.env_actions import DISCRETE
-from remqa_data.sim.actions import NAVIGATION
+from remqa_data.env.actions import DISCRETE
+from remqa_data.sim.agent.actions import NAVIGATION
 
 ROOMS = ("FloorPlan1", "FloorPlan201", "FloorPlan301", "FloorPlan401")
 STEPS, WALK_STEPS, WARM_UP_STEPS = 200, 800, 20

@@ -17,13 +17,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from measure import Benchmark, Facts, Headline, Table, median_ms, number
 
-from remqa_data.evaluation.parquet_rows import METADATA_KEY
-from remqa_data.evaluation.reference import reference_rows
-from remqa_data.evaluation.scoring import score
-from remqa_data.evaluation.submission import Header, open_submission, write_submission
-from remqa_data.evaluation.truth import Truth, load_truth
-from remqa_data.manifest import make_manifest
-from remqa_data.measures import box_iou
+from remqa_data.evaluation.scoring.ground_truth import Truth, load_truth
+from remqa_data.evaluation.scoring.scoring import score
+from remqa_data.evaluation.submission.parquet_rows import METADATA_KEY
+from remqa_data.evaluation.submission.reader import Header, open_submission, write_submission
+from remqa_data.evaluation.submission.reference import reference_rows
+from remqa_data.metrics import box_iou
+from remqa_data.storage.manifest import make_manifest
 
 ROWS, JSON_ROWS, POSES, BOXES, REPEATS = 1_000_000, 100_000, 8, 1000, 15
 SCORE = "--score"

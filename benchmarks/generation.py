@@ -18,18 +18,19 @@ from unittest.mock import patch
 
 from measure import Benchmark, Facts, Headline, Table
 
-from remqa_data import images
-from remqa_data.generators import room, room_plan
-from remqa_data.generators.allotment import allot, capacities
+from remqa_data.generators import scene_job as room
+from remqa_data.generators import scene_plan as room_plan
 from remqa_data.generators.config import paper_config
-from remqa_data.generators.expressions import Expressions
 from remqa_data.generators.pipeline import RoomJob, make_part
-from remqa_data.generators.room_plan import Job
-from remqa_data.parts import Parts
-from remqa_data.scene_graph import SceneGraph
-from remqa_data.sim.renderer import Renderer
-from remqa_data.sim.view import WorldView
-from remqa_data.sim.world import World
+from remqa_data.generators.questions.allotment import allot, capacities
+from remqa_data.generators.questions.expressions import Expressions
+from remqa_data.generators.scene_plan import Job
+from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.renderer import Renderer
+from remqa_data.sim.render.view import WorldView
+from remqa_data.storage.parts import Parts
+from remqa_data.tables import images
 
 ROOMS = ("FloorPlan2", "FloorPlan212", "FloorPlan308", "FloorPlan402")
 

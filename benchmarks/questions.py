@@ -10,14 +10,14 @@ import time
 
 from measure import Benchmark, Facts, Headline, Table
 
-from remqa_data.answers import execute, is_clear
 from remqa_data.catalog import object_type, question_types
-from remqa_data.generators.expressions import Expressions
-from remqa_data.generators.floorplans.ithor import load_scene
-from remqa_data.generators.questions import question_program, usable_expressions
-from remqa_data.metadata import ObjectMetadata, object_metadata
-from remqa_data.scene_graph import SceneGraph
-from remqa_data.sim.world import World
+from remqa_data.floorplans.ithor.scenes import load_scene
+from remqa_data.generators.questions.expressions import Expressions
+from remqa_data.generators.questions.questions import question_program, usable_expressions
+from remqa_data.language.answers import execute, is_clear
+from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.sim.metadata import ObjectMetadata, object_metadata
+from remqa_data.sim.physics.world import World
 
 ROOMS = ("FloorPlan1", "FloorPlan5", "FloorPlan201", "FloorPlan215", "FloorPlan301", "FloorPlan315", "FloorPlan401")
 

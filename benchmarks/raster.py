@@ -15,14 +15,15 @@ import numpy.typing as npt
 import trimesh
 from measure import Benchmark, Facts, Headline, Table, times_ms
 
-from remqa_data.assets.model import F64, Surface, Vec3
-from remqa_data.generators.floorplans.ithor import load_scene
-from remqa_data.sim.camera import NEAR_M, Camera
-from remqa_data.sim.navigation import reachable_grid
-from remqa_data.sim.renderer import Part, Renderer
-from remqa_data.sim.view import world_parts
-from remqa_data.sim.viewpoints import HEADINGS_DEG, AgentPose
-from remqa_data.sim.world import World
+from remqa_data.assets.core.model import Surface
+from remqa_data.floorplans.ithor.scenes import load_scene
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.sim.navigation.grid import reachable_grid
+from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, AgentPose
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.camera import NEAR_M, Camera
+from remqa_data.sim.render.renderer import Part, Renderer
+from remqa_data.sim.render.view import world_parts
 
 ROOM, POSES, ROUNDS = "FloorPlan1", 50, 3
 PLAIN, SHADOWS, ANTIALIASED = "ours, no shadows", "ours, shadows", "ours, shadows, antialiased"
@@ -105,7 +106,7 @@ def our_times(scene: BenchmarkScene) -> dict[str, F64]:
 
 def bullet_times(scene: BenchmarkScene) -> dict[str, F64]:
     """PyBullet's software renderer, without and with shadows."""
-    from remqa_data.sim.bullet import pybullet
+    from remqa_data.sim.physics.bullet import pybullet
 
     client = pybullet.connect(pybullet.DIRECT)
     for part, pose in zip(scene.parts, scene.poses, strict=True):

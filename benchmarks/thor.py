@@ -10,11 +10,11 @@ from functools import partial
 import numpy as np
 from measure import Benchmark, Facts, Headline, Table, median_ms, times_ms
 
-from remqa_data.generators.floorplans.ithor import load_scene
-from remqa_data.sim.navigation import reachable_grid
-from remqa_data.sim.view import WorldView
-from remqa_data.sim.viewpoints import AgentPose
-from remqa_data.sim.world import World
+from remqa_data.floorplans.ithor.scenes import load_scene
+from remqa_data.sim.navigation.grid import reachable_grid
+from remqa_data.sim.navigation.viewpoints import AgentPose
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.view import WorldView
 from remqa_data.thor import Controller
 
 ROOM, POSES, HEADINGS = "FloorPlan1", 20, 4

@@ -11,8 +11,8 @@ import typer
 
 from remqa_data.cli import OneLineErrors
 from remqa_data.errors import SubmissionError
-from remqa_data.evaluation.reference import Agent
-from remqa_data.evaluation.tracks import Track
+from remqa_data.evaluation.submission.reference import Agent
+from remqa_data.evaluation.submission.tracks import Track
 
 SCORE = "score"
 
@@ -69,11 +69,11 @@ def score(
     """Score a submission (the word "score" may be left out)."""
     from rich.console import Console
 
-    from remqa_data.evaluation.results import make_results, write_results
-    from remqa_data.evaluation.scoring import score as run
-    from remqa_data.evaluation.submission import open_submission
-    from remqa_data.evaluation.tables import markdown, print_results
-    from remqa_data.evaluation.truth import dataset_sha256, load_truth
+    from remqa_data.evaluation.report.tables import markdown, print_results
+    from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_truth
+    from remqa_data.evaluation.scoring.results import make_results, write_results
+    from remqa_data.evaluation.scoring.scoring import score as run
+    from remqa_data.evaluation.submission.reader import open_submission
     from remqa_data.files import atomic_path
 
     submission = open_submission(predictions)
@@ -93,7 +93,7 @@ def score(
         )
     results = make_results(submission, truth, scores, replay=not no_replay, seed=seed)
     if report:
-        from remqa_data.evaluation.report import write_report
+        from remqa_data.evaluation.report.html import write_report
 
         write_report(out / "report.html", results, submission, truth)
     with atomic_path(out / "results.md") as temporary:
@@ -136,9 +136,9 @@ def compare(
     """Say how much better the second submission is than the first, and whether that is luck."""
     from rich.console import Console
 
-    from remqa_data.evaluation.compare import compare as run
-    from remqa_data.evaluation.compare import comparison_grid, comparison_notes
-    from remqa_data.evaluation.tables import print_grid
+    from remqa_data.evaluation.report.comparison import compare as run
+    from remqa_data.evaluation.report.comparison import comparison_grid, comparison_notes
+    from remqa_data.evaluation.report.tables import print_grid
 
     compared = run(first, second, seed)
     print_grid(Console(), comparison_grid(first, second, compared))
@@ -149,7 +149,7 @@ def compare(
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of results.json."""
-    from remqa_data.evaluation.results import schema_json
+    from remqa_data.evaluation.scoring.results import schema_json
 
     typer.echo(schema_json(), nl=False)
 
@@ -157,10 +157,10 @@ def schema() -> None:
 def _write_reference(agent: Agent, data: Path, output: Path, track: Track, split: str, seed: int) -> None:
     import numpy as np
 
-    from remqa_data.evaluation.reference import reference_rows
-    from remqa_data.evaluation.submission import Header, write_submission
-    from remqa_data.evaluation.truth import dataset_sha256
-    from remqa_data.manifest import load_manifest
+    from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
+    from remqa_data.evaluation.submission.reader import Header, write_submission
+    from remqa_data.evaluation.submission.reference import reference_rows
+    from remqa_data.storage.manifest import load_manifest
 
     rows = reference_rows(agent, data, track, split, np.random.default_rng(seed))
     header = Header(track=track, split=split, dataset=dataset_sha256(load_manifest(data)), agent=agent)

@@ -125,7 +125,7 @@ def _summary(out: str, settings: Config, questions: Mapping[str, Mapping[str, in
     from rich.console import Console
     from rich.table import Table
 
-    from remqa_data.shards import read_table
+    from remqa_data.storage.shards import read_table
 
     table = Table(title=f"{out}: {len(settings.scene_names)} rooms in {seconds:.0f} s")
     for heading in ("split", "kind", "questions", "asked for", "mean words", "published words"):

@@ -21,13 +21,13 @@ from pydantic import (
 )
 
 from remqa_data.errors import ConfigError, UnknownNameError, one_line
-from remqa_data.generators.allotment import GROUP_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
-from remqa_data.generators.floorplans.sampling.naming import sampled_index, sampled_name
-from remqa_data.generators.floorplans.table import scene_names
-from remqa_data.generators.walk import WalkSettings
-from remqa_data.images import RgbFormat
-from remqa_data.manifest import config_hash
-from remqa_data.rows import QuestionKind
+from remqa_data.floorplans.ithor.table import scene_names
+from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
+from remqa_data.generators.questions.allotment import GROUP_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
+from remqa_data.generators.walks.walk import WalkSettings
+from remqa_data.storage.manifest import config_hash
+from remqa_data.tables.images import RgbFormat
+from remqa_data.tables.rows import QuestionKind
 
 Layouts = Literal["ithor", "sampled"]
 LAYOUTS: tuple[Layouts, ...] = ("ithor", "sampled")

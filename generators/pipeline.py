@@ -9,18 +9,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from remqa_data.dataset_card import write_card
 from remqa_data.errors import DamagedShardError, DatasetError
 from remqa_data.executors import Executor, LocalExecutor
-from remqa_data.generators.allotment import SceneQuota, allot, capacities
 from remqa_data.generators.config import Config
-from remqa_data.generators.room import make_room
-from remqa_data.generators.room_plan import Job
-from remqa_data.locks import LOCK, exclusive
-from remqa_data.manifest import MANIFEST, FileInfo, Manifest, load_manifest, make_manifest
-from remqa_data.parts import PARTS, Part, Parts, assemble, count_questions, finish, unfinish
-from remqa_data.shards import check_files
-from remqa_data.storage import Folder, Storage, storage_at
+from remqa_data.generators.questions.allotment import SceneQuota, allot, capacities
+from remqa_data.generators.scene_job import make_room
+from remqa_data.generators.scene_plan import Job
+from remqa_data.storage.backend import Folder, Storage, storage_at
+from remqa_data.storage.card import write_card
+from remqa_data.storage.locks import LOCK, exclusive
+from remqa_data.storage.manifest import MANIFEST, FileInfo, Manifest, load_manifest, make_manifest
+from remqa_data.storage.parts import PARTS, Part, Parts, assemble, count_questions, finish, unfinish
+from remqa_data.storage.shards import check_files
 from remqa_data.version import __version__
 
 FEWEST_SHARDS = {"train": 5, "val": 1, "test": 1}

@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 from remqa_data.version import __version__
 
 if TYPE_CHECKING:
-    from remqa_data.dataset import ExpressionDataset, FrameDataset, RemqaDataset, collate
-    from remqa_data.vocabulary import Vocabulary
+    from remqa_data.datasets.torch_datasets import ExpressionDataset, FrameDataset, RemqaDataset, collate
+    from remqa_data.datasets.vocabulary import Vocabulary
 
 __all__ = ["ExpressionDataset", "FrameDataset", "RemqaDataset", "Vocabulary", "__version__", "collate"]
 
 _HOMES = {
-    "ExpressionDataset": "remqa_data.dataset",
-    "FrameDataset": "remqa_data.dataset",
-    "RemqaDataset": "remqa_data.dataset",
-    "collate": "remqa_data.dataset",
-    "Vocabulary": "remqa_data.vocabulary",
+    "ExpressionDataset": "remqa_data.datasets.torch_datasets",
+    "FrameDataset": "remqa_data.datasets.torch_datasets",
+    "RemqaDataset": "remqa_data.datasets.torch_datasets",
+    "collate": "remqa_data.datasets.torch_datasets",
+    "Vocabulary": "remqa_data.datasets.vocabulary",
 }
 
 

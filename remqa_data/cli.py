@@ -88,7 +88,7 @@ def assets(
     from rich.progress import Progress
 
     from remqa_data.assets import TYPES
-    from remqa_data.assets.sheet import write_sheets
+    from remqa_data.generators.figures.asset_sheets import write_sheets
 
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
@@ -110,7 +110,7 @@ def play(
     ),
 ) -> None:
     """Film a question: what the agent sees, the agent from outside, and the map that it draws."""
-    from remqa_data.play import write_film
+    from remqa_data.env.video import write_film
 
     frames = write_film(root, question_id, output)
     typer.echo(f"{output}: {frames} frames")
@@ -125,7 +125,7 @@ def preview(
     size: Annotated[int, typer.Option(min=32, max=2048, help="Width and height of each view in pixels.")] = 300,
 ) -> None:
     """Draw a room: a map with walls, objects and reachable cells, and eight views."""
-    from remqa_data.generators.preview import write_preview
+    from remqa_data.generators.figures.preview import write_preview
 
     write_preview(scene, output, size_px=size)
     typer.echo(str(output))
@@ -140,7 +140,7 @@ def show(
     ),
 ) -> None:
     """Draw a question: the views before and after the manipulation, and the way there on a map."""
-    from remqa_data.generators.sample_picture import write_sample_picture
+    from remqa_data.generators.figures.sample_picture import write_sample_picture
 
     write_sample_picture(root, question_id, output)
     typer.echo(str(output))
@@ -156,7 +156,7 @@ def verify(
     workers: Annotated[int, typer.Option(min=1, help="Processes; what is found does not depend on it.")] = 1,
 ) -> None:
     """Check a dataset from its files: checksums, balance, answers worked out anew, actions replayed bit for bit."""
-    from remqa_data.generators.verify_command import verify_and_report
+    from remqa_data.generators.audit.verify_command import verify_and_report
 
     if not verify_and_report(root, sample, seed, workers):
         raise typer.Exit(1)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from remqa_data.fields import Column
+from remqa_data.tables.fields import Column
 
 MOST_TEXT_BYTES = 4096
 """Of an id, a question, an expression, a program [400]: they are looked for, split into words, and shown."""

@@ -1,7 +1,7 @@
 """A room and everything in it, as plain data: what is stored, loaded again anywhere, and simulated.
 
 A `Scene` holds no meshes. Each object names its asset by type, size, variant and seed, and the walls, ceiling and
-built-in furniture are boxes with a finish; `remqa_data.sim.world.World` builds the same world from that, bit for bit.
+built-in furniture are boxes with a finish; `remqa_data.sim.physics.world.World` builds the same world from that, bit for bit.
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ from typing import Literal
 
 from pydantic import TypeAdapter, ValidationError
 
-from remqa_data.assets.model import AssetSpec, Box, Material, Rect, Vec3
+from remqa_data.assets.core.model import AssetSpec, Material
 from remqa_data.errors import SceneFormatError, UnknownNameError
 from remqa_data.files import atomic_path
+from remqa_data.geometry.types import Box, Rect, Vec3
 
 Quaternion = tuple[float, float, float, float]
 StructureKind = Literal["wall", "ceiling", "floor", "fixture", "outside"]

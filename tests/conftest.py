@@ -8,9 +8,8 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from dataset_rows import write_dataset
-
-from remqa_data.manifest import Manifest
+from remqa_data.storage.manifest import Manifest
+from tests.helpers.dataset_rows import write_dataset
 
 
 @pytest.fixture(scope="module")

@@ -5,15 +5,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from remqa_data.catalog import (
-    ObjectType,
-    catalog,
-    object_type,
-    plural,
-    question_types,
-    read_catalog,
-    with_article,
-)
+from remqa_data.catalog import ObjectType, catalog, object_type, plural, question_types, read_catalog, with_article
 from remqa_data.errors import CatalogError, RemqaError, UnknownNameError
 
 OPENABLE = {  # as the iTHOR documentation lists them

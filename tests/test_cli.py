@@ -24,7 +24,7 @@ def drawn(monkeypatch) -> list[tuple[str, Path, int]]:
             raise UnknownNameError("scene", scene, ["FloorPlan1"])
         calls.append((scene, path, size_px))
 
-    module = ModuleType("remqa_data.generators.preview")
+    module = ModuleType("remqa_data.generators.figures.preview")
     module.write_preview = write_preview  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, module.__name__, module)
     return calls
@@ -84,7 +84,7 @@ def test_an_error_on_purpose_is_one_line(error, line, drawn, monkeypatch):
     def fail(scene: str, path: Path, size_px: int) -> None:
         raise error
 
-    monkeypatch.setattr(sys.modules["remqa_data.generators.preview"], "write_preview", fail)
+    monkeypatch.setattr(sys.modules["remqa_data.generators.figures.preview"], "write_preview", fail)
     result = invoke("preview", "FloorPlan1")
     assert (result.exit_code, result.stderr) == (2, line)
 
@@ -93,7 +93,7 @@ def test_a_bug_is_not_hidden(drawn, monkeypatch):
     def fail(scene: str, path: Path, size_px: int) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(sys.modules["remqa_data.generators.preview"], "write_preview", fail)
+    monkeypatch.setattr(sys.modules["remqa_data.generators.figures.preview"], "write_preview", fail)
     assert isinstance(invoke("preview", "FloorPlan1").exception, ZeroDivisionError)
 
 

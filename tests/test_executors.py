@@ -5,14 +5,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import executor_jobs as jobs
 import pytest
 
 from remqa_data.errors import ArrangementError, ClusterError, ConfigError, UnknownNameError, WorkersLostError
 from remqa_data.executors import Executor, LocalExecutor, RayExecutor, make_executor
 from remqa_data.generators.config import load_config
 from remqa_data.generators.pipeline import generate
-from remqa_data.manifest import load_manifest
+from remqa_data.storage.manifest import load_manifest
+from tests.helpers import executor_jobs as jobs
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 pytestmark = pytest.mark.slow

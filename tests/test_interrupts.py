@@ -17,7 +17,8 @@ from pathlib import Path
 
 import psutil
 import pytest
-from damaged_files import files_of
+
+from tests.helpers.damaged_files import files_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("setsid") is None, reason="needs a pseudo-terminal")]
 

@@ -92,9 +92,9 @@ def test_the_check_of_imports_sees_every_way_of_importing(tmp_path, monkeypatch)
     path = tmp_path / "remqa_data" / "sim" / "world.py"
     path.parent.mkdir(parents=True)
     for line in (
-        "import remqa_data.generators.walk",
+        "import remqa_data.generators.walks.walk",
         "from remqa_data import generators",
-        "from remqa_data.generators.walk import x",
+        "from remqa_data.generators.walks.walk import x",
         "from ..generators import walk",
         "def lazy():\n    from .. import generators",
     ):

@@ -2,10 +2,10 @@ import json
 
 import pytest
 
-from remqa_data.assets.materials import OAK
-from remqa_data.assets.model import AssetSpec
+from remqa_data.assets.core.model import AssetSpec
+from remqa_data.assets.looks.materials import OAK
 from remqa_data.errors import SceneFormatError, UnknownNameError
-from remqa_data.generators.floorplans.ithor import load_scene
+from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.scene import Scene, SceneObject, StructureBox
 
 

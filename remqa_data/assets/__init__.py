@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from remqa_data.assets.model import Asset, AssetSpec
+from remqa_data.assets.core.model import Asset, AssetSpec
 from remqa_data.assets.registry import TYPES, build, variant_count
 
 __all__ = ["TYPES", "Asset", "AssetSpec", "build", "variant_count"]

@@ -4,45 +4,35 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from remqa_data.assets import (
-    appliances,
-    bathroom,
-    bedding,
+from remqa_data.assets.core.builder import Builder
+from remqa_data.assets.core.kind import Kind
+from remqa_data.assets.core.model import Asset, AssetSpec
+from remqa_data.assets.types.bathroom import basins as plumbing
+from remqa_data.assets.types.bathroom import shower
+from remqa_data.assets.types.bathroom import toiletries as bathroom
+from remqa_data.assets.types.bathroom import towels as textiles
+from remqa_data.assets.types.fixtures import candles as lighting
+from remqa_data.assets.types.fixtures import lamps
+from remqa_data.assets.types.fixtures import wall_and_floor as wall
+from remqa_data.assets.types.furniture import beds as bedding
+from remqa_data.assets.types.furniture import desks, seating, sofas, storage, tables
+from remqa_data.assets.types.kitchen import appliances, bottles, cookware, food, kitchen_supplies, tableware, utensils
+from remqa_data.assets.types.small import (
     bins,
     books,
     boots,
-    bottles,
     carried,
     clocks,
     containers,
-    cookware,
     decor,
-    desks,
     electronics,
-    food,
-    kitchen_supplies,
-    lamps,
-    lighting,
     plants,
-    plumbing,
     plush,
-    seating,
-    shower,
-    sofas,
     sports,
     stationery,
     statues,
-    storage,
-    tables,
-    tableware,
-    textiles,
-    utensils,
     vacuums,
-    wall,
 )
-from remqa_data.assets.builder import Builder
-from remqa_data.assets.kind import Kind
-from remqa_data.assets.model import Asset, AssetSpec
 from remqa_data.errors import AssetError, UnknownNameError
 
 KINDS: dict[str, Kind] = {

@@ -6,12 +6,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from remqa_data.errors import MisuseError, RemqaError
-from remqa_data.sim.agent import ActionResult
-from remqa_data.thor import actions_arm, actions_navigation, actions_objects, actions_scene, actions_search
-from remqa_data.thor.dispatch import call, checked
-from remqa_data.thor.events import Reply, reply
-from remqa_data.thor.settings import FrameSize, Images
-from remqa_data.thor.stage import Stage
+from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.thor.actions import arm as actions_arm
+from remqa_data.thor.actions import navigation as actions_navigation
+from remqa_data.thor.actions import objects as actions_objects
+from remqa_data.thor.actions import scene as actions_scene
+from remqa_data.thor.actions import search as actions_search
+from remqa_data.thor.state.dispatch import call, checked
+from remqa_data.thor.state.events import Reply, reply
+from remqa_data.thor.state.settings import FrameSize, Images
+from remqa_data.thor.state.simulator import Stage
 
 ACTIONS = checked(actions_scene.ACTIONS | actions_navigation.ACTIONS | actions_search.ACTIONS | actions_objects.ACTIONS)
 """What the agent without an arm can do."""

@@ -3,12 +3,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from remqa_data.assets import AssetSpec, build, materials
-from remqa_data.assets.builder import Builder
-from remqa_data.assets.cutting import solid_around
-from remqa_data.assets.model import Box
+from remqa_data.assets import AssetSpec, build
+from remqa_data.assets.core.builder import Builder
+from remqa_data.assets.looks import materials
+from remqa_data.assets.mesh.cutting import solid_around
 from remqa_data.errors import AssetError, UnknownNameError
-from remqa_data.rotations import quaternion_of, rotation_of
+from remqa_data.geometry.rotations import quaternion_of, rotation_of
+from remqa_data.geometry.types import Box
 
 COORDINATE = st.integers(0, 20).map(lambda n: n / 10)
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from remqa_data.assets import Asset, AssetSpec, build
-from remqa_data.assets.model import F64, CollisionBox, Vec3
-from remqa_data.rotations import rotation_of
+from remqa_data.assets.core.model import CollisionBox
+from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry.types import F64, Vec3
 
 SIZES: dict[str, tuple[Vec3, ...]] = {
     "Cabinet": ((0.38, 0.40, 0.66), (0.26, 0.28, 0.36), (1.2, 0.5, 2.2), (0.7, 0.05, 0.6)),

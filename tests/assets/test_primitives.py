@@ -4,8 +4,8 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from remqa_data.assets import primitives
-from remqa_data.assets.primitives import Mesh
+from remqa_data.assets.mesh import primitives
+from remqa_data.assets.mesh.primitives import Mesh
 
 SIZE = st.floats(0.01, 3.0)
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from remqa_data.assets import TYPES, Asset, AssetSpec, build, variant_count
-from remqa_data.assets.sheet import picture
-from remqa_data.assets.sizes import typical_size
+from remqa_data.assets.core.sizes import typical_size
 from remqa_data.catalog import catalog, object_type
-from remqa_data.generators.floorplans.table import recorded_objects, scene_names
+from remqa_data.floorplans.ithor.table import recorded_objects, scene_names
+from remqa_data.generators.figures.asset_sheets import picture
 
 FILL_M = 1e-3
 VISIBLE_CHANGE = 3.0

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from remqa_data.assets.textures import TEXTURE_NAMES, repeats, texture
+from remqa_data.assets.looks.textures import TEXTURE_NAMES, repeats, texture
 from remqa_data.errors import UnknownNameError
 
 TILES = [name for name in TEXTURE_NAMES if repeats(name)]
@@ -57,7 +57,7 @@ def test_unknown_name_is_refused_with_the_nearest_one():
 
 def test_another_process_draws_the_same_pixels():
     code = (
-        "import hashlib; from remqa_data.assets.textures import *;"
+        "import hashlib; from remqa_data.assets.looks.textures import *;"
         "print(hashlib.sha256(b''.join(texture(n).tobytes() for n in TEXTURE_NAMES)).hexdigest())"
     )
     other = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -7,7 +7,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from dataset_rows import write_dataset
+from tests.helpers.dataset_rows import write_dataset
 
 
 @pytest.fixture(scope="session")

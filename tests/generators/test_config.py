@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from remqa_data.errors import ConfigError
-from remqa_data.generators.allotment import allot, capacities, split_of
 from remqa_data.generators.config import load_config, parse_config
+from remqa_data.generators.questions.allotment import allot, capacities, split_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PAPER = (CONFIGS / "paper.yaml").read_text(encoding="utf-8")

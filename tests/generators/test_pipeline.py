@@ -11,9 +11,9 @@ from remqa_data.executors import LocalExecutor
 from remqa_data.generators.cli import app
 from remqa_data.generators.config import Config, load_config, paper_config
 from remqa_data.generators.pipeline import generate
-from remqa_data.manifest import Manifest
-from remqa_data.rows import FrameRow, QuestionRow
-from remqa_data.shards import read_rows, read_table
+from remqa_data.storage.manifest import Manifest
+from remqa_data.storage.shards import read_rows, read_table
+from remqa_data.tables.rows import FrameRow, QuestionRow
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

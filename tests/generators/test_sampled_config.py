@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from remqa_data.errors import ConfigError
-from remqa_data.generators.allotment import allot, capacities, split_of
+from remqa_data.floorplans.sampled.naming import sampled_name
 from remqa_data.generators.config import Config, load_config, parse_config
-from remqa_data.generators.floorplans.sampling.naming import sampled_name
-from remqa_data.generators.room import expression_split
+from remqa_data.generators.questions.allotment import allot, capacities, split_of
+from remqa_data.generators.scene_job import expression_split
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper.yaml"
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from remqa_data.rotations import quaternion_of, rotation_of
-from remqa_data.thor.frames import (
+from remqa_data.geometry.rotations import quaternion_of, rotation_of
+from remqa_data.thor.state.frames import (
     corners_to_thor,
     euler_to_thor,
     to_room,

@@ -1,7 +1,8 @@
 """An agent that was written for AI2-THOR, unchanged."""
 
 import pytest
-from object_goal import ObjectGoalAgent
+
+from tests.helpers.object_goal import ObjectGoalAgent
 
 
 @pytest.mark.parametrize("object_type", ["Apple", "Mug"])

@@ -1,0 +1,239 @@
+"""Pictures of failures: what the agent saw, what it pointed at, and which way it went."""
+
+from __future__ import annotations
+
+import base64
+from contextlib import closing
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from remqa_data.datasets.random_access import SplitReader
+from remqa_data.evaluation.report.tables import in_words
+from remqa_data.evaluation.scoring.ground_truth import Truth
+from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, box_of, load_room, walk
+from remqa_data.evaluation.scoring.results import Results
+from remqa_data.evaluation.scoring.scoring import attempt_of
+from remqa_data.evaluation.submission.reader import Submission
+from remqa_data.evaluation.submission.tracks import Track, id_column
+from remqa_data.geometry.types import F64, U8
+from remqa_data.sim.agent.replay import Replay
+from remqa_data.sim.render.camera import TopDownCamera
+from remqa_data.storage.shards import read_table
+from remqa_data.tables.images import decode_rgb
+from remqa_data.tables.rows import EmbodimentRow
+
+MAX_FAILURES = 24
+MAIN_MEASURE: dict[Track, str] = {
+    "remqa": "S_QA",
+    "nav": "success@50",
+    "rec": "prec@0.5",
+    "qa": "answer_accuracy",
+}
+"""The measure whose failures are shown."""
+SHOWN_DETAILS = ("steps", "goal_distance_m", "target_visible", "iou", "manipulated")
+TRUE_COLOR, PREDICTED_COLOR, PATH_COLOR, GOAL_COLOR = (40, 170, 70), (225, 60, 40), (30, 90, 220), (225, 60, 40)
+JPEG_QUALITY = 85
+MAP_MARGIN, MAP_CUT_M = 1.12, 2.0
+"""How much larger than the room its map is, and the height above the floor at which the map is cut."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture of a failure.
+
+    Attributes
+    ----------
+    label : str
+    uri : str
+        The JPEG as a data: URI.
+    """
+
+    label: str
+    uri: str
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A question that was not answered, or an expression that was not found.
+
+    Attributes
+    ----------
+    id, text : str
+        The text is the question, or the expression.
+    facts : tuple of (str, str)
+        Names and values, such as ("true answer", "2").
+    pictures : tuple of Picture
+    """
+
+    id: str
+    text: str
+    facts: tuple[tuple[str, str], ...]
+    pictures: tuple[Picture, ...]
+
+
+def find_failures(results: Results, submission: Submission, truth: Truth) -> list[Failure]:
+    """Some failures of a submission, spread evenly over the split.
+
+    Agents walk again in the simulator if their actions were replayed; otherwise only stored frames are shown.
+    """
+    failed = [place for place, ok in enumerate(results.samples[MAIN_MEASURE[truth.track]]) if not ok]
+    chosen = np.unique(np.linspace(0, len(failed) - 1, min(MAX_FAILURES, len(failed))).round().astype(int))
+    rows = _rows(submission, truth, [failed[i] for i in chosen], replay=results.replayed is not False)
+    build = _expressions if truth.track == "rec" else _questions
+    return build(results, truth, rows)
+
+
+def _rows(submission: Submission, truth: Truth, places: list[int], *, replay: bool) -> dict[int, dict[str, object]]:
+    """By place, what was submitted; {} for nothing."""
+    found: dict[int, dict[str, object]] = {place: {} for place in places}
+    for batch in submission.batches(replay=replay, max_rows=len(truth.ids)):
+        for row, place in enumerate(truth.places(batch.rows[id_column(truth.track)]).tolist()):
+            if place in found:
+                found[place] = batch.rows.slice(row, 1).to_pylist()[0]
+    return found
+
+
+def _expressions(results: Results, truth: Truth, rows: dict[int, dict[str, object]]) -> list[Failure]:
+    asked = read_table(truth.root, "expressions", truth.split, ["text", "frame_id"]).to_pylist()
+    frames = _Frames(truth)
+    failures = []
+    for place, row in rows.items():
+        image = frames.image(asked[place]["frame_id"])
+        _draw_boxes(image, truth.boxes[place], row.get("box"))
+        facts = (("IoU", _shown(results.samples["mean_iou"][place])), ("submitted box", _shown(row.get("box"))))
+        pictures = (_picture("frame: true box green, submitted red", image),)
+        failures.append(Failure(str(truth.ids[place]), asked[place]["text"], facts, pictures))
+    return failures
+
+
+class _Frames:
+    """Stored frames by name, of whatever split they are in."""
+
+    def __init__(self, truth: Truth) -> None:
+        self._readers = [SplitReader(truth.root, "frames", split) for split in truth.manifest.splits("frames")]
+        self._places = {
+            name: (number, row)
+            for number, reader in enumerate(self._readers)
+            for row, name in enumerate(reader.columns(["frame_id"])["frame_id"].to_pylist())
+        }
+
+    def image(self, name: str) -> U8:
+        number, row = self._places[name]
+        return decode_rgb(memoryview(self._readers[number].images(row, ["rgb"])[0])).copy()
+
+
+def _questions(results: Results, truth: Truth, rows: dict[int, dict[str, object]]) -> list[Failure]:
+    stored = SplitReader(truth.root, "questions", truth.split)
+    asked = stored.columns(["question", "start_target_box_2d"]).to_pylist()
+    walked = _walked(truth, rows) if results.replayed else {}
+    failures = []
+    for place, row in rows.items():
+        before, after = (decode_rgb(memoryview(data)).copy() for data in stored.images(place, ["start_rgb", "end_rgb"]))
+        _draw_boxes(before, asked[place]["start_target_box_2d"], None)
+        pictures = [*walked.get(place, ()), _picture("stored view from the goal pose: target green", before)]
+        pictures += [_picture("stored view after the manipulation", after)] if truth.track in ("remqa", "qa") else []
+        facts = _facts(results, truth, place, row)
+        failures.append(Failure(str(truth.ids[place]), asked[place]["question"], facts, tuple(pictures)))
+    return failures
+
+
+def _facts(results: Results, truth: Truth, place: int, row: dict[str, object]) -> tuple[tuple[str, str], ...]:
+    """Why it failed, and what was wanted beside what was submitted and happened."""
+    facts = [("failed", _reason(results, place)), ("target", truth.texts("target_id")[place])]
+    if truth.track != "nav":
+        facts.append(("true answer", truth.texts("answer")[place]))
+    facts += [(name, _shown(row[name])) for name in ("answer", "manipulation") if name in row]
+    samples = {name: column[place] for name, column in results.samples.items()}
+    shown = (name for name in SHOWN_DETAILS if samples.get(name) is not None)
+    return (*facts, *((in_words(name), _shown(samples[name])) for name in shown))
+
+
+def _reason(results: Results, place: int) -> str:
+    """The first thing that went wrong with a question."""
+    fine = {name: bool(column[place]) for name, column in results.samples.items()}
+    if not fine["answered"]:
+        return "nothing was submitted"
+    if fine.get("success"):
+        return "too many steps"
+    steps = {"S_N": "navigation", "success": "navigation", "S_L": "localisation", "answer_accuracy": "answer"}
+    return next(reason for name, reason in steps.items() if not fine.get(name, True))
+
+
+def _walked(truth: Truth, rows: dict[int, dict[str, object]]) -> dict[int, tuple[Picture, ...]]:
+    """By place, the agent's final view and its way on a map."""
+    by_room: dict[Room, list[Attempt]] = {}
+    for place, row in rows.items():
+        if row:
+            attempt, room = attempt_of(truth, place, row["actions"], row.get("manipulation"))  # type: ignore[arg-type]
+            by_room.setdefault(room, []).append(attempt)
+    pictures: dict[int, tuple[Picture, ...]] = {}
+    columns = ["scene", "configuration", "scene_json", "embodiment"]
+    for stored in read_table(truth.root, "scenes", truth.split, columns).to_pylist():
+        attempts = by_room.get((stored["scene"], stored["configuration"]))
+        if not attempts:
+            continue
+        with closing(load_room(stored["scene_json"], stored["scene"], EmbodimentRow(**stored["embodiment"]))) as replay:
+            plan = _Map(replay)
+            for attempt in attempts:
+                poses, _ = walk(replay, attempt)
+                seen = replay.observe()
+                view = seen.rgb.copy()
+                true = box_of(seen.objects, replay.world.ids.index(attempt.target_id))
+                _draw_boxes(view, true, rows[attempt.place].get("box"))
+                way = plan.draw(poses, truth.goals[attempt.place])
+                pictures[attempt.place] = (
+                    _picture("agent's final view: true box green, submitted red", view),
+                    _picture("way from above, dot to arrow; goal poses are rings", way),
+                )
+    return pictures
+
+
+class _Map:
+    """The room from above."""
+
+    def __init__(self, replay: Replay, size_px: int = 300) -> None:
+        x0, y0, x1, y1 = replay.world.scene.bounds
+        extent = MAP_MARGIN * max(x1 - x0, y1 - y0)
+        height = replay.world.scene.floor_z + MAP_CUT_M
+        self.camera = TopDownCamera(((x0 + x1) / 2, (y0 + y1) / 2), height, extent, size_px, size_px)
+        self.image = replay.view.render(self.camera, shadows=False).rgb
+
+    def draw(self, poses: list[Pose], goals: F64) -> U8:
+        image = self.image.copy()
+        for x, y in self._pixels(goals[~np.isnan(goals[:, 0])]):
+            cv2.circle(image, (x, y), 6, GOAL_COLOR, 2, cv2.LINE_AA)
+        points = self._pixels(np.array([pose[:2] for pose in poses]))
+        cv2.polylines(image, [np.array(points, dtype=np.int32)], False, PATH_COLOR, 2, cv2.LINE_AA)
+        cv2.circle(image, points[0], 5, PATH_COLOR, -1, cv2.LINE_AA)
+        yaw = np.radians(poses[-1][2])
+        tip = (points[-1][0] + round(16 * np.cos(yaw)), points[-1][1] - round(16 * np.sin(yaw)))
+        cv2.arrowedLine(image, points[-1], tip, PATH_COLOR, 2, cv2.LINE_AA, tipLength=0.5)
+        return image
+
+    def _pixels(self, positions: F64) -> list[tuple[int, int]]:
+        projected = self.camera.project(np.column_stack([positions, np.zeros(len(positions))]))
+        return [(round(x), round(y)) for x, y, _ in projected.tolist()]
+
+
+def _draw_boxes(image: U8, true: object, predicted: object) -> None:
+    for box, color in ((true, TRUE_COLOR), (predicted, PREDICTED_COLOR)):
+        if box is not None:
+            x1, y1, x2, y2 = (round(float(v)) for v in box)  # type: ignore[attr-defined]
+            cv2.rectangle(image, (x1, y1), (x2 - 1, y2 - 1), color, 2)
+
+
+def _picture(label: str, image: U8) -> Picture:
+    data = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
+    return Picture(label, "data:image/jpeg;base64," + base64.b64encode(data).decode())
+
+
+def _shown(value: object) -> str:
+    if value is None:
+        return "none"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.3f}"
+    return str(value)

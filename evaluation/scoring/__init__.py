@@ -1,0 +1,1 @@
+"""Scores by replay, with intervals."""

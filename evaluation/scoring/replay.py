@@ -1,0 +1,224 @@
+"""Replaying what was submitted: the simulator says where the agent went, what it saw, and what it did.
+
+An action that the room refuses (a wall is in the way) leaves the agent where it is and counts as a step, as in AI2-THOR
+and Habitat. All questions of one configuration share a world, which is brought back to its first state between them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.errors import DatasetError, RemqaError
+from remqa_data.executors import LocalExecutor
+from remqa_data.scene import Scene
+from remqa_data.sim.agent.actions import DONE, parse_action
+from remqa_data.sim.agent.embodiment import Embodiment
+from remqa_data.sim.agent.replay import Replay
+from remqa_data.sim.metadata import Box2D, scaled_min_pixels
+from remqa_data.sim.navigation.grid import GRID_M
+from remqa_data.sim.navigation.viewpoints import AgentPose
+from remqa_data.storage.shards import read_table
+from remqa_data.tables.rows import EmbodimentRow
+
+Pose = tuple[float, float, float, float]
+"""x, y in metres, yaw_deg, horizon_deg."""
+Room = tuple[str, int]
+"""A scene and its configuration."""
+KIND_OF = {"OpenObject": "Open", "PickupObject": "Pickup"} | dict.fromkeys(
+    ("MoveObject", "PushObject", "PullObject"), "Move"
+)
+"""The manipulation that an action is."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What is to be replayed of one question.
+
+    Attributes
+    ----------
+    place : int
+        Of the question in its split.
+    initial_pose : Pose
+    target_id : str
+    actions : sequence of str
+        Of navigation.
+    manipulation : str or None
+        An action.
+    wanted : tuple of str
+        The right manipulation, such as "Open", and the object to do it to.
+    """
+
+    place: int
+    initial_pose: Pose
+    target_id: str
+    actions: Sequence[str]
+    manipulation: str | None
+    wanted: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """What happened.
+
+    Attributes
+    ----------
+    place : int
+        Of the question in its split.
+    poses : tuple of Pose
+        The initial pose, then the pose after each action but Done.
+    target_box : Box2D or None
+        The target in the final view before the manipulation, or None where it is not visible.
+    is_manipulated : bool
+        Whether the room let the agent do the right manipulation to the right object.
+    refused : int
+        Actions that the room refused.
+    """
+
+    place: int
+    poses: tuple[Pose, ...]
+    target_box: Box2D | None
+    is_manipulated: bool
+    refused: int
+
+
+@dataclass(frozen=True)
+class RoomJob:
+    """The attempts in one configuration, for one worker."""
+
+    name: str
+    scene_json: str
+    embodiment: EmbodimentRow
+    attempts: tuple[Attempt, ...]
+
+
+def replay_all(
+    root: Path,
+    split: str,
+    attempts: dict[Room, list[Attempt]],
+    workers: int,
+    progress: Callable[[int], None] | None = None,
+) -> Iterator[Replayed]:
+    """Replay attempts in the rooms of a dataset; the order does not depend on the number of workers.
+
+    Parameters
+    ----------
+    root, split : path, str
+        Where the rooms are.
+    attempts : dict
+        By scene and configuration.
+    workers : int
+        Processes.
+    progress : callable, optional
+        Called with the number of attempts of each finished room.
+
+    Raises
+    ------
+    DatasetError
+        If the dataset has no such configuration, or an agent that cannot be replayed.
+    """
+    jobs = _jobs(root, split, attempts)
+    done: dict[str, list[Replayed]] = {}
+    for job, replayed in LocalExecutor(min(workers, len(jobs)) or 1).run(replay_room, jobs):
+        done[job.name] = replayed
+        if progress is not None:
+            progress(len(replayed))
+    for job in jobs:
+        yield from done[job.name]
+
+
+def replay_room(job: RoomJob) -> list[Replayed]:
+    """Replay the attempts in one configuration, each from the room's first state."""
+    replay = load_room(job.scene_json, job.name, job.embodiment)
+    first = replay.world.save()
+    try:
+        done = []
+        for attempt in job.attempts:
+            done.append(_replayed(replay, attempt))
+            if replay.world.held is not None:
+                replay.view.hide(replay.world.held, False)
+            replay.world.restore(first)
+        return done
+    finally:
+        replay.close()
+
+
+def load_room(scene_json: str, name: str, body: EmbodimentRow) -> Replay:
+    """A stored configuration with the dataset's agent in it; `name` is for error messages."""
+    return Replay(Scene.from_json(scene_json, name), AgentPose((0, 0), 0), Embodiment.of_dataset(**vars(body)))
+
+
+def walk(replay: Replay, attempt: Attempt) -> tuple[list[Pose], int]:
+    """Put the agent at its initial pose and let it walk: the poses it passes, and how many actions were refused."""
+    x, y, yaw, horizon = attempt.initial_pose
+    replay.pose = AgentPose((round(x / GRID_M), round(y / GRID_M)), round(yaw), round(horizon))
+    poses, refused = [attempt.initial_pose], 0
+    agent = replay.agent
+    for action in attempt.actions:
+        if action == DONE:
+            break
+        refused += not _is_done(replay, action)
+        poses.append((agent.x, agent.y, agent.yaw_deg, agent.horizon_deg))
+    return poses, refused
+
+
+def box_of(objects: npt.NDArray[np.int32], index: int) -> Box2D | None:
+    """Tight box of an object's pixels in an image of object indices, or None where it is not visible."""
+    rows, columns = np.nonzero(objects == index)
+    if len(rows) < scaled_min_pixels(objects.shape):
+        return None
+    return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
+
+
+def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[RoomJob]:
+    columns = ["scene", "configuration", "scene_json", "embodiment"]
+    jobs = []
+    for row in read_table(root, "scenes", split, columns).to_pylist():
+        found = attempts.get((row["scene"], row["configuration"]))
+        if found:
+            body = EmbodimentRow(**row["embodiment"])
+            if body.step_m != GRID_M:
+                msg = f"{root}: the agent of {row['scene']} steps {body.step_m} m; the simulator's steps {GRID_M} m"
+                raise DatasetError(msg)
+            name = f"{row['scene']}, configuration {row['configuration']}"
+            jobs.append(RoomJob(name, row["scene_json"], body, tuple(found)))
+    replayed = sum(len(job.attempts) for job in jobs)
+    if replayed != sum(map(len, attempts.values())):
+        raise DatasetError(f"{root}: split {split} has questions about configurations that its scenes do not have")
+    return jobs
+
+
+def _replayed(replay: Replay, attempt: Attempt) -> Replayed:
+    poses, refused = walk(replay, attempt)
+    objects = replay.view.instances(replay.agent.camera())
+    box = box_of(objects, replay.world.ids.index(attempt.target_id))
+    is_manipulated = False
+    if attempt.manipulation is not None:
+        is_right = _meant(replay, attempt.manipulation) == attempt.wanted
+        is_done = _is_done(replay, attempt.manipulation)
+        is_manipulated = is_right and is_done
+        refused += not is_done
+    return Replayed(attempt.place, tuple(poses), box, is_manipulated, refused)
+
+
+def _is_done(replay: Replay, action: str) -> bool:
+    try:
+        return replay.attempt(action).success
+    except RemqaError:
+        return False
+
+
+def _meant(replay: Replay, manipulation: str) -> tuple[str | None, str | None]:
+    """What a manipulation is, such as "Open", and of which object."""
+    action = parse_action(manipulation)
+    target = action.target
+    if isinstance(target, tuple):
+        try:
+            target = replay.agent.object_at(*target)
+        except RemqaError:  # a point outside the image
+            target = None
+    return KIND_OF.get(action.name), target

@@ -1,0 +1,219 @@
+"""results.json: what a submission has scored, with all that is needed to trust it, compare it and make it again.
+
+`results.schema.json`, beside this file, is its JSON Schema.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final, Literal, get_args
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from remqa_data.errors import ResultsError
+from remqa_data.evaluation.scoring.ground_truth import Truth, dataset_sha256
+from remqa_data.evaluation.scoring.scoring import IOU_THRESHOLDS, STEP_LIMITS, Scores
+from remqa_data.evaluation.scoring.statistics import LEVEL, RESAMPLES, IntervalKind, estimate
+from remqa_data.evaluation.submission.reader import Submission
+from remqa_data.evaluation.submission.tracks import Track, is_walked
+from remqa_data.files import atomic_path
+from remqa_data.metrics import LOCALISED_IOU, SUCCESS_DISTANCE_M
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
+from remqa_data.tables.rows import QuestionKind
+from remqa_data.version import __version__
+
+FORMAT: Final = "remqa-results"
+VERSION: Final = 1
+SCHEMA_PATH = Path(__file__).with_name("results.schema.json")
+VERSIONED = ("numpy", "scipy", "pyarrow", "pybullet", "numba")
+NOT_REPLAYED = "NOT REPLAYED: poses, path lengths and true boxes are what the submission claims."
+OVERALL = "overall"
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Metric(_Record):
+    """The mean of a measure over all rows, or over one group of them."""
+
+    name: str
+    breakdown: str = Field(description='"overall", or what the rows are grouped by, such as "kind".')
+    group: str = Field(description='Such as "EXISTENCE"; "all" overall.')
+    value: float
+    low: float | None = Field(description="Lower end of the 95 % interval.")
+    high: float | None
+    interval: IntervalKind
+    questions: int = Field(description="Rows in the mean.")
+    scenes: int
+    higher_is_better: Literal[True] = True
+
+
+class Counts(_Record):
+    """How many rows the split has, the submission has, and the means are over."""
+
+    asked: int
+    answered: int
+    missing: int = Field(description="Asked and not answered; they count as failures.")
+    scored: int
+    refused_actions: int = Field(description="Actions that the simulator refused.")
+
+
+class DatasetInfo(_Record):
+    """Which dataset."""
+
+    sha256: str = Field(description="Of the list of its files' checksums, see docs/METRICS.md.")
+    seed: int
+    config_sha256: str
+
+
+class SubmissionInfo(_Record):
+    """Which submission."""
+
+    file: str
+    sha256: str
+    agent: str
+
+
+class Results(_Record):
+    """A scored submission."""
+
+    format: Literal["remqa-results"] = FORMAT
+    version: Literal[1] = VERSION
+    track: Track
+    split: str
+    replayed: bool | None = Field(description="null where nobody walks.")
+    note: str
+    submission: SubmissionInfo
+    dataset: DatasetInfo
+    versions: dict[str, str]
+    config: dict[str, Any]
+    counts: Counts
+    metrics: list[Metric]
+    samples: dict[str, list[str | bool | int | float | None]] = Field(
+        description="Columns with one entry for each row of the split: id, scene, answered, the groups, the measures, and "
+        "what explains them, which is null where nothing was submitted."
+    )
+
+    def metric(self, name: str, breakdown: str = OVERALL, group: str = "all") -> Metric:
+        """One of the metrics.
+
+        Raises
+        ------
+        KeyError
+            If there is none such.
+        """
+        for metric in self.metrics:
+            if (metric.name, metric.breakdown, metric.group) == (name, breakdown, group):
+                return metric
+        raise KeyError((name, breakdown, group))
+
+    @property
+    def measures(self) -> list[str]:
+        """Names of the measures, in order."""
+        return list(dict.fromkeys(metric.name for metric in self.metrics))
+
+
+def make_results(submission: Submission, truth: Truth, scores: Scores, *, replay: bool, seed: int = 0) -> Results:
+    """Means, intervals and breakdowns of what was scored; `seed` is that of the resampling."""
+    replayed = replay if is_walked(truth.track) else None
+    asked, answered = len(truth.ids), int(scores.answered.sum())
+    refused = scores.refused
+    return Results(
+        track=truth.track,
+        split=truth.split,
+        replayed=replayed,
+        note=NOT_REPLAYED if replayed is False else "",
+        submission=SubmissionInfo(file=submission.path.name, sha256=submission.sha256(), agent=submission.header.agent),
+        dataset=DatasetInfo(
+            sha256=dataset_sha256(truth.manifest),
+            seed=truth.manifest.seed,
+            config_sha256=truth.manifest.config_sha256,
+        ),
+        versions=_versions(),
+        config={
+            "success_distance_m": SUCCESS_DISTANCE_M,
+            "min_pixels": MIN_PIXELS,
+            "frame_px": FRAME_PX,
+            "localised_iou": LOCALISED_IOU,
+            "iou_thresholds": list(IOU_THRESHOLDS),
+            "step_limits": list(STEP_LIMITS),
+            "level": LEVEL,
+            "resamples": RESAMPLES,
+            "seed": seed,
+        },
+        counts=Counts(asked=asked, answered=answered, missing=asked - answered, scored=asked, refused_actions=refused),
+        metrics=_metrics(truth, scores, seed),
+        samples=_samples(truth, scores),
+    )
+
+
+def write_results(path: Path, results: Results) -> None:
+    """Write results.json, whole or not at all."""
+    with atomic_path(path) as temporary:
+        temporary.write_text(results.model_dump_json(indent=1) + "\n", encoding="utf-8")
+
+
+def load_results(path: Path) -> Results:
+    """Read a results.json.
+
+    Raises
+    ------
+    ResultsError
+        If it is none.
+    """
+    try:
+        return Results.model_validate_json(path.read_bytes())
+    except FileNotFoundError:
+        raise ResultsError(f"{path}: no such file; remqa-eval writes it") from None
+    except ValidationError as error:
+        found = error.errors(include_url=False, include_input=False)[0]
+        field = ".".join(str(part) for part in found["loc"])[:80] or "the whole text"
+        raise ResultsError(f"{path}: {field}: {found['msg'][:200]}; expected a results.json of remqa-eval") from None
+
+
+def schema_json() -> str:
+    """The JSON Schema of results.json, as it is published."""
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Results.model_json_schema()}
+    return json.dumps(schema, indent=1) + "\n"
+
+
+def _metrics(truth: Truth, scores: Scores, seed: int) -> list[Metric]:
+    scenes = np.unique(truth.texts("scene"), return_inverse=True)[1]
+    everything = {OVERALL: ["all"] * len(truth.ids)} | truth.groups
+    metrics = []
+    for name, values in scores.measures.items():
+        rng = np.random.default_rng(seed)  # so that a metric does not depend on those before it
+        for breakdown, labels in everything.items():
+            column = np.array(labels)
+            for group in sorted(set(labels), key=_order):
+                rows = column == group
+                found = estimate(values[rows], scenes[rows], rng)
+                metrics.append(Metric(name=name, breakdown=breakdown, group=group, **vars(found)))
+    return metrics
+
+
+def _order(group: str) -> tuple[int, str]:
+    """Kinds of questions come as the paper has them, all else by its name."""
+    kinds: tuple[str, ...] = get_args(QuestionKind)
+    return kinds.index(group) if group in kinds else len(kinds), group
+
+
+def _samples(truth: Truth, scores: Scores) -> dict[str, list[Any]]:
+    columns: dict[str, list[Any]] = {"id": truth.ids.to_pylist(), "scene": truth.texts("scene")}
+    columns |= {"answered": scores.answered.tolist(), **truth.groups}
+    columns |= {name: values.tolist() for name, values in scores.measures.items()}
+    for name, values in scores.details.items():
+        columns[name] = [
+            value if said else None for value, said in zip(values.tolist(), columns["answered"], strict=True)
+        ]
+    return columns
+
+
+def _versions() -> dict[str, str]:
+    own = {"remqa-data": __version__, "python": platform.python_version()}
+    return own | {package: metadata.version(package) for package in VERSIONED}

@@ -1,0 +1,266 @@
+"""From a submission to one record for each question or expression, with all its measures.
+
+Whatever is missing, a row or a prediction in it, counts as a failure. The order of the rows makes no difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from remqa_data.errors import SubmissionError, nearest_names
+from remqa_data.evaluation.scoring.ground_truth import Truth
+from remqa_data.evaluation.scoring.replay import Attempt, Replayed, Room, replay_all
+from remqa_data.evaluation.submission.reader import Batch, Submission
+from remqa_data.evaluation.submission.tracks import Track, id_column, is_walked
+from remqa_data.geometry.boxes import is_hit
+from remqa_data.geometry.types import F64
+from remqa_data.metrics import (
+    box_iou,
+    distance_to_goal_m,
+    is_right_answer,
+    navigation_success,
+    path_lengths_m,
+    spl,
+    stages,
+)
+
+STEP_LIMITS = (25, 50)
+"""Steps within which the track `nav` asks for success, beside any number of them."""
+IOU_THRESHOLDS = (0.5, 0.6, 0.7, 0.8, 0.9)
+START_SLACK = 1e-3
+"""Metres and degrees by which the first pose may differ from the initial pose."""
+MOST_KNOWN_FOR_HINTS = 10_000
+"""Finding the nearest of more ids takes too long."""
+
+Bools = npt.NDArray[np.bool_]
+Columns = dict[str, npt.NDArray[np.generic]]
+
+
+@dataclass(frozen=True, eq=False)
+class Scores:
+    """What every row of the truth has scored.
+
+    Attributes
+    ----------
+    answered : (n,) bool
+        Whether the submission has a row for it.
+    measures : dict of (n,) array
+        By name: bool, or float.
+    details : dict of (n,) array
+        What explains the measures, by name: steps, metres, what was seen and said. Means nothing where nothing was
+        answered.
+    refused : int
+        Actions that the simulator refused, over all rows.
+    """
+
+    answered: Bools
+    measures: Columns
+    details: Columns
+    refused: int = 0
+
+
+def score(
+    submission: Submission,
+    truth: Truth,
+    *,
+    replay: bool = True,
+    workers: int = 1,
+    progress: Callable[[int], None] | None = None,
+) -> Scores:
+    """Score a submission to any track.
+
+    Parameters
+    ----------
+    submission : Submission
+    truth : Truth
+        Of the submission's track and split.
+    replay : bool
+        Whether actions are executed in the simulator; without it, poses and boxes are taken from the file. Makes no
+        difference for the tracks `rec` and `qa`, in which nobody walks.
+    workers : int
+        Processes that replay.
+    progress : callable, optional
+        Called with the number of rows that were replayed since the last call.
+
+    Raises
+    ------
+    SubmissionError
+        For the first row that cannot be scored.
+    DatasetError
+        If the dataset cannot be read.
+    """
+    replay = replay or not is_walked(truth.track)
+    filled = _Filled(len(truth.ids), points=truth.track in ("remqa", "rec"))
+    attempts: dict[Room, list[Attempt]] = {}
+    for batch in submission.batches(replay=replay, max_rows=len(truth.ids)):
+        places = _places(submission, truth, batch, filled.answered)
+        filled.add_predictions(places, batch.rows)
+        if is_walked(truth.track) and replay:
+            for place, row in zip(places.tolist(), batch.rows.to_pylist(), strict=True):
+                attempt, room = attempt_of(truth, place, row["actions"], row.get("manipulation"))
+                attempts.setdefault(room, []).append(attempt)
+        elif is_walked(truth.track):
+            _fill_claimed(submission, truth, filled, places, batch)
+    if attempts:
+        for done in replay_all(truth.root, truth.split, attempts, workers, progress):
+            filled.add_replayed(truth, done)
+    measures = _MEASURES[truth.track](truth, filled)
+    if not replay:
+        measures.pop("manipulated", None)  # only the simulator knows
+    return Scores(filled.answered, measures, _details(truth.track, filled), filled.refused)
+
+
+def attempt_of(truth: Truth, place: int, actions: Sequence[str], manipulation: str | None) -> tuple[Attempt, Room]:
+    """What is to be replayed of a submitted row, and in which room; `place` is that of the question in the truth."""
+    question = {name: truth.table[name][place].as_py() for name in _ASKED}
+    x, y, yaw, horizon = truth.initial_poses[place].tolist()
+    wanted = question["manipulation"], question["manipulation_object_id"]
+    attempt = Attempt(place, (x, y, yaw, horizon), question["target_id"], actions, manipulation, wanted)
+    return attempt, (question["scene"], question["configuration"])
+
+
+_ASKED = ("scene", "configuration", "target_id", "manipulation", "manipulation_object_id")
+
+
+class _Filled:
+    """Columns over the truth's rows, filled as the submission is read; what nobody fills is a failure."""
+
+    def __init__(self, count: int, *, points: bool) -> None:
+        self.answered = np.zeros(count, dtype=bool)
+        self.boxes = np.full((count if points else 0, 4), np.nan)
+        self.target_boxes = np.full((count, 4), np.nan)
+        self.answers: list[str | None] = [None] * count
+        self.steps = np.zeros(count, dtype=np.int64)
+        self.walked_m = np.zeros(count)
+        self.distance_m = np.full(count, np.inf)
+        self.is_manipulated = np.zeros(count, dtype=bool)
+        self.refused = 0
+
+    def add_predictions(self, places: npt.NDArray[np.int64], rows: pa.RecordBatch) -> None:
+        self.answered[places] = True
+        if "box" in rows.schema.names:
+            self.boxes[places] = _boxes(rows["box"])
+        if "answer" in rows.schema.names:
+            for place, answer in zip(places.tolist(), rows["answer"].to_pylist(), strict=True):
+                self.answers[place] = answer
+
+    def add_walks(self, truth: Truth, places: npt.NDArray[np.int64], poses: F64, counts: npt.NDArray[np.int64]) -> None:
+        """(sum of counts, 4) poses of walks, one walk after the other."""
+        self.steps[places] = counts - 1
+        self.walked_m[places] = path_lengths_m(poses[:, :2], counts)
+        self.distance_m[places] = distance_to_goal_m(poses[np.cumsum(counts) - 1, :2], truth.goals[places])
+
+    def add_replayed(self, truth: Truth, done: Replayed) -> None:
+        place = np.array([done.place])
+        self.add_walks(truth, place, np.array(done.poses), np.array([len(done.poses)]))
+        if done.target_box is not None:
+            self.target_boxes[done.place] = done.target_box
+        self.is_manipulated[done.place] = done.is_manipulated
+        self.refused += done.refused
+
+    def is_visible(self) -> Bools:
+        return np.asarray(~np.isnan(self.target_boxes[:, 0]))
+
+    def navigated(self) -> Bools:
+        return np.asarray(self.answered & navigation_success(self.distance_m, self.is_visible()))
+
+
+def _remqa(truth: Truth, filled: _Filled) -> Columns:
+    is_right = is_right_answer(filled.answers, truth.texts("answer"))
+    three = stages(filled.navigated(), box_iou(filled.boxes, filled.target_boxes), is_right)
+    return {
+        "S_N": three.navigated,
+        "S_L": three.localised,
+        "S_QA": three.answered,
+        "answer_accuracy": is_right,
+        "manipulated": np.asarray(filled.is_manipulated),
+    }
+
+
+def _nav(truth: Truth, filled: _Filled) -> Columns:
+    found: Columns = {}
+    for limit in (None, *STEP_LIMITS):
+        suffix = "" if limit is None else f"@{limit}"
+        success = filled.navigated() & (True if limit is None else filled.steps <= limit)
+        found[f"success{suffix}"] = success
+        found[f"SPL{suffix}"] = spl(success, truth.path_lengths_m, filled.walked_m)
+    return found
+
+
+def _rec(truth: Truth, filled: _Filled) -> Columns:
+    iou = box_iou(filled.boxes, truth.boxes)
+    return {f"prec@{x}": is_hit(iou, x) for x in IOU_THRESHOLDS} | {"mean_iou": iou}
+
+
+def _qa(truth: Truth, filled: _Filled) -> Columns:
+    return {"answer_accuracy": is_right_answer(filled.answers, truth.texts("answer"))}
+
+
+_MEASURES: dict[Track, Callable[[Truth, _Filled], Columns]] = {
+    "remqa": _remqa,
+    "nav": _nav,
+    "rec": _rec,
+    "qa": _qa,
+}
+
+
+def _details(track: Track, filled: _Filled) -> Columns:
+    found: Columns = {}
+    if is_walked(track):
+        found["steps"], found["path_m"] = filled.steps, filled.walked_m
+        found["goal_distance_m"], found["target_visible"] = filled.distance_m, filled.is_visible()
+    if track == "remqa":
+        found["iou"] = box_iou(filled.boxes, filled.target_boxes)
+    if track in ("remqa", "qa"):
+        found["submitted_answer"] = np.array(filled.answers, dtype=np.object_)
+    return found
+
+
+def _places(submission: Submission, truth: Truth, batch: Batch, answered: Bools) -> npt.NDArray[np.int64]:
+    """Where in the truth the rows belong; an unknown id, or one that was there before, is an error."""
+    name = id_column(truth.track)
+    places = truth.places(batch.rows[name])
+    seen = answered[places]
+    seen |= ~np.isin(np.arange(len(places)), np.unique(places, return_index=True)[1])
+    wrong = np.flatnonzero((places < 0) | seen)
+    if not len(wrong):
+        return places
+    row = int(wrong[0])
+    shown = str(batch.rows[name][row].as_py())
+    if places[row] < 0:
+        known = truth.ids.to_pylist() if len(truth.ids) <= MOST_KNOWN_FOR_HINTS else []
+        near = nearest_names(shown, known, count=1)
+        reason = f"{shown!r} is not in split {truth.split!r} of {truth.root}"
+        reason += f"; did you mean {near[0]!r}?" if near else ""
+    else:
+        reason = f"{shown!r} is there twice; give one row for each"
+    raise SubmissionError(submission.path, f"{submission.place(batch.first + row)}, field {name}", reason)
+
+
+def _fill_claimed(
+    submission: Submission, truth: Truth, filled: _Filled, places: npt.NDArray[np.int64], batch: Batch
+) -> None:
+    """Take poses and true boxes as the file claims them; only the initial pose is known, and checked."""
+    lists = batch.rows["poses"]
+    counts = np.asarray(lists.value_lengths().to_numpy(zero_copy_only=False), dtype=np.int64)
+    poses = np.asarray(lists.flatten().flatten().to_numpy(), dtype=np.float64).reshape(-1, 4)
+    off = np.abs(poses[np.cumsum(counts) - counts] - truth.initial_poses[places]).max(axis=1) > START_SLACK
+    if off.any():
+        row = int(off.argmax())
+        initial = truth.initial_poses[places[row]].tolist()
+        where = f"{submission.place(batch.first + row)}, field poses[0]"
+        raise SubmissionError(submission.path, where, f"not the question's initial pose, which is {initial}")
+    filled.add_walks(truth, places, poses, counts)
+    filled.target_boxes[places] = _boxes(batch.rows["target_box"])
+
+
+def _boxes(lists: pa.Array) -> F64:
+    """(n, 4) boxes, NaN where there is none."""
+    boxes = np.full((len(lists), 4), np.nan)
+    boxes[lists.is_valid().to_numpy(zero_copy_only=False)] = lists.flatten().to_numpy().reshape(-1, 4)
+    return boxes

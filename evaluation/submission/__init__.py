@@ -1,0 +1,1 @@
+"""What is submitted: tracks, columns, and reading it in bounded memory."""

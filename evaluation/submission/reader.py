@@ -1,0 +1,220 @@
+"""Reading submissions: JSON Lines or Parquet, in bounded memory, and nothing in them is ever executed.
+
+The first line of a .jsonl file is its header, the metadata entry `remqa-submission` of a .parquet file is:
+``{"format": "remqa-submission", "version": 1, "track": "nav", "split": "test"}``, and where wished "dataset", the
+dataset's sha256 as `remqa-eval` prints it, and "agent", a name for reports.
+"""
+
+from __future__ import annotations
+
+import gc
+import hashlib
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Annotated, Any, BinaryIO, Literal
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+from pydantic import BaseModel, ConfigDict, StringConstraints, TypeAdapter, ValidationError, with_config
+from typing_extensions import TypedDict
+
+from remqa_data.errors import SubmissionError
+from remqa_data.evaluation.submission.checks import find_problem
+from remqa_data.evaluation.submission.parquet_rows import METADATA_KEY, parquet_batches, parquet_header, too_many_rows
+from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, VERSION, Track, arrow_schema, columns_of
+from remqa_data.files import atomic_path
+
+MAX_LINE_BYTES = 1 << 20
+BATCH_ROWS = 4096
+ShortText = Annotated[str, StringConstraints(max_length=200)]
+
+
+class Header(BaseModel):
+    """What a submission says about itself."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    format: Literal["remqa-submission"] = FORMAT
+    version: Literal[1] = VERSION
+    track: Track
+    split: ShortText
+    dataset: ShortText | None = None
+    agent: ShortText = "unnamed"
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Some rows of a submission, checked.
+
+    Attributes
+    ----------
+    rows : pyarrow.RecordBatch
+        With the types of `tracks.COLUMNS`.
+    first : int
+        Number of the first row in the file, from 1.
+    """
+
+    rows: pa.RecordBatch
+    first: int
+
+
+@dataclass(frozen=True)
+class Submission:
+    """An open submission; see `open_submission`."""
+
+    path: Path
+    header: Header
+    is_parquet: bool
+
+    def batches(self, *, replay: bool, max_rows: int) -> Iterator[Batch]:
+        """The rows, some at a time.
+
+        Parameters
+        ----------
+        replay : bool
+            Whether rows hold actions, or poses; see `tracks.columns_of`.
+        max_rows : int
+            How many there may be.
+
+        Raises
+        ------
+        SubmissionError
+            For the first row that cannot be scored.
+        """
+        names = columns_of(self.header.track, replay=replay)
+        first = 1
+        for rows in (
+            parquet_batches(self.path, names, max_rows) if self.is_parquet else _jsonl_batches(self.path, names)
+        ):
+            problem = find_problem(rows)
+            if problem is not None:
+                where = f"{self.place(first + problem.row)}, field {problem.field}"
+                column = COLUMNS[problem.field.partition("[")[0]]
+                raise SubmissionError(self.path, where, f"{problem.reason}; expected {column.expected}")
+            yield Batch(rows, first)
+            first += rows.num_rows
+            if first - 1 > max_rows:
+                raise SubmissionError(self.path, self.place(first - 1), too_many_rows(max_rows))
+
+    def place(self, row: int) -> str:
+        """Where a row is, for people: in a .jsonl file the line, of which the header is the first."""
+        return f"row {row}" if self.is_parquet else f"line {row + 1}"
+
+    def sha256(self) -> str:
+        """Checksum of the file, in hexadecimal."""
+        with self.path.open("rb") as handle:
+            return hashlib.file_digest(handle, "sha256").hexdigest()
+
+
+def open_submission(path: Path) -> Submission:
+    """Read a submission's header.
+
+    Raises
+    ------
+    SubmissionError
+        If it is neither .jsonl nor .parquet, or its header cannot be read.
+    """
+    if path.suffix not in (".jsonl", ".parquet"):
+        raise SubmissionError(path, "", "the name must end with .jsonl or .parquet")
+    if not path.is_file():
+        raise SubmissionError(path, "", "no such file")
+    is_parquet = path.suffix == ".parquet"
+    text, where = (parquet_header(path), f"metadata {FORMAT}") if is_parquet else (_first_line(path), "line 1")
+    try:
+        header = Header.model_validate_json(text)
+    except ValidationError as error:
+        field, reason = _first_error(error)
+        msg = (
+            f'the header {reason}; expected {{"format": "{FORMAT}", "version": {VERSION}, "track": ..., "split": ...}}'
+        )
+        raise SubmissionError(path, ", field ".join(filter(None, (where, field))), msg) from None
+    return Submission(path, header, is_parquet)
+
+
+def write_submission(path: Path, header: Header, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write a submission as .jsonl or .parquet, whole or not at all.
+
+    Raises
+    ------
+    SubmissionError
+        If the name ends with neither.
+    """
+    if path.suffix not in (".jsonl", ".parquet"):
+        raise SubmissionError(path, "", "the name must end with .jsonl or .parquet")
+    about = header.model_dump_json(exclude_none=True)
+    with atomic_path(path) as temporary:
+        if path.suffix == ".jsonl":
+            lines = (json.dumps(row, ensure_ascii=False) for row in rows)
+            temporary.write_text("\n".join([about, *lines]) + "\n", encoding="utf-8")
+        else:
+            schema = arrow_schema(columns_of(header.track, replay=True)).with_metadata({METADATA_KEY: about})
+            pq.write_table(pa.Table.from_pylist(list(rows), schema), temporary)
+
+
+def _jsonl_batches(path: Path, names: tuple[str, ...]) -> Iterator[pa.RecordBatch]:
+    schema, row_type = arrow_schema(names), _row_type(names)
+    with path.open("rb") as handle:
+        lines = enumerate(_lines(path, handle), start=1)
+        next(lines)  # the header
+        while rows := _parsed_rows(path, row_type, islice(lines, BATCH_ROWS)):
+            yield pa.RecordBatch.from_pylist(rows, schema)
+
+
+def _lines(path: Path, handle: BinaryIO) -> Iterator[bytes]:
+    number = 0
+    while line := handle.readline(MAX_LINE_BYTES + 1):
+        number += 1
+        if len(line) > MAX_LINE_BYTES:
+            raise SubmissionError(path, f"line {number}", f"longer than {MAX_LINE_BYTES:,} bytes")
+        yield line
+
+
+def _parsed_rows(path: Path, row_type: TypeAdapter[Any], lines: Iterable[tuple[int, bytes]]) -> list[Any]:
+    """Some rows. JSON has no cycles: looking for them among its many small lists would take most of the time."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        return [_parsed(path, row_type, number, line) for number, line in lines]
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+def _parsed(path: Path, row_type: TypeAdapter[Any], number: int, line: bytes) -> Any:
+    try:
+        return row_type.validate_json(line)
+    except ValidationError as error:
+        field, reason = _first_error(error)
+        name = field.partition("[")[0]
+        if name in COLUMNS:
+            reason = f"{reason}; expected {COLUMNS[name].expected}"
+        if name in ("actions", "poses"):
+            reason += " (actions, or poses with --no-replay)"
+        raise SubmissionError(path, ", field ".join(filter(None, (f"line {number}", field))), reason) from None
+
+
+def _row_type(names: tuple[str, ...]) -> TypeAdapter[Any]:
+    config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+    fields = {name: COLUMNS[name].json for name in names}
+    return TypeAdapter(with_config(config)(TypedDict("Row", fields)))  # type: ignore[operator]
+
+
+def _first_error(error: ValidationError) -> tuple[str, str]:
+    """The field of a validation error, and what is wrong with it, in short."""
+    found = error.errors(include_url=False, include_input=False, include_context=False)[0]
+    field = ""
+    for part in found["loc"]:
+        field += f"[{part}]" if isinstance(part, int) else f".{part}" if field else str(part)
+    message = "is not JSON, or not UTF-8" if found["type"] == "json_invalid" else found["msg"]
+    return field[:80], message
+
+
+def _first_line(path: Path) -> bytes:
+    with path.open("rb") as handle:
+        line = next(_lines(path, handle), b"")
+    if not line:
+        raise SubmissionError(path, "", "the file is empty; expected a header line and one line for each row")
+    return line

@@ -1,0 +1,110 @@
+"""The tracks, and the columns of what is submitted to each; docs/SUBMISSIONS.md tells people.
+
+Every column is described once, here: what JSON it is, what Arrow type, and what is expected in words. What a value must
+be besides its type is in `remqa_data.evaluation.submission.checks`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Final, Literal, get_args
+
+import pyarrow as pa
+from annotated_types import MaxLen
+
+from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION
+
+Track = Literal["remqa", "nav", "rec", "qa"]
+TRACKS: tuple[Track, ...] = get_args(Track)
+
+FORMAT: Final = "remqa-submission"
+VERSION: Final = 1
+MAX_ACTIONS = 500
+MAX_TEXT = 300
+"""Characters of an id, an answer or a manipulation."""
+MAX_PX = 10_000
+MAX_COORDINATE = 10_000
+"""Of a pose, in metres or degrees."""
+WORDS = (*(name for name in NAVIGATION if name != "Teleport"), DONE)
+"""What an action list may hold: no amounts, so that a step is a step for everyone."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a submission.
+
+    Attributes
+    ----------
+    json : type
+        For pydantic, in strict mode.
+    arrow : pyarrow.DataType
+        What it is read as; Parquet files may hold the same with other widths.
+    expected : str
+        For error messages.
+    """
+
+    json: Any
+    arrow: pa.DataType
+    expected: str
+
+
+NUMBERS = pa.list_(pa.float64())
+COLUMNS: dict[str, Column] = {
+    "question_id": Column(str, pa.string(), "the id of a question of the split"),
+    "expression_id": Column(str, pa.string(), "the id of a referring expression of the split"),
+    "actions": Column(
+        Annotated[list[str], MaxLen(MAX_ACTIONS)],
+        pa.list_(pa.string()),
+        f"at most {MAX_ACTIONS} of {', '.join(WORDS)}, with {DONE} only at the end",
+    ),
+    "poses": Column(
+        Annotated[list[Annotated[list[float], MaxLen(4)]], MaxLen(MAX_ACTIONS + 1)],
+        pa.list_(NUMBERS),
+        f"1 to {MAX_ACTIONS + 1} poses [x, y, yaw_deg, horizon_deg], the initial pose first",
+    ),
+    "target_box": Column(
+        Annotated[list[float], MaxLen(4)] | None,
+        NUMBERS,
+        "[x1, y1, x2, y2] of the target in the final view, or null where it is not visible",
+    ),
+    "box": Column(
+        Annotated[list[float], MaxLen(4)] | None,
+        NUMBERS,
+        f"[x1, y1, x2, y2] in pixels with 0 <= x1 <= x2 <= {MAX_PX} and the same for y, or null for no prediction",
+    ),
+    "manipulation": Column(
+        str | None,
+        pa.string(),
+        f'one of {", ".join(MANIPULATION)} with its target and numbers, such as "OpenObject ID" or "OpenObject @0.5,0.4" '
+        "(a point of the view), or null for none",
+    ),
+    "answer": Column(str | None, pa.string(), f"at most {MAX_TEXT} characters, or null for no prediction"),
+}
+"""By name."""
+
+
+def id_column(track: Track) -> str:
+    """Name of the column that says what a row is about."""
+    return "expression_id" if track == "rec" else "question_id"
+
+
+def is_walked(track: Track) -> bool:
+    """Whether submissions to a track walk, so that there is something to replay."""
+    return track in ("remqa", "nav")
+
+
+def columns_of(track: Track, *, replay: bool) -> tuple[str, ...]:
+    """Names of the columns of a submission, in order; without replay, poses and true boxes stand for the actions."""
+    walk = ("actions",) if replay else ("poses", "target_box")
+    rest = {
+        "remqa": (*walk, "box", "manipulation", "answer"),
+        "nav": walk,
+        "rec": ("box",),
+        "qa": ("answer",),
+    }
+    return id_column(track), *rest[track]
+
+
+def arrow_schema(names: tuple[str, ...]) -> pa.Schema:
+    """What some columns are read as."""
+    return pa.schema([(name, COLUMNS[name].arrow) for name in names])

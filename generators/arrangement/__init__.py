@@ -1,0 +1,1 @@
+"""Arrangements of a room: where evidence can be hidden, and what goes there."""

@@ -1,0 +1,317 @@
+"""Arrangements of a room: wished things hidden in their places, loose things moved about, all of it at rest.
+
+An arrangement is made by geometry, settled by physics, and then looked at from the goal poses: what is hidden shows not
+a single pixel before the manipulation, and enough after it. What fails is put elsewhere and tried again.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from remqa_data.assets import AssetSpec, build, variant_count
+from remqa_data.assets.core.sizes import typical_size
+from remqa_data.errors import ArrangementError
+from remqa_data.generators.arrangement.fitting_types import fitting_types
+from remqa_data.generators.arrangement.hiding_check import Trouble, blockers, in_sight_troubles, troubles
+from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_rules import hiding_rules
+from remqa_data.generators.arrangement.loose_objects import open_surfaces, put_anew
+from remqa_data.generators.arrangement.packing import Put, packed
+from remqa_data.geometry.types import Box, Vec3
+from remqa_data.scene import Scene, SceneObject
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.view import WorldView
+
+__all__ = ["Configuration", "Hidden", "arrange", "fitting_types"]
+
+PACKED, SETTLED = 10, 6
+"""What a place hides is put there in so many ways, and physics is asked so often, before it counts as impossible."""
+SKIN_M = 0.001
+STRAYED_M = 0.06
+"""A loose thing that was put somewhere and rolls or falls farther than this is taken out of the room."""
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """A wish: so many things of a type in or under a place; 0 asks that there be none."""
+
+    place: HidingPlace
+    type: str
+    count: int
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """One arrangement of a room.
+
+    Attributes
+    ----------
+    scene : Scene
+        The room at rest with everything closed.
+    hidden : tuple of (Hidden, tuple of str)
+        Each wish and the ids of the things that fulfil it, in the order of the wishes.
+    """
+
+    scene: Scene
+    hidden: tuple[tuple[Hidden, tuple[str, ...]], ...]
+
+
+def arrange(
+    scene: Scene,
+    places: Sequence[HidingPlace],
+    wishes: Sequence[Hidden],
+    rng: np.random.Generator,
+    moved_share: float | None = None,
+) -> Configuration:
+    """One arrangement of a room that fulfils wishes.
+
+    Parameters
+    ----------
+    scene : Scene
+        The room as recorded.
+    places : sequence of HidingPlace
+        All its hiding places; things of the recording that are places stay where they are.
+    wishes : sequence of Hidden
+        What to hide. A place can occur several times, with different types.
+    rng : numpy.random.Generator
+        Draws looks, places and turns; the same state gives the same arrangement.
+    moved_share : float, optional
+        Share of the other loose things that find a new place; by default that of `hiding.yaml`.
+
+    Returns
+    -------
+    Configuration
+        Checked: every wished thing is in or under its place and at rest there, shows no pixel from the place's goal
+        before the manipulation, and at least `viewpoints.MIN_PIXELS` after it; nothing else of its type is there.
+
+    Raises
+    ------
+    ArrangementError
+        If this cannot be done: names the place and what went wrong in the last attempt.
+    """
+    share = hiding_rules().moved_share if moved_share is None else moved_share
+    made = _make(scene, wishes, rng)
+    base = _closed(scene)
+    hidden = tuple((wish, tuple(o.id for o in things)) for wish, things in zip(wishes, made, strict=True))
+    by_place = _by_place(hidden)
+    with World(base.with_objects(base.objects + tuple(o for things in made for o in things))) as world:
+        puts = {key: _pack(world, scene, by_place[key], rng) for key in by_place}
+        _put_all(world, scene, by_place, puts)
+        view = WorldView(world)
+        lost = _move_loose_things(world, view, scene, places, hidden, share, rng)
+        arranged = world.save()
+        trouble: list[Trouble] = []
+        tried: Counter[Key] = Counter()
+        settled = 0
+        while settled < SETTLED:
+            world.restore(arranged)
+            _put_all(world, scene, by_place, puts)
+            trouble = in_sight_troubles(world, view, hidden)  # before physics, which takes longer
+            if not trouble:
+                before = {object_id: world.state(object_id).position for object_id in world.ids}
+                world.settle()
+                settled += 1
+                trouble = troubles(world, view, hidden, before)
+            if not trouble:
+                strayed = _strayed(world, before, hidden, scene)
+                return Configuration(_without(world.to_scene(), lost | strayed), hidden)
+            for key in sorted({(t.place.object_id, t.place.manipulation) for t in trouble}):
+                tried[key] += 1
+                puts[key] = _pack(world, scene, by_place[key], rng)
+            if max(tried.values()) >= PACKED:
+                break
+    first = trouble[0]
+    msg = (
+        f"{scene.name}: cannot hide things {first.place.relation} {first.place.object_id}: {first.reason}; "
+        f"tried {max(tried.values())} times; wish for fewer or smaller things there"
+    )
+    raise ArrangementError(msg, first.place.object_id, first.place.relation, [first.type])
+
+
+def check_room(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> None:
+    """Look whether places have room for all that is wished there, without making anything.
+
+    Raises
+    ------
+    ArrangementError
+        If one has not: names the place and the things.
+    """
+    by_place: dict[Key, tuple[HidingPlace, list[str]]] = {}
+    for wish in wishes:
+        key = (wish.place.object_id, wish.place.manipulation)
+        by_place.setdefault(key, (wish.place, []))[1].extend([wish.type] * wish.count)
+    for place, types in by_place.values():
+        _packed(scene, place, types, [_largest_size(name) for name in types], rng)
+
+
+Key = tuple[str, str]
+Wished = tuple[tuple[Hidden, tuple[str, ...]], ...]
+
+
+def _make(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> list[list[SceneObject]]:
+    """New things for each wish; sizes and looks vary."""
+    spread = hiding_rules().size_spread
+    known = {o.id for o in scene.objects}
+    numbers: dict[str, int] = {}
+    made = []
+    for wish in wishes:
+        things = []
+        for _ in range(wish.count):
+            number = numbers.get(wish.type, 0)
+            while f"{wish.type}|cfg|{number:02d}" in known:
+                number += 1
+            numbers[wish.type] = number + 1
+            scale = 1.0 + float(rng.uniform(-spread, spread))
+            w, d, h = (scale * side for side in typical_size(wish.type))
+            variant, seed = int(rng.integers(variant_count(wish.type))), int(rng.integers(1 << 16))
+            spec = AssetSpec(wish.type, (w, d, h), variant, seed)
+            things.append(SceneObject(f"{wish.type}|cfg|{number:02d}", spec, _parking(len(known)), is_fixed=False))
+            known.add(things[-1].id)
+        made.append(things)
+    return made
+
+
+def _parking(number: int) -> Vec3:
+    """Far below the room, and far from one another, things wait."""
+    return 0.0, 0.0, -50.0 - 2.0 * number
+
+
+def _closed(scene: Scene) -> Scene:
+    """The room with everything closed that things can be hidden in."""
+    types = hiding_rules().open_types
+    return scene.with_objects(tuple(replace(o, openness=0.0) if o.type in types else o for o in scene.objects))
+
+
+def _by_place(hidden: Wished) -> dict[Key, tuple[HidingPlace, tuple[str, ...]]]:
+    grouped: dict[Key, tuple[HidingPlace, tuple[str, ...]]] = {}
+    for wish, ids in hidden:
+        key = (wish.place.object_id, wish.place.manipulation)
+        grouped[key] = (wish.place, grouped.get(key, (wish.place, ()))[1] + ids)
+    return grouped
+
+
+def _pack(
+    world: World, scene: Scene, place_and_ids: tuple[HidingPlace, tuple[str, ...]], rng: np.random.Generator
+) -> list[Put]:
+    place, ids = place_and_ids
+    sizes = [_plan_size(world.assets[object_id].spec) for object_id in ids]
+    return _packed(scene, place, [world.type_of(object_id) for object_id in ids], sizes, rng)
+
+
+def _packed(
+    scene: Scene, place: HidingPlace, types: Sequence[str], sizes: Sequence[Vec3], rng: np.random.Generator
+) -> list[Put]:
+    puts = packed(place.areas, sizes, hiding_rules().gap_m, rng)
+    if puts is None:
+        names = ", ".join(types)
+        msg = f"{scene.name}: no room {place.relation} {place.object_id} for {names}; wish for fewer or smaller things"
+        raise ArrangementError(msg, place.object_id, place.relation, sorted(set(types)))
+    return puts
+
+
+def _largest_size(type_name: str) -> Vec3:
+    grown = 1.0 + hiding_rules().size_spread
+    width, depth, height = (grown * side for side in typical_size(type_name))
+    return width, depth, height
+
+
+def _plan_size(spec: AssetSpec) -> Vec3:
+    low, high = build(spec).bounds()
+    x, y, z = (float(v) for v in high - low)
+    return x, y, z
+
+
+def _put_all(
+    world: World,
+    scene: Scene,
+    by_place: dict[Key, tuple[HidingPlace, tuple[str, ...]]],
+    puts: dict[Key, list[Put]],
+) -> None:
+    """Hidden things at their spots, a hair above what they lie on, and what covers them raised by their height."""
+    for key, (place, ids) in sorted(by_place.items(), key=lambda item: item[1][0].relation):
+        # What is "in" comes before what is "under": a box that is raised takes its contents along.
+        heights = [np.ptp(world.assets[object_id].bounds()[:, 2]) for object_id in ids]
+        if place.relation == "under" and ids:  # first, because it would carry along what is beneath it
+            x, y, z = scene.object(place.object_id).position
+            world.move(place.object_id, (x, y, z + float(max(heights)) + 2 * SKIN_M))
+        for object_id, put in zip(ids, puts[key], strict=True):
+            bounds = world.assets[object_id].bounds()
+            x, y, z = put.position
+            half = math.radians(put.yaw_deg) / 2
+            quaternion = (0.0, 0.0, math.sin(half), math.cos(half))
+            world.move_alone(object_id, _parking(world.ids.index(object_id)))  # so that it carries nothing along
+            world.move(object_id, (x, y, z - float(bounds[0, 2]) + SKIN_M), quaternion)
+
+
+def _move_loose_things(
+    world: World,
+    view: WorldView,
+    scene: Scene,
+    places: Sequence[HidingPlace],
+    hidden: Wished,
+    share: float,
+    rng: np.random.Generator,
+) -> set[str]:
+    """Clear the asked places and the views of them, and move a share of the other things; ids that found no place."""
+    mine = {object_id for _, ids in hidden for object_id in ids}
+    covers = {place.object_id for place in places if place.manipulation == "Pickup"}
+    covers |= {wish.place.object_id for wish, _ in hidden}
+    loose = [o.id for o in scene.objects if not o.is_fixed and o.id not in covers]
+    asked = {wish.place.object_id: wish.place for wish, _ in hidden}
+    must = {o for wish, _ in hidden for o in _inside(world, wish.place)} | blockers(world, view, hidden)
+    must = {object_id for object_id in must if object_id not in mine and object_id in set(loose)}
+    free = [object_id for object_id in loose if object_id not in must and not world.contents(object_id)]
+    count = round(share * len(free))
+    chosen = [free[i] for i in sorted(rng.choice(len(free), size=count, replace=False))] if count else []
+    keep_out = _keep_out(world, [place for place in places if place.object_id in asked])
+    surfaces = open_surfaces(world, set(asked))
+    lost: set[str] = set()
+    for object_id in [*(o for o in loose if o in must), *chosen]:
+        moved = put_anew(world, object_id, scene.room_type, surfaces, keep_out, rng)
+        if not moved and object_id in must:
+            lost |= {object_id, *world.contents(object_id)}
+            world.move(object_id, _parking(world.ids.index(object_id)))
+    return lost
+
+
+def _inside(world: World, place: HidingPlace) -> list[str]:
+    """Loose things that lie in a place that is opened, with what they hold."""
+    if place.relation == "under":
+        return []
+    return world.contents(place.object_id)
+
+
+def _keep_out(world: World, places: Sequence[HidingPlace]) -> list[Box]:
+    """Boxes in the room that stay free: around what is moved or picked up, and where it goes."""
+    boxes: list[Box] = []
+    for place in places:
+        if place.relation != "under":
+            continue
+        low, high = world.box(place.object_id)
+        centre = np.array(world.state(place.object_id).position)
+        for target in (tuple(centre), place.move_to):
+            if target is not None:
+                shift = np.asarray(target) - centre
+                shift[2] = 0.0
+                x0, y0, z0, x1, y1, z1 = (float(v) for v in np.concatenate([low + shift - 0.02, high + shift + 0.02]))
+                boxes.append((x0, y0, z0, x1, y1, z1 + 0.1))
+    return boxes
+
+
+def _strayed(world: World, before: dict[str, Vec3], hidden: Wished, scene: Scene) -> set[str]:
+    """Loose things that did not stay where they were put."""
+    mine = {object_id for _, ids in hidden for object_id in ids} | {wish.place.object_id for wish, _ in hidden}
+    return {
+        o.id
+        for o in scene.objects
+        if not o.is_fixed and o.id not in mine and math.dist(world.state(o.id).position, before[o.id]) > STRAYED_M
+    }
+
+
+def _without(scene: Scene, ids: set[str]) -> Scene:
+    return scene.with_objects(tuple(o for o in scene.objects if o.id not in ids))

@@ -1,0 +1,107 @@
+"""Where each type of thing is kept: from the recorded rooms, by kind of room; the numbers are in placements.csv."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable
+from functools import lru_cache
+from importlib import resources
+
+import numpy as np
+
+from remqa_data.assets.core.sizes import typical_size
+from remqa_data.catalog import object_type, question_types
+from remqa_data.generators.arrangement.fill_ratios import filled_shares
+from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
+from remqa_data.generators.arrangement.hiding_rules import hiding_rules
+from remqa_data.geometry.types import Vec3
+from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
+
+SOURCE = "placements.csv"
+
+
+def probability(type_: str, receptacle_type: str, room_type: str) -> float:
+    """Share of a type's things in a kind of room that were recorded in or on a type of receptacle; 0 if none was."""
+    return _priors().get((type_, receptacle_type, room_type), 0.0)
+
+
+def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) -> list[tuple[str, float]]:
+    """The types of things that can be hidden in or under a place, with how likely a thing of the type is there.
+
+    Parameters
+    ----------
+    place : HidingPlace
+        Where.
+    room_type : str
+        kitchen, living_room, bedroom or bathroom.
+    count : int, optional
+        How many things of the type must fit at the same time; by default three, or as many as the place has spots.
+
+    Returns
+    -------
+    Pairs of type and weight, sorted by type; weights are positive and do not sum to 1. Types that were never recorded
+    in such a place have a small weight if they occur in the kind of room, or in all.
+    """
+    rules = hiding_rules()
+    wanted = min(3, len(place.spots)) if count is None else count
+    found = []
+    for type_ in question_types():
+        kind = object_type(type_)
+        is_found = room_type in kind.rooms or type_ in rules.found_anywhere
+        if not kind.pickupable or type_ in rules.never_hidden or type_ == place.type or not is_found:
+            continue
+        grown = 1.0 + rules.size_spread
+        size = tuple(side * grown for side in typical_size(type_))
+        if sum(_fits(area, place, type_, (size[0], size[1], size[2])) for area in place.areas) >= wanted:
+            found.append((type_, rules.epsilon + probability(type_, place.type, room_type)))
+    return found
+
+
+def visible_pixels(place: HidingPlace, area: Area, type_: str, size: Vec3) -> float:
+    """About how many pixels of a 300 x 300 frame a thing shows from the goal, wherever it lies on an area: the least.
+
+    Notes
+    -----
+    A small face of area A at distance r and depth d along the camera's axis, seen under the angle a to its normal,
+    shows A cos(a) f^2 r / d^3 pixels; the thing is taken for the top and the narrower side of its box, as far as its
+    shape fills them, and only as far as it reaches above the height from which on the area is seen.
+    """
+    eye = np.array([place.goal.cell[0] * GRID_M, place.goal.cell[1] * GRID_M, place.floor_z + CAMERA_HEIGHT_M])
+    yaw, down = math.radians(place.goal.yaw_deg), math.radians(place.goal.horizon_deg)
+    forward = np.array([math.cos(yaw) * math.cos(down), math.sin(yaw) * math.cos(down), -math.sin(down)])
+    flat = area.lattice(max(area.half)).reshape(-1, 2)
+    away = area.to_room(np.column_stack([flat, np.full(len(flat), size[2] / 2)])) - eye
+    r = np.linalg.norm(away, axis=1)
+    depth = np.maximum(away @ forward, 0.1)
+    from_above, from_beside = filled_shares(type_)
+    top = from_above * size[0] * size[1] * np.maximum(-away[:, 2], 0.0) / r
+    raised = max(size[2] - area.seen_from_m, 0.0)
+    side = from_beside * min(size[0], size[1]) * raised * np.linalg.norm(away[:, :2], axis=1) / r
+    return float(np.min((top * (area.seen_from_m == 0.0) + side) * (FRAME_PX / 2) ** 2 * r / depth**3))
+
+
+def _fits(area: Area, place: HidingPlace, type_: str, size: Vec3) -> int:
+    """How many things of a size can lie in an area and are seen there."""
+    rules = hiding_rules()
+    if size[2] <= area.seen_from_m:
+        return 0
+    grown = 1.0 + rules.size_spread
+    smallest = (size[0] / grown**2, size[1] / grown**2, size[2] / grown**2)
+    if visible_pixels(place, area, type_, smallest) < rules.pixel_margin * MIN_PIXELS:
+        return 0
+    return area.capacity(size, rules.gap_m)
+
+
+def receptacle_weights(type_: str, room_type: str, present: Iterable[str]) -> dict[str, float]:
+    """How likely a type's thing is on each of some types of receptacles, those with none left out."""
+    weights = {name: probability(type_, name, room_type) for name in present}
+    return {name: weight for name, weight in weights.items() if weight > 0}
+
+
+@lru_cache(maxsize=1)
+def _priors() -> dict[tuple[str, str, str], float]:
+    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
+    rows = csv.DictReader(text.splitlines())
+    return {(row["object_type"], row["receptacle_type"], row["room"]): float(row["probability"]) for row in rows}

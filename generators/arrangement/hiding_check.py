@@ -1,0 +1,167 @@
+"""Looks whether hidden things are hidden: at rest in their place, out of sight before the manipulation, in sight after."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.geometry.types import Vec3
+from remqa_data.sim.metadata import ObjectMetadata, object_metadata
+from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.view import WorldView
+
+if TYPE_CHECKING:
+    from remqa_data.generators.arrangement.configurations import Hidden
+
+    Wished = Sequence[tuple[Hidden, tuple[str, ...]]]
+
+SLIPPED_M = 0.06
+"""Hidden things come to rest within this distance of where they were put."""
+COVERED, SUNK_M, NEAR_M = 0.8, 0.03, 0.03
+"""Under a thing lies what it covers to this share, with its top so little above or below the thing's bottom."""
+TILTED_DEG = 20.0
+"""What lies over a hidden thing stays about level."""
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """What is wrong with things of a type that a place should hide."""
+
+    place: HidingPlace
+    type: str
+    reason: str
+
+
+def goal_camera(place: HidingPlace) -> Camera:
+    """The agent's camera at the goal of a place, 300 x 300."""
+    x, y = place.goal.cell[0] * GRID_M, place.goal.cell[1] * GRID_M
+    eye = (x, y, place.floor_z + CAMERA_HEIGHT_M)
+    return Camera(eye, float(place.goal.yaw_deg), float(place.goal.horizon_deg), width=FRAME_PX, height=FRAME_PX)
+
+
+@contextmanager
+def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[list[str]]:
+    """The world after the manipulation of a place, for the length of a block; yields what was carried along."""
+    snapshot = world.save()
+    carried: list[str] = []
+    try:
+        if place.manipulation == "Open":
+            carried = world.open(place.object_id, 1.0)
+        elif place.manipulation == "Pickup":
+            view.hide(place.object_id)
+        else:
+            assert place.move_to is not None
+            world.move_alone(place.object_id, place.move_to)  # as the replay of the oracle's actions does
+        yield carried
+    finally:
+        view.hide(place.object_id, False)
+        world.restore(snapshot)
+
+
+def in_sight_troubles(world: World, view: WorldView, hidden: Wished) -> list[Trouble]:
+    """Which wished things are seen before the manipulation, or not after it; at most one trouble for each wish."""
+    found = ((wish, _ill_seen(world, view, wish.place, ids)) for wish, ids in hidden)
+    return [Trouble(wish.place, wish.type, reason) for wish, reason in found if reason is not None]
+
+
+def troubles(world: World, view: WorldView, hidden: Wished, put_at: Mapping[str, Vec3]) -> list[Trouble]:
+    """What is wrong with the hidden things of a settled world, at most one trouble for each wish.
+
+    Parameters
+    ----------
+    world, view : World, WorldView
+        The room with everything closed.
+    hidden : sequence of (Hidden, tuple of str)
+        Each wish and the ids that fulfil it.
+    put_at : mapping of str to Vec3
+        Where everything was before physics.
+    """
+    records = object_metadata(world)
+    found = []
+    for wish, ids in hidden:
+        place = wish.place
+        alike = [record for record in records.values() if record.type == wish.type]
+        related = {record.id for record in alike if _is_related(record, records[place.object_id], place.relation)}
+        reason = _unrest(world, place, ids, put_at)
+        if reason is None and related != set(ids):
+            strays = sorted(related ^ set(ids))
+            reason = f"{', '.join(strays)}: whether it is {place.relation} it is not as wished"
+        if reason is None:
+            reason = _ill_seen(world, view, place, ids)
+        if reason is not None:
+            found.append(Trouble(place, wish.type, reason))
+    return found
+
+
+def _is_related(thing: ObjectMetadata, target: ObjectMetadata, relation: str) -> bool:
+    if relation == "in":
+        return (thing.support, thing.support_kind) == (target.id, "in")
+    low, high = np.array(target.box[:3]), np.array(target.box[3:])
+    thing_low, thing_high = np.array(thing.box[:3]), np.array(thing.box[3:])
+    shared = np.minimum(high, thing_high)[:2] - np.maximum(low, thing_low)[:2]
+    covered = np.prod(np.maximum(shared, 0.0)) / max(float(np.prod((thing_high - thing_low)[:2])), 1e-9)
+    gap = low[2] - thing_high[2]
+    is_apart = thing.id != target.id and thing.support != target.id
+    return is_apart and covered >= COVERED and -SUNK_M <= gap <= NEAR_M
+
+
+def _unrest(world: World, place: HidingPlace, ids: Sequence[str], put_at: Mapping[str, Vec3]) -> str | None:
+    for object_id in (*ids, place.object_id):
+        slipped = math.dist(world.state(object_id).position, put_at[object_id])
+        if slipped > SLIPPED_M:
+            return f"{object_id} slips by {slipped:.2f} m"
+    up = float(world.state(place.object_id).matrix()[2, 2])
+    if place.relation == "under" and ids and up < math.cos(math.radians(TILTED_DEG)):
+        return f"it tilts by {math.degrees(math.acos(up)):.0f} degrees"
+    return None
+
+
+def _ill_seen(world: World, view: WorldView, place: HidingPlace, ids: Sequence[str]) -> str | None:
+    if not ids:
+        return None
+    camera = goal_camera(place)
+    index = [world.ids.index(object_id) for object_id in ids]
+    before = pixels_per_object(view, camera)[index]
+    if before.any():
+        return f"{ids[int(before.argmax())]} shows {before.max()} pixels before the manipulation"
+    with manipulated(world, view, place):
+        after = pixels_per_object(view, camera)[index]
+    if after.min() < MIN_PIXELS:
+        return f"{ids[int(after.argmin())]} shows only {after.min()} pixels after the manipulation"
+    return None
+
+
+def blockers(world: World, view: WorldView, hidden: Wished) -> set[str]:
+    """Loose things that stand in front of asked places, or where their doors and drawers go."""
+    found: set[str] = set()
+    mine = {object_id for _, ids in hidden for object_id in ids}
+    for place in {(w.place.object_id, w.place.manipulation): w.place for w, _ in hidden}.values():
+        camera = goal_camera(place)
+        closed = world.link_poses(place.object_id)
+        with manipulated(world, view, place) as carried:
+            depth, image = view.depth_and_instances(camera)
+            motion = world.link_poses(place.object_id) @ np.linalg.inv(closed)
+            if place.manipulation == "Open":
+                inside = set(world.contents(place.object_id)) | set(carried)
+                found |= {o for o, d in world.overlapping(place.object_id) if d < -0.005 and o not in inside}
+            elif place.manipulation == "Move":
+                found |= {o for o, d in world.overlapping(place.object_id) if d < -0.005 and o not in carried}
+        for area in place.areas:
+            turn = motion[area.link] if place.manipulation == "Open" else np.eye(4)
+            flat = area.lattice(0.03).reshape(-1, 2)
+            points = area.to_room(np.column_stack([flat, np.full(len(flat), area.seen_from_m + 0.01)]))
+            x, y, z = camera.project(points @ turn[:3, :3].T + turn[:3, 3]).T
+            ok = (z > 0) & (x >= 0) & (y >= 0) & (x < FRAME_PX) & (y < FRAME_PX)
+            row, column = y[ok].astype(int), x[ok].astype(int)
+            covered = depth[row, column] < z[ok] - 0.02
+            found |= {world.ids[i] for i in np.unique(image[row, column][covered]) if i >= 0}
+    return {o for o in found if o in world.ids and not world.state(o).is_fixed and o not in mine}

@@ -1,0 +1,148 @@
+"""From where the agent acts on a hiding place: poses that reach it, and what they see of it before and after."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.generators.arrangement.areas import Area, largest_rectangle
+from remqa_data.generators.arrangement.hiding_rules import HidingRules
+from remqa_data.generators.arrangement.sightlines import Sightlines, cells_that_reach
+from remqa_data.geometry.types import F32, F64
+from remqa_data.sim.navigation.grid import AGENT_RADIUS_M, ARM_REACH_M, Outline, outline_distance
+from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses
+
+Mask = npt.NDArray[np.bool_]
+Depths = Mapping[AgentPose, F32]
+
+AROUND_M = (0.6, 3.0)
+AROUND_POSES = 12
+"""From about so many cells in this range around a thing one must not see what lies under it."""
+IN_IMAGE = 0.5
+"""A pose looks at a place when this share of its points is in the image."""
+
+
+@dataclass(frozen=True)
+class Goals:
+    """Poses that see nearly as much of the areas as the best one, nearest first, and what each sees."""
+
+    poses: tuple[AgentPose, ...]
+    parts: tuple[tuple[Area, ...], ...]
+    """For each pose, the rectangles of which all is hidden before and seen after."""
+
+
+def poses_that_reach(
+    sight: Sightlines, points: F64, areas: Sequence[Area], count: int, outlines: Sequence[Outline] = ()
+) -> list[AgentPose]:
+    """Poses from which the arm reaches one of some points and that look towards them and some areas, nearest first.
+
+    At none of them does anything with one of some outlines meet the agent.
+    """
+    middles = np.array([area.centre for area in areas])
+    target = 0.5 * points.mean(axis=0) + 0.5 * middles.mean(axis=0)
+    found: list[AgentPose] = []
+    cells = [
+        cell
+        for cell in cells_that_reach(sight.grid, points, ARM_REACH_M)
+        if outline_distance(outlines, sight.grid.position(cell)) > AGENT_RADIUS_M
+    ]
+    for pose in facing_poses(sight.grid, cells, target):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x, y, z = sight.camera(pose).project(np.vstack([points, middles])).T
+        inside = (z > 0.05) & (x > 0) & (x < sight.size_px) & (y > 0) & (y < sight.size_px)
+        if np.mean(inside) >= IN_IMAGE:
+            found.append(pose)
+        if len(found) == count:
+            break
+    return found
+
+
+def best_goals(
+    sight: Sightlines, rules: HidingRules, areas: Sequence[Area], before: Depths, after: Depths, motion: F64
+) -> Goals:
+    """The poses that see the most of some areas.
+
+    Parameters
+    ----------
+    sight : Sightlines
+        Knows the cameras.
+    rules : HidingRules
+        Thresholds.
+    areas : sequence of Area
+        Where hidden things might lie.
+    before, after : mapping of AgentPose to (h, w) array
+        Depth before and after the manipulation. Poses are those of `after`, nearest first.
+    motion : (links, 4, 4) array
+        How the manipulation moves what lies on each link.
+    """
+    seen = {pose: [_seen(sight, rules, pose, a, before[pose], after[pose], motion) for a in areas] for pose in after}
+    amounts = {pose: sum(int(mask.sum()) for masks in seen[pose] for mask in masks) for pose in after}
+    most = max(amounts.values(), default=0)
+    good = [pose for pose in after if most and amounts[pose] >= rules.min_share_seen * most]
+    parts = {pose: tuple(_parts(rules, areas, seen[pose])) for pose in good}
+    good = [pose for pose in good if parts[pose]]
+    return Goals(tuple(good), tuple(parts[pose] for pose in good))
+
+
+def out_of_sight(sight: Sightlines, rules: HidingRules, area: Area) -> Area | None:
+    """The part of an area that one sees from nowhere around: not between legs, nor below a rim or a seat."""
+    grid = sight.grid
+    x, y, _ = area.centre
+    near = [c for c in grid.cells if AROUND_M[0] <= math.dist(grid.position(c), (x, y)) <= AROUND_M[1]]
+    lattice = area.lattice(rules.pitch_m)
+    points = area.to_room(at_height(lattice.reshape(-1, 2), rules.sight_heights_m[0]))
+    hidden = np.ones(len(points), dtype=np.bool_)
+    for cell in near[:: max(1, len(near) // AROUND_POSES)]:
+        pose = next(facing_poses(grid, [cell], np.array(area.centre)))
+        hidden &= sight.hides(pose, sight.depth(pose), points)
+    return _largest_part(rules, area, hidden.reshape(lattice.shape[:2]))
+
+
+def at_height(flat: F64, height_m: float) -> F64:
+    """(n, 3) points above (n, 2) points of an area."""
+    return np.column_stack([flat, np.full(len(flat), height_m)])
+
+
+def _seen(
+    sight: Sightlines, rules: HidingRules, pose: AgentPose, area: Area, before: F32, after: F32, motion: F64
+) -> list[Mask]:
+    """For each height of sight: the lattice points of an area that are seen after, and hidden at all heights before."""
+    lattice = area.lattice(rules.pitch_m)
+    flat = lattice.reshape(-1, 2)
+    hidden = np.ones(len(flat), dtype=np.bool_)
+    heights = [h for h in rules.sight_heights_m if h <= 0.8 * area.height_m] or [0.5 * area.height_m]
+    for height in (*heights, 0.9 * area.height_m):
+        hidden &= sight.hides(pose, before, area.to_room(at_height(flat, height)))
+    turn = motion[area.link]
+    masks = []
+    for height in heights:
+        points = area.to_room(at_height(flat, height)) @ turn[:3, :3].T + turn[:3, 3]
+        masks.append((hidden & sight.sees(pose, after, points)).reshape(lattice.shape[:2]))
+    return masks
+
+
+def _parts(rules: HidingRules, areas: Sequence[Area], seen: Sequence[Sequence[Mask]]) -> list[Area]:
+    """The largest rectangle of each area that is seen, from the lowest height from which enough is."""
+    parts = []
+    for area, masks in zip(areas, seen, strict=True):
+        for level, mask in enumerate(masks):
+            part = _largest_part(rules, area, mask, rules.sight_heights_m[level] if level else 0.0)
+            if part is not None:
+                parts.append(part)
+                break
+    return parts
+
+
+def _largest_part(rules: HidingRules, area: Area, mask: Mask, seen_from_m: float = 0.0) -> Area | None:
+    """The largest rectangle of true lattice points, if it is large enough for anything."""
+    found = largest_rectangle(mask)
+    if found is None:
+        return None
+    lattice = area.lattice(rules.pitch_m)
+    low, high = lattice[found[0], found[1]], lattice[found[2], found[3]]
+    is_enough = np.all(high - low >= rules.min_area_side_m - 1e-9)
+    return area.part(low, high, seen_from_m) if is_enough else None

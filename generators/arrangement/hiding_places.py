@@ -1,0 +1,358 @@
+"""Where evidence can be hidden in a room: what can be opened, and what things can lie under that is taken away.
+
+Places are found once for each room, on the room as recorded without the loose things that lie about: those are moved
+for each configuration. A place comes with the poses at which the agent acts, chosen so that what is hidden there is
+out of sight before the manipulation and in sight after it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import Literal
+
+import numpy as np
+
+from remqa_data.catalog import object_type, question_types
+from remqa_data.generators.arrangement.areas import Area, Spot
+from remqa_data.generators.arrangement.hiding_goals import Goals, at_height, best_goals, out_of_sight, poses_that_reach
+from remqa_data.generators.arrangement.hiding_rules import HidingRules, hiding_rules
+from remqa_data.generators.arrangement.push_targets import free_shift
+from remqa_data.generators.arrangement.sightlines import Sightlines
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.scene import Scene
+from remqa_data.sim.navigation.grid import Outline, object_outlines, reachable_grid
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, front_points
+from remqa_data.sim.physics.bullet import pybullet
+from remqa_data.sim.physics.support import Support, supports
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.view import WorldView
+
+__all__ = ["Area", "HidingPlace", "Spot", "hiding_places", "surface_points"]
+
+Manipulation = Literal["Open", "Pickup", "Move"]
+
+SOLID_M = 0.02
+"""The bottom of a space is this near to what physics lets things rest on."""
+RAISED_M = 0.01
+"""A thing that lies over another is about so much higher."""
+THIN_M = 0.005
+"""The thinnest things that lie under others, such as a credit card."""
+SWEPT = (0.25, 0.5, 0.75, 1.0)
+"""At these opennesses what opens stays clear of the agent."""
+
+
+@dataclass(frozen=True)
+class HidingPlace:
+    """An object in or under which things can be hidden.
+
+    Attributes
+    ----------
+    object_id, type : str
+        The object.
+    manipulation : {"Open", "Pickup", "Move"}
+        What brings the hidden things to light.
+    relation : {"in", "under"}
+        Where they are.
+    goal : AgentPose
+        A near standing pose that sees the object, from which the arm reaches it, and which sees the hidden things after
+        the manipulation, but not before. What the manipulation moves stays clear of the agent there.
+    other_goals : tuple of AgentPose
+        Up to four more, nearest first; they see nearly as much.
+    spots : tuple of Spot
+        Room for that many things of middling size at the same time, in the room with everything closed.
+    areas : tuple of Area
+        Where hidden things may lie: all of it is in sight from the goal after the manipulation.
+    floor_z : float
+        Height of the room's floor, on which the agent stands, metres.
+    move_to : tuple of float or None
+        Where the centre of the object goes when it is moved aside.
+    """
+
+    object_id: str
+    type: str
+    manipulation: Manipulation
+    relation: Literal["in", "under"]
+    goal: AgentPose
+    other_goals: tuple[AgentPose, ...]
+    spots: tuple[Spot, ...]
+    areas: tuple[Area, ...]
+    floor_z: float
+    move_to: Vec3 | None = None
+
+
+def hiding_places(scene: Scene) -> list[HidingPlace]:
+    """The hiding places of a room, in the order of its objects; the same for equal scenes.
+
+    An object can be two places: a box can be opened, and it can be picked up.
+    """
+    rules = hiding_rules()
+    with World(scene) as world:
+        world.settle()
+        grid = reachable_grid(world)
+        held_by = supports(world, {object_id: world.box(object_id) for object_id in world.ids})
+        for object_id in world.ids:
+            if world.type_of(object_id) in rules.open_types:
+                world.open(object_id, 0.0)
+        view = WorldView(world)
+        _hide_loose_things(view)
+        finder = _Finder(world, Sightlines(view, grid, rules.scout_px), rules, held_by)
+        found = []
+        for object_id in world.ids:
+            for look in (finder.behind_door, finder.under_liftable, finder.under_moveable):
+                place = look(object_id)
+                if place is not None:
+                    found.append(place)
+    return found
+
+
+def surface_points(world: World, object_id: str, count: int = 4) -> F64:
+    """(n, 3) points spread over the sides and the top of an object's box in the room."""
+    low, high = world.box(object_id)
+    spread = np.linspace(-0.9, 0.9, count)
+    a, b = (axis.ravel() for axis in np.meshgrid(spread, spread))
+    one = np.ones_like(a)
+    faces = [(a, b, one), (one, a, b), (-one, a, b), (a, one, b), (a, -one, b)]
+    unit = np.vstack([np.column_stack(face) for face in faces])
+    return np.asarray((low + high) / 2 + unit * (high - low) / 2)
+
+
+def _hide_loose_things(view: WorldView) -> None:
+    """Leave out of the pictures what can lie elsewhere in a configuration."""
+    for object_id in view.world.ids:
+        if not view.world.state(object_id).is_fixed:
+            view.hide(object_id)
+
+
+class _Finder:
+    """Looks at one object after the other; the world is at rest between two of them."""
+
+    def __init__(self, world: World, sight: Sightlines, rules: HidingRules, held_by: dict[str, Support]) -> None:
+        self.world, self.sight, self.rules, self.held_by = world, sight, rules, held_by
+        self.boxes = {object_id: world.box(object_id) for object_id in world.ids}
+        self.questioned = frozenset(question_types())
+
+    # ---- things that open
+
+    def behind_door(self, object_id: str) -> HidingPlace | None:
+        world, rules = self.world, self.rules
+        type_ = world.type_of(object_id)
+        if type_ not in rules.open_types or not world.assets[object_id].is_openable:
+            return None
+        areas = _inner_areas(world, object_id, rules)
+        if not areas:
+            return None
+        with _Shown(self.sight.view, world, object_id):
+            closed, front = world.link_poses(object_id), front_points(self.sight.view, object_id)
+            swept: list[Outline] = []
+            for openness in SWEPT:
+                world.open(object_id, openness)
+                swept += object_outlines(world, object_id, first_link=1)
+            motion = world.link_poses(object_id) @ np.linalg.inv(closed)
+            poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept)
+            after = {pose: self.sight.depth(pose) for pose in poses}
+            world.open(object_id, 0.0)
+            is_kept = world.state(object_id).is_fixed  # what is loose is not in the pictures that are kept
+            before = {pose: self.sight.depth_at_rest(pose) if is_kept else self.sight.depth(pose) for pose in poses}
+        goals = best_goals(self.sight, rules, areas, before, after, motion)
+        return self._place(object_id, "Open", "in", goals)
+
+    # ---- things that are taken away
+
+    def under_liftable(self, object_id: str) -> HidingPlace | None:
+        type_ = self.world.type_of(object_id)
+        if type_ not in self.rules.pickup_types or not object_type(type_).pickupable or type_ not in self.questioned:
+            return None
+        area = self._area_beneath(object_id, self.rules.min_pickup_side_m, math.inf)
+        if area is None or self._contents(object_id) or self._holds_what_is_beneath(object_id, area):
+            return None
+        return self._taken_away(object_id, area, "Pickup", None)
+
+    def under_moveable(self, object_id: str) -> HidingPlace | None:
+        type_ = self.world.type_of(object_id)
+        if type_ not in self.rules.move_types or not object_type(type_).moveable or type_ not in self.questioned:
+            return None
+        area = self._area_beneath(object_id, self.rules.min_move_side_m, self.rules.max_move_side_m)
+        if area is None or self._holds_what_is_beneath(object_id, area):
+            return None
+        shifts = free_shift(self.world, object_id, self.rules.shifts_m)
+        best: HidingPlace | None = None
+        for move_to in shifts:
+            place = self._taken_away(object_id, area, "Move", move_to)
+            if place is not None and (best is None or _area_of(place) > 1.1 * _area_of(best)):
+                best = place
+        return best
+
+    def _area_beneath(self, object_id: str, min_side: float, max_side: float) -> Area | None:
+        """The plan of an upright object that stands on something open with nothing on it, with a margin."""
+        world, rules = self.world, self.rules
+        state, asset = world.state(object_id), world.assets[object_id]
+        matrix = state.matrix()
+        if matrix[2, 2] < math.cos(math.radians(8.0)):
+            return None
+        support = self.held_by.get(object_id)
+        if support is None or support.kind != "on" or self._carries_something(object_id):
+            return None
+        width, depth, _ = asset.spec.size
+        if min(width, depth) < min_side or max(width, depth) > max_side:
+            return None
+        share = rules.round_share if asset.spec.type in rules.round_types else rules.square_share
+        low = self.boxes[object_id][0]
+        x, y, _ = state.position
+        yaw = math.degrees(math.atan2(matrix[1, 0], matrix[0, 0]))
+        half = (share * width / 2, share * depth / 2)
+        return Area((x, y, float(low[2])), yaw, half, rules.max_under_height_m)
+
+    def _carries_something(self, object_id: str) -> bool:
+        """Whether anything stands on top of an object."""
+        low, high = self.boxes[object_id]
+        for other, (other_low, other_high) in self.boxes.items():
+            if other == object_id:
+                continue
+            middle = (other_low + other_high) / 2
+            above = np.all(middle[:2] > low[:2]) and np.all(middle[:2] < high[:2])
+            if above and -0.03 < other_low[2] - high[2] < 0.1:
+                return True
+        return False
+
+    def _contents(self, object_id: str) -> list[str]:
+        return [other for other, support in self.held_by.items() if support.id == object_id]
+
+    def _holds_what_is_beneath(self, object_id: str, area: Area) -> bool:
+        """Whether the world's metadata would say that a thin thing beneath an object is in or on it.
+
+        So it is with low vessels, whose inner floor is near the ground; tried with the box of some loose thing.
+        """
+        world = self.world
+        loose = (o for o in world.ids if o != object_id and object_type(world.type_of(o)).pickupable)
+        stand_in = next(loose, None)
+        if stand_in is None:
+            return False
+        snapshot = world.save()
+        x, y, z = world.state(object_id).position
+        world.move_alone(object_id, (x, y, z + THIN_M))
+        middle = np.array(area.centre)
+        beneath = middle + np.array([[-0.02, -0.02, 0.0], [0.02, 0.02, THIN_M]])
+        held_by = supports(world, {**self.boxes, object_id: world.box(object_id), stand_in: beneath})
+        world.restore(snapshot)
+        return stand_in in held_by and held_by[stand_in].id == object_id
+
+    def _taken_away(
+        self, object_id: str, area: Area, manipulation: Manipulation, move_to: Vec3 | None
+    ) -> HidingPlace | None:
+        """The place under an object, which lies a little higher because of what is under it."""
+        world, rules, view = self.world, self.rules, self.sight.view
+        snapshot = world.save()
+        x, y, z = world.state(object_id).position
+        with _Shown(view, world, object_id):
+            world.move_alone(object_id, (x, y, z + RAISED_M))
+            hidden = out_of_sight(self.sight, rules, replace(area, height_m=RAISED_M))
+            if hidden is None:
+                world.restore(snapshot)
+                return None
+            points, outlines = surface_points(world, object_id), list[Outline]()
+            if move_to is not None:
+                world.move_alone(object_id, move_to)
+                outlines = object_outlines(world, object_id)
+                world.move_alone(object_id, (x, y, z + RAISED_M))
+            poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines)
+            before = {pose: self.sight.depth(pose) for pose in poses}
+            if move_to is None:
+                view.hide(object_id)
+            else:
+                world.move_alone(object_id, move_to)
+            after = {pose: self.sight.depth(pose) for pose in poses}
+            world.restore(snapshot)
+        goals = best_goals(self.sight, rules, [hidden], before, after, np.eye(4)[None])
+        # The higher the thing, the higher it raises what lies on it.
+        parts = tuple(tuple(replace(a, height_m=area.height_m) for a in areas) for areas in goals.parts)
+        goals = replace(goals, parts=parts)
+        return self._place(object_id, manipulation, "under", goals, move_to)
+
+    # ---- goals
+
+    def _shows(self, object_id: str, pose: AgentPose) -> bool:
+        """Whether the object, at rest, is visible from a pose."""
+        with _Shown(self.sight.view, self.world, object_id):
+            image = self.sight.view.instances(pose.camera(self.sight.grid, FRAME_PX))
+        return int(np.count_nonzero(image == self.world.ids.index(object_id))) >= MIN_PIXELS
+
+    def _place(
+        self,
+        object_id: str,
+        manipulation: Manipulation,
+        relation: Literal["in", "under"],
+        goals: Goals,
+        move_to: Vec3 | None = None,
+    ) -> HidingPlace | None:
+        """The place, if there is a pose for it."""
+        best = next((i for i, pose in enumerate(goals.poses) if self._shows(object_id, pose)), None)
+        if best is None:
+            return None
+        areas = goals.parts[best]
+        others = (pose for pose in goals.poses[best + 1 :] if self._shows(object_id, pose))
+        spots = [spot for area in areas for spot in area.spots(self.rules.spot_side_m)]
+        # Two phones need more than the room of two mugs.
+        long_ones = sum(area.capacity((*self.rules.long_thing_m, 0.0), self.rules.gap_m) for area in areas)
+        count = max(1, min(len(spots), long_ones, self.rules.max_spots if relation == "in" else 1))
+        return HidingPlace(
+            object_id=object_id,
+            type=self.world.type_of(object_id),
+            manipulation=manipulation,
+            relation=relation,
+            goal=goals.poses[best],
+            other_goals=tuple(islice(others, self.rules.other_goals)),
+            spots=tuple(spots[i * len(spots) // count] for i in range(count)),
+            areas=areas,
+            floor_z=self.world.scene.floor_z,
+            move_to=move_to,
+        )
+
+
+def _area_of(place: HidingPlace) -> float:
+    return sum(4 * area.half[0] * area.half[1] for area in place.areas)
+
+
+class _Shown:
+    """For the length of a block a loose object is in the pictures."""
+
+    def __init__(self, view: WorldView, world: World, object_id: str) -> None:
+        self.view, self.object_id, self.is_loose = view, object_id, not world.state(object_id).is_fixed
+
+    def __enter__(self) -> None:
+        self.view.hide(self.object_id, False)
+
+    def __exit__(self, *_: object) -> None:
+        if self.is_loose:
+            self.view.hide(self.object_id)
+
+
+def _inner_areas(world: World, object_id: str, rules: HidingRules) -> list[Area]:
+    """The floors of an object's enclosed spaces, off its walls, as they lie in the room when it is closed."""
+    matrix = world.state(object_id).matrix()
+    if matrix[2, 2] < 0.99:
+        return []
+    yaw = math.degrees(math.atan2(matrix[1, 0], matrix[0, 0]))
+    areas = []
+    for space in world.assets[object_id].spaces:
+        low, high = np.array(space.box[:3]), np.array(space.box[3:])
+        half = (high - low)[:2] / 2 - rules.wall_gap_m
+        if not space.enclosed or half.min() < rules.min_area_side_m / 2:
+            continue
+        bottom = np.append((low + high)[:2] / 2, low[2])
+        x, y, z = matrix[:3, :3] @ bottom + matrix[:3, 3]
+        height = float(high[2] - low[2]) - 0.005
+        area = Area((float(x), float(y), float(z)), yaw, (float(half[0]), float(half[1])), height, space.link)
+        if _is_solid(world, area):
+            areas.append(area)
+    return areas
+
+
+def _is_solid(world: World, area: Area) -> bool:
+    """Whether things come to rest on most of an area: rays down hit its bottom."""
+    flat = area.lattice(max(area.half)).reshape(-1, 2) * 0.8
+    starts = area.to_room(at_height(flat, min(0.06, 0.8 * area.height_m)))
+    ends = area.to_room(at_height(flat, -SOLID_M))
+    hits = pybullet.rayTestBatch(starts.tolist(), ends.tolist(), physicsClientId=world.client)
+    return bool(np.mean([hit[0] >= 0 and abs(hit[3][2] - area.centre[2]) <= SOLID_M for hit in hits]) >= 0.8)

@@ -1,0 +1,123 @@
+"""Putting things side by side on areas, turned at random, so that their outlines do not overlap."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from remqa_data.generators.arrangement.areas import Area
+from remqa_data.geometry.types import Vec3
+
+TRIES = 30
+ROUNDS = 3
+"""Attempts at random before everything is set in rows."""
+JITTER_DEG = 12.0
+"""Things are turned by quarters and by up to this angle."""
+
+
+@dataclass(frozen=True)
+class Put:
+    """A thing on an area: the middle of its bottom in the room, metres, and its turn about the vertical."""
+
+    area: Area
+    position: Vec3
+    yaw_deg: float
+
+
+def packed(areas: Sequence[Area], sizes: Sequence[Vec3], gap_m: float, rng: np.random.Generator) -> list[Put] | None:
+    """Places for things of some sizes on some areas, in the order of the sizes; None if no room was found.
+
+    Large things choose first, at random; if there is no room for all, everything is set in tidy rows.
+    """
+    order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][0] * sizes[i][1], i))
+    for is_tidy in (False,) * ROUNDS + (True,):
+        taken: dict[int, list[tuple[float, float, float, float]]] = {i: [] for i in range(len(areas))}
+        corner = (float(rng.choice((-1, 1))), float(rng.choice((-1, 1))))
+        puts: dict[int, Put] = {}
+        for index in order:
+            size = sizes[index]
+            usable = [i for i, a in enumerate(areas) if a.seen_from_m < size[2] <= a.height_m]
+            put = None if is_tidy else _random_place(areas, usable, size, gap_m, taken, rng)
+            if put is None:
+                put = _tidy_place(areas, usable, size, gap_m, taken, corner)
+            if put is None:
+                break
+            puts[index] = put
+        else:
+            return [puts[i] for i in range(len(sizes))]
+    return None
+
+
+def _random_place(
+    areas: Sequence[Area],
+    usable: Sequence[int],
+    size: Vec3,
+    gap_m: float,
+    taken: dict[int, list[tuple[float, float, float, float]]],
+    rng: np.random.Generator,
+) -> Put | None:
+    if not usable:
+        return None
+    weights = np.array([4 * areas[i].half[0] * areas[i].half[1] for i in usable])
+    for _ in range(TRIES):
+        which = usable[int(rng.choice(len(usable), p=weights / weights.sum()))]
+        yaw = 90.0 * int(rng.integers(4)) + float(rng.uniform(-JITTER_DEG, JITTER_DEG))
+        u, v = (float(value) for value in rng.uniform(-1, 1, 2))
+        half = _turned_half(size, yaw)
+        room = (areas[which].half[0] - half[0], areas[which].half[1] - half[1])
+        if min(room) < 0:
+            continue
+        put = _free(areas[which], u * room[0], v * room[1], half, yaw, gap_m, taken[which])
+        if put is not None:
+            return put
+    return None
+
+
+def _tidy_place(
+    areas: Sequence[Area],
+    usable: Sequence[int],
+    size: Vec3,
+    gap_m: float,
+    taken: dict[int, list[tuple[float, float, float, float]]],
+    corner: tuple[float, float],
+) -> Put | None:
+    """The first free place in rows that begin in one corner of an area."""
+    for which in usable:
+        area = areas[which]
+        for yaw in (0.0, 90.0):
+            half = _turned_half(size, yaw)
+            room = (area.half[0] - half[0], area.half[1] - half[1])
+            if min(room) < 0:
+                continue
+            for y in np.arange(-room[1], room[1] + 1e-9, 0.01):
+                for x in np.arange(-room[0], room[0] + 1e-9, 0.01):
+                    put = _free(area, corner[0] * float(x), corner[1] * float(y), half, yaw, gap_m, taken[which])
+                    if put is not None:
+                        return put
+    return None
+
+
+def _free(
+    area: Area,
+    x: float,
+    y: float,
+    half: tuple[float, float],
+    yaw: float,
+    gap_m: float,
+    taken: list[tuple[float, float, float, float]],
+) -> Put | None:
+    """The thing at a place of the area, if it keeps its distance from all others there; then the place is taken."""
+    for ox, oy, hx, hy in taken:
+        if abs(x - ox) < half[0] + hx + gap_m and abs(y - oy) < half[1] + hy + gap_m:
+            return None
+    taken.append((x, y, *half))
+    px, py, pz = area.to_room([(x, y, 0.0)])[0]
+    return Put(area, (float(px), float(py), float(pz)), yaw + area.yaw_deg)
+
+
+def _turned_half(size: Vec3, yaw_deg: float) -> tuple[float, float]:
+    cos, sin = abs(math.cos(math.radians(yaw_deg))), abs(math.sin(math.radians(yaw_deg)))
+    return (size[0] * cos + size[1] * sin) / 2, (size[0] * sin + size[1] * cos) / 2

@@ -1,0 +1,1 @@
+"""The truths of a dataset, checked from its files."""

@@ -1,0 +1,285 @@
+"""One task: walk to a place, manipulate it, look. Made only if it keeps every promise that `audit` of DESIGN.md names.
+
+A sample that fails a check is refused, with the name of the truth that it would have broken.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from remqa_data.errors import ActionError, NoPathError
+from remqa_data.generators.arrangement.hiding_goals import at_height
+from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.questions.expressions import Expressions
+from remqa_data.generators.questions.groups import GroupPlan
+from remqa_data.generators.walks.scene_walk import Place
+from remqa_data.geometry.types import F64
+from remqa_data.language.answers import execute, is_clear
+from remqa_data.scene import Scene
+from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.sim.agent.replay import DONE, Replay, move_action, open_action, pick_up_action
+from remqa_data.sim.metadata import AgentState, Box2D, object_metadata, scaled_min_pixels
+from remqa_data.sim.navigation.grid import ReachableGrid
+from remqa_data.sim.navigation.paths import path_length_m, shortest_actions
+from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, AgentPose
+from remqa_data.sim.physics.world import Snapshot
+from remqa_data.sim.render.view import Observation
+from remqa_data.tables.images import RgbFormat, encode_depth, encode_instances, encode_rgb
+from remqa_data.tables.rows import QuestionRow
+
+Truth = Literal["answer", "unique", "clear", "reachable", "visible", "necessary", "sufficient", "replayable"]
+"""What a refused sample would have broken: `answer` is that the room holds what was planned, `visible` that the target
+is seen from the goal pose, `clear` that no other object nearly fits the question; the others are DESIGN.md's truths."""
+
+LEAST_SHARE = 0.5
+"""Of the space that a manipulation reveals, so much is in view where nothing is found in it."""
+LOOK_M, ABOVE_M, SURFACE_M = 0.03, 0.01, 0.02
+"""It is looked for at points so far apart, so high above its bottom, and so near to what the picture shows."""
+
+
+class Refusal(NamedTuple):
+    """Why a sample was not made."""
+
+    truth: Truth
+    what: str
+
+
+class Views(NamedTuple):
+    """What is seen from a goal pose before and after a manipulation, and what the manipulation does.
+
+    `motion` holds the (4, 4) motions of the object's links, `state` the room afterwards.
+    """
+
+    before: Observation
+    after: Observation
+    motion: F64
+    state: Snapshot
+
+
+@dataclass(eq=False)
+class Room:
+    """A configuration at rest, with all that its samples share.
+
+    Attributes
+    ----------
+    place : Place
+        Names and split of its rows.
+    scene : Scene
+        The configuration, settled.
+    replay : Replay
+        A freshly loaded world of it; brought back to its first state after each sample.
+    """
+
+    place: Place
+    scene: Scene
+    rgb_format: RgbFormat = "jpeg"
+
+    def __post_init__(self) -> None:
+        self.replay = Replay(self.scene, AgentPose((0, 0), 0))
+        self._first: Snapshot = self.replay.world.save()
+        self.graph = SceneGraph.from_objects(object_metadata(self.replay.world).values())
+        self.loose_graph = SceneGraph.from_objects(self.graph.objects.values(), self.graph.rules.loosened())
+        self.expressions = Expressions(self.graph)
+        self._views: dict[tuple[AgentPose, str], Views] = {}
+
+    @property
+    def grid(self) -> ReachableGrid:
+        """Where the agent can stand in it."""
+        return self.replay.grid
+
+    def start_over(self, pose: AgentPose) -> None:
+        """Undo all actions and put the agent somewhere."""
+        held = self.replay.world.held
+        if held is not None:
+            self.replay.view.hide(held, False)
+        self.replay.world.restore(self._first)
+        self.replay.pose = pose
+
+    def views(self, goal: AgentPose, manipulation: str) -> Views:
+        """What a manipulation shows; drawn once, however many questions are about it."""
+        key = (goal, manipulation)
+        if key not in self._views:
+            object_id, world = manipulation.split(" ")[1], self.replay.world
+            self.start_over(goal)
+            before, closed = self.replay.observe(), world.link_poses(object_id)
+            self.replay.step(manipulation)
+            after, motion = self.replay.observe(), world.link_poses(object_id) @ np.linalg.inv(closed)
+            self._views[key] = Views(before, after, motion, world.save())
+            self.start_over(goal)
+        return self._views[key]
+
+    def close(self) -> None:
+        """Give the simulator's memory back."""
+        self.replay.close()
+
+
+def make_sample(room: Room, group: GroupPlan[HidingPlace], start: AgentPose) -> QuestionRow | Refusal:
+    """The sample of one group in one configuration, audited; or why there is none.
+
+    Parameters
+    ----------
+    room : Room
+        The configuration; it is at rest again afterwards.
+    group : GroupPlan
+        The question, its place and the answer planned for this configuration.
+    start : AgentPose
+        Where the agent starts.
+    """
+    question, hiding = group.question, group.question.place
+    wanted = group.answers[room.place.configuration]
+    answer = execute(question.program, room.graph)
+    if answer.text != wanted:
+        return Refusal("answer", f"{question.text} is {answer.text}, planned was {wanted}")
+    if question.expression.text not in {found.text for found in room.expressions.of(hiding.object_id)}:
+        return Refusal("unique", f"{question.expression.text} does not pick out {hiding.object_id} only")
+    if not is_clear(question.program, room.graph, room.loose_graph):
+        return Refusal("clear", f"{question.text}: something else nearly fits")
+    manipulation = _manipulation(hiding)
+    found = _way(room, hiding, start, manipulation)
+    if isinstance(found, Refusal):
+        return found
+    goal, way, views = found
+    before, after = views.before, views.after
+    refusal = _check_views(room, hiding, answer.ids, before, after)
+    if refusal is None and not answer.ids and _share_in_view(room, hiding, goal, views) < LEAST_SHARE:
+        refusal = Refusal("sufficient", f"too little of the space that {hiding.object_id} hides comes to light")
+    if refusal is not None:
+        return refusal
+    actions = (*way, manipulation, DONE)
+    if not _replays(room, start, actions, goal, views):
+        return Refusal("replayable", f"{hiding.object_id}: the actions end in another picture")
+    name = f"{group.name}-c{room.place.configuration}"
+    ids = room.replay.world.ids
+    form = room.rgb_format
+    goals = [goal, *(pose for pose in (hiding.goal, *hiding.other_goals) if pose != goal and _stands(room.grid, pose))]
+    return QuestionRow(
+        question_id=name,
+        kind=question.kind,
+        question=question.text,
+        expression=question.expression.text,
+        answer=answer.text,
+        program=json.dumps(question.program),
+        scene=room.place.scene,
+        room_type=room.place.room_type,
+        configuration=room.place.configuration,
+        split=room.place.split,
+        group=group.name,
+        initial_pose=agent_state(room.grid, start),
+        goal_poses=tuple(agent_state(room.grid, pose) for pose in goals),
+        target_id=hiding.object_id,
+        target_type=hiding.type,
+        start_target_box_2d=box_2d(before, ids.index(hiding.object_id)),
+        answer_type=question.type,
+        answer_ids=answer.ids,
+        manipulation=hiding.manipulation,
+        manipulation_object_id=hiding.object_id,
+        path_length_m=path_length_m(room.grid, start.cell, goal.cell),
+        path_steps=len(way),
+        actions=actions,
+        start_rgb=encode_rgb(before.rgb, f"{name}-start", form=form),
+        start_depth=encode_depth(before.depth, f"{name}-start-depth"),
+        start_instances=encode_instances(before.objects, ids, ids, f"{name}-start-instances"),
+        end_rgb=encode_rgb(after.rgb, f"{name}-end", form=form),
+        end_depth=encode_depth(after.depth, f"{name}-end-depth"),
+        end_instances=encode_instances(after.objects, ids, ids, f"{name}-end-instances"),
+        object_ids=ids,
+    )
+
+
+def agent_state(grid: ReachableGrid, pose: AgentPose) -> AgentState:
+    """A pose as it is stored."""
+    x, y = grid.position(pose.cell)
+    return AgentState((x, y, grid.floor_z), float(pose.yaw_deg), float(pose.horizon_deg))
+
+
+def box_2d(seen: Observation, index: int) -> Box2D | None:
+    """Tight box of an object's pixels, [x1, y1, x2, y2), or None where it has none."""
+    rows, columns = np.nonzero(seen.objects == index)
+    if not len(rows):
+        return None
+    return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
+
+
+def _way(
+    room: Room, hiding: HidingPlace, start: AgentPose, manipulation: str
+) -> tuple[AgentPose, list[str], Views] | Refusal:
+    """The first goal pose that can be reached and acted from, the actions that lead there, and what is seen there."""
+    reason = f"no way to {hiding.object_id}"
+    for goal in (hiding.goal, *hiding.other_goals):
+        if not _stands(room.grid, goal):
+            continue
+        try:
+            return goal, shortest_actions(room.grid, start, goal), room.views(goal, manipulation)
+        except NoPathError:
+            continue
+        except ActionError as error:
+            reason = str(error)
+    return Refusal("reachable", reason)
+
+
+def _stands(grid: ReachableGrid, pose: AgentPose) -> bool:
+    return pose.cell in grid.graph
+
+
+def _manipulation(hiding: HidingPlace) -> str:
+    if hiding.manipulation == "Open":
+        return open_action(hiding.object_id)
+    if hiding.manipulation == "Pickup":
+        return pick_up_action(hiding.object_id)
+    assert hiding.move_to is not None, f"{hiding.object_id} is to be moved, but nowhere"
+    return move_action(hiding.object_id, hiding.move_to)
+
+
+def _share_in_view(room: Room, hiding: HidingPlace, goal: AgentPose, views: Views) -> float:
+    """Share of the surface on which things could lie that comes to light, or on which other things come to light."""
+    camera, after = goal.camera(room.grid), views.after
+    others = np.setdiff1d(after.objects, views.before.objects)
+    shown = []
+    for area in hiding.areas:
+        points = area.to_room(at_height(area.lattice(LOOK_M).reshape(-1, 2), area.seen_from_m + ABOVE_M))
+        if hiding.relation == "in":
+            motion = views.motion[area.link]
+            points = points @ motion[:3, :3].T + motion[:3, 3]
+        x, y, z = camera.project(points).T
+        inside = (z > 0) & (x >= 0) & (y >= 0) & (x < camera.width) & (y < camera.height)
+        row, column = np.where(inside, y, 0).astype(int), np.where(inside, x, 0).astype(int)
+        is_bare = after.depth[row, column] > z - SURFACE_M
+        shown.append(inside & (is_bare | np.isin(after.objects[row, column], others)))
+    return float(np.mean(np.concatenate(shown)))
+
+
+def _check_views(
+    room: Room, hiding: HidingPlace, answer_ids: tuple[str, ...], before: Observation, after: Observation
+) -> Refusal | None:
+    """Whether the pictures show the target before, the evidence only after, and the hidden space where there is none."""
+    ids = room.replay.world.ids
+    least = scaled_min_pixels(before.objects.shape)
+    if np.count_nonzero(before.objects == ids.index(hiding.object_id)) < least:
+        return Refusal("visible", f"{hiding.object_id} is not seen from its goal pose")
+    for object_id in answer_ids:
+        index = ids.index(object_id)
+        if (before.objects == index).any():
+            return Refusal("necessary", f"{object_id} is seen before the manipulation")
+        if np.count_nonzero(after.objects == index) < least:
+            return Refusal("sufficient", f"{object_id} shows fewer than {MIN_PIXELS} pixels after the manipulation")
+    changed = np.count_nonzero((before.objects != after.objects) | (np.abs(before.depth - after.depth) > 1e-3))
+    if changed < 4 * least:
+        return Refusal("sufficient", f"the manipulation of {hiding.object_id} hardly changes the view")
+    return None
+
+
+def _replays(room: Room, start: AgentPose, actions: tuple[str, ...], goal: AgentPose, views: Views) -> bool:
+    """Whether the oracle's actions lead from the start to the pose and the state of the room that the end frame shows."""
+    room.start_over(start)
+    try:
+        for action in actions:
+            room.replay.step(action)
+    except ActionError:
+        return False
+    reached = (room.replay.pose, room.replay.world.save())
+    room.start_over(start)
+    return reached == (goal, views.state)

@@ -1,0 +1,274 @@
+"""The truths that a stored question must satisfy, checked from its row, its room's row and a freshly loaded world.
+
+Nothing here trusts what generation found: answers are worked out anew, and pictures are drawn anew.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownNameError, one_line
+from remqa_data.generators.arrangement.hiding_places import surface_points
+from remqa_data.generators.audit.samples import Truth as SampleTruth
+from remqa_data.generators.audit.samples import agent_state
+from remqa_data.generators.figures.sample_picture import poses_along, stored_pose
+from remqa_data.language.answers import execute, is_clear
+from remqa_data.language.referring import AnyProgram, resolve
+from remqa_data.scene import Scene
+from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.sim.agent.replay import DONE, MOVE, OPEN, PICK_UP, Replay
+from remqa_data.sim.metadata import object_metadata, scaled_min_pixels
+from remqa_data.sim.navigation.grid import ARM_REACH_M, reach_distance, reachable_grid
+from remqa_data.sim.navigation.paths import path_length_m, shortest_actions
+from remqa_data.sim.navigation.viewpoints import front_points
+from remqa_data.sim.physics.world import World
+from remqa_data.tables.images import (
+    RgbFormat,
+    decode_depth,
+    decode_instances,
+    encode_depth,
+    encode_instances,
+    encode_rgb,
+)
+from remqa_data.tables.rows import GridCell, Manipulation, QuestionRow, SceneRow
+
+Truth = SampleTruth | Literal["consistent", "unbiased"]
+"""Those of `samples.Truth`, and two more: `consistent` is that rows say the same as one another and as the room that they
+are about; `unbiased` is that nothing but looking gives the answer away."""
+
+CHANGED_FACTOR = 4
+"""A manipulation changes so many times the pixels that an object needs to be visible."""
+PNG = b"\x89PNG"
+
+
+class Failure(NamedTuple):
+    """What does not hold.
+
+    Attributes
+    ----------
+    where : str
+        Id of a question, or the name of what several of them share.
+    truth : Truth
+        Which truth is broken.
+    reason : str
+        How.
+    """
+
+    where: str
+    truth: Truth
+    reason: str
+
+
+class CheckedRoom:
+    """A stored configuration, loaded once for what its questions share.
+
+    Parameters
+    ----------
+    row : SceneRow
+        The configuration.
+
+    Raises
+    ------
+    RemqaError
+        If it cannot be loaded.
+    """
+
+    def __init__(self, row: SceneRow) -> None:
+        self.row = row
+        self.name = f"{row.scene}, configuration {row.configuration}"
+        self.scene = Scene.from_json(row.scene_json, self.name)
+        with World(self.scene) as world:
+            self.records = object_metadata(world)
+            self.grid = reachable_grid(world)
+        self.graph = SceneGraph.from_objects(self.records.values())
+        self.loose_graph = SceneGraph.from_objects(self.records.values(), self.graph.rules.loosened())
+
+    def failures(self) -> Iterator[Failure]:
+        """What the configuration's row says of the room, and is not so."""
+        if len(self.records) != len(self.row.objects):
+            yield Failure(self.name, "consistent", f"{len(self.row.objects)} objects are listed of {len(self.records)}")
+        for stored in self.row.objects:
+            if self.records.get(stored.id) != stored:
+                yield Failure(self.name, "consistent", f"{stored.id} is not as its ground truth says")
+        if self.row.navigation_cells != tuple(GridCell(*cell) for cell in self.grid.cells):
+            yield Failure(self.name, "consistent", "the agent can stand on other cells than those listed")
+
+    def question_failures(self, question: QuestionRow) -> Iterator[Failure]:
+        """What does not hold of a question about this configuration; it is replayed in a world of its own."""
+        for check in (self._is_consistent, self._words, self._pictures, self._way, self._replayed):
+            try:
+                for truth, reason in check(question):
+                    yield Failure(question.question_id, truth, reason)
+            except RemqaError as error:
+                yield Failure(question.question_id, _TRUTH_OF[check.__name__], one_line(error))
+
+    def _is_consistent(self, question: QuestionRow) -> Iterator[Broken]:
+        if (question.split, question.room_type) != (self.row.split, self.row.room_type):
+            yield "consistent", f"split and room type are not those of {self.name}"
+        if question.object_ids != tuple(self.records):
+            yield "consistent", "object_ids are not the objects of the room, in its order"
+        if self._type_of(question.target_id) != question.target_type:
+            yield "consistent", f"{question.target_id} is no {question.target_type}"
+        if question.expression not in question.question:
+            yield "consistent", f"the question does not say {question.expression!r}"
+        acted = [action.split(" ")[:2] for action in question.actions if " " in action]
+        if acted != [[_WORD_OF[question.manipulation], question.manipulation_object_id]]:
+            yield "consistent", f"the actions do not {question.manipulation} {question.manipulation_object_id}"
+        if question.manipulation_object_id != question.target_id:
+            yield "consistent", f"{question.manipulation_object_id} is not what the expression means"
+
+    def _words(self, question: QuestionRow) -> Iterator[Broken]:
+        """The answer, and what the expression picks out, by executing the program and reading the expression."""
+        program = _program(question)
+        answer = execute(program, self.graph)
+        if answer.text != question.answer:
+            yield "answer", f"the answer is {answer.text}, not {question.answer}"
+        elif answer.ids != question.answer_ids:
+            yield "answer", f"the objects that make the answer are {', '.join(answer.ids) or 'none'}"
+        for object_id in answer.ids:
+            if self._type_of(object_id) != question.answer_type:
+                yield "answer", f"{object_id} is no {question.answer_type}"
+        meant = resolve(question.expression, self.graph)
+        if meant != [question.target_id]:
+            yield (
+                "unique",
+                f"{question.expression!r} picks out {', '.join(meant) or 'nothing'}, not {question.target_id}",
+            )
+        if not is_clear(program, self.graph, self.loose_graph):
+            yield "clear", "something else nearly fits the question"
+
+    def _pictures(self, question: QuestionRow) -> Iterator[Broken]:
+        """What the stored pictures show before and after the manipulation."""
+        before = decode_instances(question.start_instances.bytes)
+        after = decode_instances(question.end_instances.bytes)
+        least = scaled_min_pixels(before.shape)
+        target = before == _number(question, question.target_id)
+        if np.count_nonzero(target) < least:
+            yield "visible", f"{question.target_id} shows {np.count_nonzero(target)} pixels in the start frame"
+        if question.start_target_box_2d != _box_of(target):
+            yield "visible", f"the box of {question.target_id} is {_box_of(target)}, not {question.start_target_box_2d}"
+        for object_id in question.answer_ids:
+            shown, revealed = (np.count_nonzero(image == _number(question, object_id)) for image in (before, after))
+            if shown:
+                yield "necessary", f"{object_id} shows {shown} pixels before the manipulation"
+            if revealed < least:
+                yield (
+                    "sufficient",
+                    f"{object_id} shows {revealed} pixels after the manipulation, and {least} are needed",
+                )
+        depths = decode_depth(question.start_depth.bytes), decode_depth(question.end_depth.bytes)
+        changed = np.count_nonzero((before != after) | (depths[0] != depths[1]))
+        if changed < CHANGED_FACTOR * least:
+            yield "sufficient", f"the manipulation changes {changed} pixels, and {CHANGED_FACTOR * least} are needed"
+
+    def _way(self, question: QuestionRow) -> Iterator[Broken]:
+        """The shortest way leads to the first goal, and from every goal the arm reaches the target."""
+        if not question.goal_poses:
+            raise NoPathError("there is no goal pose")
+        start, goals = stored_pose(question.initial_pose), [stored_pose(goal) for goal in question.goal_poses]
+        stored = (question.initial_pose, *question.goal_poses)
+        if any(agent_state(self.grid, pose) != state for pose, state in zip((start, *goals), stored, strict=True)):
+            yield "reachable", "a pose is not on the grid"
+        if poses_along(self.grid, start, question.actions)[-1] != goals[0]:
+            yield "reachable", "the actions do not lead to the first goal pose"
+        steps = next((i for i, action in enumerate(question.actions) if " " in action or action == DONE), -1)
+        shortest = len(shortest_actions(self.grid, start, goals[0]))
+        if not steps == question.path_steps == shortest:
+            yield "reachable", f"{steps} steps are taken, {question.path_steps} are told, and {shortest} are enough"
+        length = path_length_m(self.grid, start.cell, goals[0].cell)
+        if question.path_length_m != length:
+            yield "reachable", f"the shortest path is {length} m, not {question.path_length_m} m"
+        unreachable = [goal.cell for goal in goals if goal.cell not in self.grid.graph]
+        if unreachable:
+            raise NoPathError(f"the agent cannot get to {unreachable[0]}")
+
+    def _replayed(self, question: QuestionRow) -> Iterator[Broken]:
+        """The oracle's actions, in a freshly loaded world, give the stored pictures."""
+        replay = Replay(self.scene, stored_pose(question.initial_pose))
+        try:
+            for goal in question.goal_poses:
+                distance = _reach_m(replay, question, goal.position)
+                if distance > ARM_REACH_M:
+                    yield (
+                        "reachable",
+                        f"the arm reaches {ARM_REACH_M} m, and {question.target_id} is {distance:.3f} m off",
+                    )
+            is_manipulated = False
+            for action in question.actions:
+                if " " in action and not is_manipulated:
+                    is_manipulated = True
+                    yield from _different(question, replay, "start")
+                replay.step(action)
+            yield from _different(question, replay, "end")
+        finally:
+            replay.close()
+
+    def _type_of(self, object_id: str) -> str:
+        if object_id not in self.records:
+            raise UnknownNameError("object", object_id, self.records)
+        return self.records[object_id].type
+
+
+Broken = tuple[Truth, str]
+"""Which truth is broken, and how."""
+
+_TRUTH_OF: dict[str, Truth] = {
+    "_is_consistent": "consistent",
+    "_words": "answer",
+    "_pictures": "visible",
+    "_way": "reachable",
+    "_replayed": "replayable",
+}
+"""What an error in each check breaks."""
+_WORD_OF: dict[Manipulation, str] = {"Open": OPEN, "Move": MOVE, "Pickup": PICK_UP}
+
+
+def _program(question: QuestionRow) -> AnyProgram:
+    try:
+        steps: AnyProgram = json.loads(question.program)
+    except json.JSONDecodeError as error:
+        raise ProgramError(f"the program is no JSON: {error}") from None
+    return steps
+
+
+def _number(question: QuestionRow, object_id: str) -> int:
+    """Which value means an object in the instance images."""
+    if object_id not in question.object_ids:
+        raise UnknownNameError("object", object_id, question.object_ids)
+    return question.object_ids.index(object_id) + 1
+
+
+def _box_of(mask: npt.NDArray[np.bool_]) -> tuple[int, int, int, int] | None:
+    rows, columns = np.nonzero(mask)
+    if not len(rows):
+        return None
+    return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
+
+
+def _reach_m(replay: Replay, question: QuestionRow, position: tuple[float, float, float]) -> float:
+    """From the shoulder of an agent to the nearest point where the target can be taken hold of; metres."""
+    if question.manipulation == "Open":
+        points = front_points(replay.view, question.target_id)
+    else:
+        points = surface_points(replay.world, question.target_id)
+    return min(reach_distance(position[:2], position[2], point) for point in points)
+
+
+def _different(question: QuestionRow, replay: Replay, when: Literal["start", "end"]) -> Iterator[Broken]:
+    """Which stored images of the start or the end are not what is seen now, byte for byte."""
+    stored = {name: getattr(question, f"{when}_{name}").bytes for name in ("rgb", "depth", "instances")}
+    seen = replay.observe(len(decode_instances(stored["instances"])))
+    form: RgbFormat = "png" if stored["rgb"].startswith(PNG) else "jpeg"
+    now = {
+        "rgb": encode_rgb(seen.rgb, form=form),
+        "depth": encode_depth(seen.depth),
+        "instances": encode_instances(seen.objects, replay.world.ids, question.object_ids),
+    }
+    for name, image in now.items():
+        if image.bytes != stored[name]:
+            yield "replayable", f"{when}_{name} is not what is seen"

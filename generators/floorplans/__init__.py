@@ -1,1 +1,0 @@
-"""Where rooms come from."""

@@ -1,0 +1,269 @@
+"""How many questions each room owes: decided up front from the floor plans alone, so that rooms stay independent jobs.
+
+What a room can take is in `templates/capacities.csv`, counted on the room as recorded. The totals of a split are dealt out
+in whole groups of four samples, one for each answer 0 to 3, or two yes and two no, so that answers are balanced in every
+room; what a total leaves over becomes one smaller group.
+"""
+
+from __future__ import annotations
+
+import csv
+import heapq
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from importlib import resources
+from typing import Literal
+
+from remqa_data.errors import QuotaError, UnknownNameError
+from remqa_data.floorplans.ithor.table import scene_names
+from remqa_data.floorplans.sampled.naming import PREFIX, is_sampled, room_type_of, sampled_index, sampled_split
+from remqa_data.generators.questions.questions import KINDS, question_rules
+from remqa_data.tables.rows import QuestionKind
+
+SOURCE = "capacities.csv"
+SAMPLED_SOURCE = "sampled_capacities.csv"
+QuestionSplit = Literal["train", "test"]
+SPLITS: tuple[QuestionSplit, ...] = ("train", "test")
+Totals = Mapping[QuestionKind, int]
+
+GROUP_SIZE = 4
+"""Samples of a whole group: as many as there are answers to a COUNTING question."""
+ROOMS_OF_A_TYPE, TEST_ROOMS_OF_A_TYPE = 30, 5
+ROOM_OFFSETS = (0, 200, 300, 400)
+"""iTHOR's numbers: kitchens 1 to 30, living rooms 201 to 230, bedrooms 301 to 330, bathrooms 401 to 430."""
+
+
+@dataclass(frozen=True)
+class SceneCapacity:
+    """How many groups of questions of each kind a room can take.
+
+    Attributes
+    ----------
+    scene, room_type : str
+        The room.
+    groups : mapping
+        By kind, how many it takes easily.
+    most : mapping
+        By kind, how many it takes at all: with more questions about one place, and longer ones, than there should be.
+    """
+
+    scene: str
+    room_type: str
+    groups: Mapping[QuestionKind, int]
+    most: Mapping[QuestionKind, int]
+
+
+@dataclass(frozen=True)
+class SceneQuota:
+    """How many samples a room owes, by kind and answer."""
+
+    scene: str
+    room_type: str
+    split: QuestionSplit
+    answers: Mapping[QuestionKind, Mapping[str, int]]
+
+    def total(self, kind: QuestionKind) -> int:
+        """Samples of a kind."""
+        return sum(self.answers[kind].values())
+
+
+def split_of(scene: str) -> QuestionSplit:
+    """The split of a room: the last five of each room type are for testing; of sampled rooms, one in six.
+
+    Which rooms REMQA tests on is not published. AI2-THOR's own convention, kept by AllenAct and others, takes rooms 1 to 20
+    of each type for training, 21 to 25 for validation and 26 to 30 for testing; so nothing that was trained in the usual
+    way has seen our test rooms.
+
+    >>> split_of("FloorPlan25"), split_of("FloorPlan226")
+    ('train', 'test')
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such room.
+    """
+    if is_sampled(scene):
+        return "test" if sampled_split(scene) == "test" else "train"
+    if scene not in scene_names():
+        raise UnknownNameError("scene", scene, scene_names())
+    return "test" if _number(scene) % 100 > ROOMS_OF_A_TYPE - TEST_ROOMS_OF_A_TYPE else "train"
+
+
+def choose_scenes(count: int) -> tuple[str, ...]:
+    """So many rooms, of all types alike, a sixth of them for testing, in iTHOR's order.
+
+    >>> choose_scenes(4)
+    ('FloorPlan1', 'FloorPlan226', 'FloorPlan301', 'FloorPlan401')
+
+    Raises
+    ------
+    QuotaError
+        If there are not so many.
+    """
+    most = len(ROOM_OFFSETS) * ROOMS_OF_A_TYPE
+    if not 1 <= count <= most:
+        raise QuotaError(f"{count} scenes: iTHOR has {most} rooms; ask for 1 to {most}")
+    tests = round(count * TEST_ROOMS_OF_A_TYPE / ROOMS_OF_A_TYPE)
+    if count > 1:
+        tests = max(tests, 1)
+    numbers: list[int] = []
+    for index, offset in enumerate(ROOM_OFFSETS):
+        rooms, tested = _share(count, index), _share(tests, TEST_TURNS.index(index))
+        first_test = offset + ROOMS_OF_A_TYPE - TEST_ROOMS_OF_A_TYPE + 1
+        numbers += range(offset + 1, offset + 1 + rooms - tested)
+        numbers += range(first_test, first_test + tested)
+    return tuple(f"FloorPlan{number}" for number in numbers)
+
+
+def capacities(scenes: Sequence[str]) -> list[SceneCapacity]:
+    """What some rooms can take, from `templates/capacities.csv`; what sampled rooms must take, by their type.
+
+    Raises
+    ------
+    UnknownNameError
+        If a room is not in the table.
+    """
+    return [_sampled_capacity(scene) if is_sampled(scene) else _recorded_capacity(scene) for scene in scenes]
+
+
+def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]) -> list[SceneQuota]:
+    """Deal the totals of both splits out to rooms.
+
+    Parameters
+    ----------
+    rooms : sequence of SceneCapacity
+        The rooms, in any order; their names say their splits.
+    totals : mapping
+        Samples by split and kind.
+
+    Returns
+    -------
+    One quota for each room, in the order of the rooms. By split and kind, they add up to the totals exactly; the numbers
+    of samples with each answer differ by at most one; and a room's quota can be met by as many groups as it can take at
+    most, each of which asks for at least two different answers. No room takes more than it does easily, unless all do.
+
+    Raises
+    ------
+    QuotaError
+        If the rooms cannot take the totals: names the split, the kind and the rooms.
+    """
+    splits = {room.scene: split_of(room.scene) for room in rooms}
+    answers: dict[str, dict[QuestionKind, dict[str, int]]] = {room.scene: {} for room in rooms}
+    for split in SPLITS:
+        own = [room for room in rooms if splits[room.scene] == split]
+        for kind in reversed(KINDS):  # rooms that take nothing else still take EXISTENCE, which comes last
+            idle = {room.scene for room in own if not any(any(q.values()) for q in answers[room.scene].values())}
+            first = idle if kind == KINDS[0] else set()
+            for scene, quota in _deal(own, split, kind, totals.get(split, {}).get(kind, 0), first).items():
+                answers[scene][kind] = quota
+    in_order = {scene: {kind: quotas[kind] for kind in KINDS if kind in quotas} for scene, quotas in answers.items()}
+    return [SceneQuota(room.scene, room.room_type, splits[room.scene], in_order[room.scene]) for room in rooms]
+
+
+def groups_needed(answers: Mapping[str, int]) -> int:
+    """How many groups a quota takes, if a group asks once for each count, or twice for yes and twice for no."""
+    per_answer = GROUP_SIZE // len(answers)
+    return max(math.ceil(count / per_answer) for count in answers.values())
+
+
+# ---- dealing
+
+
+def _deal(
+    rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, total: int, first: Collection[str]
+) -> dict[str, dict[str, int]]:
+    """Samples by room and answer; some rooms are served first."""
+    names = question_rules().answers(kind)
+    if total == 1 or total < 0:
+        raise QuotaError(
+            f"{split}: {kind}: {total} samples cannot have different answers; ask for none or for at least 2"
+        )
+    whole, left = divmod(total, GROUP_SIZE)
+    room_for = {room.scene: room.most[kind] for room in rooms}
+    if whole + (left > 0) > sum(room_for.values()):
+        empty = [scene for scene, groups in room_for.items() if groups == 0]
+        msg = f"{split}: {kind}: {total} questions need {whole + (left > 0)} groups, but {len(rooms)} rooms "
+        msg += f"({_some(list(room_for))}) have room for {sum(room_for.values())}"
+        msg += f"; {_some(empty)} can take none" if empty else ""
+        raise QuotaError(f"{msg}; ask for more scenes or fewer questions")
+    easy = {room.scene: min(room.groups[kind], room.most[kind]) for room in rooms}
+    dealt = _deal_groups(easy, room_for, whole + (left > 0), first)
+    twice = GROUP_SIZE // len(names)
+    quotas = {scene: dict.fromkeys(names, groups * twice) for scene, groups in dealt.items()}
+    if left:  # the last group of the room with most of them is not a whole one
+        fullest = max(dealt, key=lambda scene: dealt[scene])
+        others = [scene for scene, groups in dealt.items() if groups == 1 and scene != fullest]
+        quotas[fullest] = dict.fromkeys(names, (dealt[fullest] - 1) * twice)
+        extra = [fullest] * left
+        if left == dealt[fullest] == 1:  # one sample makes no group: two rooms share it with a whole one, as 3 and 2
+            quotas[others[0]] = dict.fromkeys(names, 0)
+            extra = [fullest] * 3 + [others[0]] * 2
+        for index, scene in enumerate(extra):
+            quotas[scene][names[index % len(names)]] += 1
+    return quotas
+
+
+def _deal_groups(
+    easy: Mapping[str, int], most: Mapping[str, int], count: int, first: Collection[str]
+) -> dict[str, int]:
+    """Deal groups to rooms one by one, each to the room that is least full, and first what rooms take easily.
+
+    So all rooms keep some room, in case things cannot be arranged as planned.
+    """
+    dealt = dict.fromkeys(easy, 0)
+    for limit in (easy, most):
+        waiting = [
+            (0.0 if name in first else (dealt[name] + 1) / room, order, name)
+            for order, (name, room) in enumerate(limit.items())
+            if dealt[name] < room
+        ]
+        heapq.heapify(waiting)
+        while waiting and sum(dealt.values()) < count:
+            _, order, name = heapq.heappop(waiting)
+            dealt[name] += 1
+            if dealt[name] < limit[name]:
+                heapq.heappush(waiting, ((dealt[name] + 1) / limit[name], order, name))
+    return dealt
+
+
+TEST_TURNS = (1, 2, 0, 3)
+"""Room types by index, in the order in which they get a test room that is one too many: living rooms first."""
+
+
+def _share(count: int, turn: int) -> int:
+    """How many of some things the room type gets whose turn it is, when they are dealt out in turns."""
+    return count // len(ROOM_OFFSETS) + (turn < count % len(ROOM_OFFSETS))
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+
+
+def _recorded_capacity(scene: str) -> SceneCapacity:
+    known = _capacities(SOURCE)
+    if scene not in known:
+        raise UnknownNameError("scene", scene, known)
+    return known[scene]
+
+
+def _sampled_capacity(scene: str) -> SceneCapacity:
+    of_type = _capacities(SAMPLED_SOURCE)[PREFIX + room_type_of(sampled_index(scene))]
+    return replace(of_type, scene=scene)
+
+
+@lru_cache(maxsize=2)
+def _capacities(source: str) -> Mapping[str, SceneCapacity]:
+    with (resources.files("remqa_data.templates") / source).open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    return {row["scene"]: _capacity(row) for row in rows}
+
+
+def _capacity(row: Mapping[str, str]) -> SceneCapacity:
+    easy = {kind: int(row[kind]) for kind in KINDS}
+    return SceneCapacity(row["scene"], row["room_type"], easy, {kind: int(row[f"{kind}_most"]) for kind in KINDS})
+
+
+def _number(scene: str) -> int:
+    return int(scene.removeprefix("FloorPlan"))

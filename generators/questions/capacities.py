@@ -1,0 +1,92 @@
+"""What each room can take, measured: `python -m remqa_data.generators.questions.capacities` writes `templates/capacities.csv` anew.
+
+That takes a few minutes, so it is done when rooms, hiding places or `templates/questions.yaml` have changed, and the table
+ships with the package: quotas can then be dealt out without loading a single room.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from remqa_data.files import atomic_path
+from remqa_data.floorplans.ithor.scenes import load_scene, scene_names
+from remqa_data.generators.arrangement.fitting_types import fitting_types
+from remqa_data.generators.arrangement.hiding_places import hiding_places
+from remqa_data.generators.questions.allotment import GROUP_SIZE, SOURCE, SceneCapacity
+from remqa_data.generators.questions.expressions import Expression, Expressions
+from remqa_data.generators.questions.planning import FittingTypes, Planner, sites_of
+from remqa_data.generators.questions.questions import KINDS, P
+from remqa_data.published import QUESTIONS
+from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.sim.metadata import object_metadata
+from remqa_data.sim.physics.world import World
+from remqa_data.tables.rows import QuestionKind
+
+HEADER = """\
+# How many groups of questions of each kind a room can take at once, counted on the room as recorded: easily, and at most,
+# that is with more questions about a place, and longer ones, than templates/questions.yaml wants.
+# Written by: python -m remqa_data.generators.questions.capacities
+"""
+WANTED = QUESTIONS["train"]
+"""Kinds are filled up in these proportions."""
+MOST_GROUPS = 12
+"""No room needs to take more groups of one kind."""
+
+
+def measured_capacity(scene_name: str) -> SceneCapacity:
+    """What a floor plan can take."""
+    scene = load_scene(scene_name)
+    places = hiding_places(scene)
+    with World(scene) as world:
+        room = Expressions(SceneGraph.from_objects(object_metadata(world).values()))
+    phrases = {place.object_id: room.of(place.object_id) for place in places}
+    return room_capacity(
+        places, phrases, lambda place, count: fitting_types(place, scene.room_type, count), scene.name, scene.room_type
+    )
+
+
+def room_capacity(
+    places: Sequence[P],
+    expressions: Mapping[str, Sequence[Expression]],
+    fitting_types: FittingTypes[P],
+    scene: str,
+    room_type: str,
+) -> SceneCapacity:
+    """How many groups of each kind a room can take at once: a line of `capacities.csv`.
+
+    Groups are added in the proportion in which the published benchmark has questions, until no more fit: first without
+    crowding places and without long questions, then with them.
+    """
+    planner = Planner(sites_of(places, expressions, fitting_types), scene, GROUP_SIZE, np.random.default_rng(0))
+    easy = _fill_up(planner, crowd=False)
+    return SceneCapacity(scene, room_type, easy, _fill_up(planner, crowd=True))
+
+
+def _fill_up(planner: Planner[P], crowd: bool) -> dict[QuestionKind, int]:
+    """Add groups until no more fit; returns how many there are."""
+    waiting = list(KINDS)
+    while waiting:
+        kind = min(waiting, key=lambda k: ((planner.per_kind[k] + 1) / WANTED[k], KINDS.index(k)))
+        if planner.per_kind[kind] >= MOST_GROUPS or not planner.add(kind, {}, crowd=crowd):
+            waiting.remove(kind)
+    return {kind: planner.per_kind[kind] for kind in KINDS}
+
+
+def write_capacities(rooms: Iterable[SceneCapacity], path: Path) -> None:
+    """Write the table."""
+    names = ["scene", "room_type", *KINDS, *(f"{kind}_most" for kind in KINDS)]
+    lines = [HEADER + ",".join(names)]
+    for room in rooms:
+        numbers = [*(room.groups[kind] for kind in KINDS), *(room.most[kind] for kind in KINDS)]
+        lines.append(",".join([room.scene, room.room_type, *map(str, numbers)]))
+    with atomic_path(path) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "templates" / SOURCE
+    write_capacities(map(measured_capacity, scene_names()), target)

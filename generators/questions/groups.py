@@ -1,0 +1,103 @@
+"""Groups: one question each, about all configurations of a room, with another answer in another configuration.
+
+Answers are balanced by construction: a group fixes, before anything is placed, how many things of a type are in its place
+in each configuration, so that yes and no, or 0 to 3, come out as often as the room's quota says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Generic
+
+from remqa_data.errors import QuotaError
+from remqa_data.generators.questions.questions import NO, YES, Candidate, P
+
+
+@dataclass(frozen=True)
+class GroupPlan(Generic[P]):
+    """One question about all configurations of a room.
+
+    Attributes
+    ----------
+    name : str
+        Unique in the dataset, such as "FloorPlan1-COUNTING-00".
+    question : Candidate
+        Place, phrase and type.
+    answers : tuple of str
+        What the answer is to be in each configuration.
+    asked : tuple of int
+        The configurations that the room's quota counts on; none for a spare group, which steps in where the audit refuses
+        samples (see `selection.select`).
+    """
+
+    name: str
+    question: Candidate[P]
+    answers: tuple[str, ...]
+    asked: tuple[int, ...]
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """How many things of the type are in the place, in each configuration."""
+        return tuple(things_for(answer) for answer in self.answers)
+
+
+@dataclass(frozen=True)
+class Wish(Generic[P]):
+    """So many things of a type in or under a place, in one configuration; 0 says that there are to be none."""
+
+    place: P
+    type: str
+    count: int
+
+
+def wishes(groups: Sequence[GroupPlan[P]], configuration: int) -> list[Wish[P]]:
+    """What one configuration of the room must hold for all groups to have their answers."""
+    return [Wish(g.question.place, g.question.type, g.counts[configuration]) for g in groups]
+
+
+def things_for(answer: str) -> int:
+    """How many things make an answer: one for yes, none for no, and as many as a number says."""
+    return {YES: 1, NO: 0}[answer] if answer in (YES, NO) else int(answer)
+
+
+def group_shapes(quota: Mapping[str, int], per_answer: int, where: str) -> list[dict[str, int]]:
+    """Split a quota into groups that each ask for at least two different answers.
+
+    Parameters
+    ----------
+    quota : mapping
+        Samples by answer.
+    per_answer : int
+        The most samples of one group that have the same answer.
+    where : str
+        What to call the quota in an error.
+
+    Returns
+    -------
+    For each group, samples by answer; as few groups as possible.
+
+    Raises
+    ------
+    QuotaError
+        If that cannot be done, as with 4 yes and no no.
+
+    Examples
+    --------
+    >>> group_shapes({"yes": 3, "no": 3}, 2, "FloorPlan1")
+    [{'yes': 2, 'no': 1}, {'yes': 1, 'no': 2}]
+    >>> group_shapes({"0": 2, "1": 1, "2": 1, "3": 1}, 1, "FloorPlan1")
+    [{'0': 1, '1': 1, '3': 1}, {'0': 1, '2': 1}]
+    """
+    count = max((-(-n // per_answer) for n in quota.values()), default=0)
+    shapes: list[dict[str, int]] = [{} for _ in range(count)]
+    dealt = 0
+    for answer, n in quota.items():
+        for _ in range(n):
+            shape = shapes[dealt % count]
+            shape[answer] = shape.get(answer, 0) + 1
+            dealt += 1
+    if any(len(shape) < 2 for shape in shapes):
+        msg = f"{where}: {dict(quota)} cannot be split into groups of questions with different answers; balance the answers"
+        raise QuotaError(msg)
+    return shapes

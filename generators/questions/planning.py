@@ -1,0 +1,320 @@
+"""Which questions a room gets: places, phrases and types for its groups, drawn until its quota is met.
+
+What is drawn more often, and how long questions become, is in `templates/questions.yaml`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Generic
+
+import numpy as np
+
+from remqa_data.catalog import Manipulation
+from remqa_data.errors import QuotaError
+from remqa_data.generators.questions.allotment import SceneQuota
+from remqa_data.generators.questions.expressions import Expression
+from remqa_data.generators.questions.groups import GroupPlan, group_shapes, things_for
+from remqa_data.generators.questions.questions import (
+    Candidate,
+    P,
+    QuestionRules,
+    confusable,
+    kinds_for,
+    mentioned_types,
+    question_rules,
+    usable_expressions,
+)
+from remqa_data.geometry.types import F64
+from remqa_data.tables.rows import QuestionKind
+
+FittingTypes = Callable[[P, int], Sequence[tuple[str, float]]]
+"""Gives the types of which so many things fit a place at the same time, with weights."""
+SiteKey = tuple[str, str]
+"""Object id and relation: in a microwave and under it are two places."""
+Clashes = Mapping[SiteKey, Collection[frozenset[str]]]
+"""By place, sets of types of which each fits, but not all at the same time."""
+PLAN_ORDER: tuple[QuestionKind, ...] = ("COUNTING", "SPATIAL", "EXISTENCE")
+ATTEMPTS = 12
+"""Draws of a whole room before its quota counts as impossible."""
+SHUFFLES = 8
+"""Orders of a group's answers that are tried before the one that leaves most room."""
+
+
+def plan_groups(
+    places: Sequence[P],
+    expressions: Mapping[str, Sequence[Expression]],
+    fitting_types: FittingTypes[P],
+    quota: SceneQuota,
+    rng: np.random.Generator,
+    configurations: int = 4,
+    spare_groups: Mapping[QuestionKind, int] | None = None,
+    clashes: Clashes | None = None,
+) -> list[GroupPlan[P]]:
+    """The questions of one room.
+
+    Parameters
+    ----------
+    places : sequence of Place
+        Where things can be hidden.
+    expressions : mapping of str to sequence of Expression
+        By object id, the phrases that pick out the place's object, best first.
+    fitting_types : callable
+        Given a place and a number, the types of which so many things can be hidden there at the same time, with weights.
+    quota : SceneQuota
+        How many samples with each answer the room owes. They are met exactly by the groups' `asked`.
+    rng : Generator
+        Decides what is left open.
+    configurations : int
+        How many arrangements of the room there will be.
+    spare_groups : mapping, optional
+        By kind, groups beyond the quota, as far as there is room.
+    clashes : Clashes, optional
+        What is known not to fit together; no place is asked for all types of such a set.
+
+    Returns
+    -------
+    Groups, by kind: first COUNTING, which needs most room, then SPATIAL, EXISTENCE; the spare ones last. In no
+    configuration does a place hold more things than it has spots, or things of two types that are taken for one another.
+
+    Raises
+    ------
+    QuotaError
+        If the room has not enough places: names the room and the kind, and says what there is.
+    """
+    sites = sites_of(places, expressions, fitting_types)
+    order, refusal = PLAN_ORDER, ""
+    for _ in range(ATTEMPTS):
+        planner = Planner(sites, quota.scene, configurations, rng, clashes or {})
+        failed = _fill(planner, order, quota)
+        if failed is None:
+            for kind in PLAN_ORDER:
+                for _ in range((spare_groups or {}).get(kind, 0)):
+                    planner.add(kind, {})
+            return planner.groups
+        refusal = planner.refusal(failed, quota.answers[failed])
+        order = (failed, *(kind for kind in order if kind != failed))  # what found no room comes first
+    raise QuotaError(refusal)
+
+
+def _fill(planner: Planner[P], order: Sequence[QuestionKind], quota: SceneQuota) -> QuestionKind | None:
+    """Plan what a room owes; returns the kind for which there is no room."""
+    for kind in order:
+        per_answer = 1 if kind == "COUNTING" else max(planner.configurations // 2, 1)
+        for shape in group_shapes(quota.answers[kind], per_answer, f"{quota.scene}: {kind}"):
+            if not planner.add(kind, shape):
+                return kind
+    return None
+
+
+@dataclass(eq=False)
+class _Site(Generic[P]):
+    """A place with what can be said and asked about it."""
+
+    place: P
+    expressions: list[tuple[Expression, float]]
+    types: Mapping[QuestionKind, Sequence[tuple[str, float]]]
+
+    @property
+    def key(self) -> SiteKey:
+        return self.place.object_id, self.place.relation
+
+
+def sites_of(
+    places: Sequence[P], expressions: Mapping[str, Sequence[Expression]], fitting_types: FittingTypes[P]
+) -> list[_Site[P]]:
+    """The places that can be named and hide something."""
+    sites = []
+    for place in places:
+        usable = usable_expressions(expressions.get(place.object_id, ()))
+        types: dict[QuestionKind, Sequence[tuple[str, float]]] = {}
+        for kind in kinds_for(place) if usable else ():
+            things = max(map(things_for, question_rules().answers(kind)))
+            if things <= len(place.spots):
+                types[kind] = [(name, weight) for name, weight in fitting_types(place, things) if weight > 0]
+        if any(types.values()):
+            sites.append(_Site(place, usable, types))
+    return sites
+
+
+@dataclass
+class _Option(Generic[P]):
+    site: _Site[P]
+    question: Candidate[P]
+    weight: float
+    text: str
+    named: frozenset[str]
+
+    @property
+    def words(self) -> int:
+        return len(self.text.split())
+
+
+@dataclass(eq=False)
+class Planner(Generic[P]):
+    """The groups so far, and what they leave room for."""
+
+    sites: list[_Site[P]]
+    scene: str
+    configurations: int
+    rng: np.random.Generator
+    clashes: Clashes = field(default_factory=dict)
+    groups: list[GroupPlan[P]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.rules: QuestionRules = question_rules()
+        self.filled: dict[SiteKey, F64] = {site.key: np.zeros(self.configurations) for site in self.sites}
+        self.at_site: Counter[tuple[QuestionKind, SiteKey]] = Counter()
+        self.per_kind: Counter[QuestionKind] = Counter()
+        self.asked_for: Counter[str] = Counter()
+        self.mentioned: set[str] = set()
+        self.texts: set[str] = set()
+        self.samples: Counter[tuple[QuestionKind, Manipulation]] = Counter()
+        self.excess_words: Counter[QuestionKind] = Counter()
+        self.options = {kind: list(self._options(kind)) for kind in PLAN_ORDER}
+
+    def add(self, kind: QuestionKind, shape: Mapping[str, int], crowd: bool = True) -> bool:
+        """Add a group that asks for so many samples of each answer; False if there is no room.
+
+        With `crowd`, a place takes more groups than it should once all have as many as they should.
+        """
+        size = sum(shape.values()) or self.configurations
+        for strict in (True, False) if crowd else (True,):
+            options = self._free_options(kind, strict)
+            for pool in self._pools(kind, size, options):
+                while pool:
+                    chosen = self._draw(kind, size, pool)
+                    answers = self._answers(kind, chosen.site)
+                    if answers is not None:
+                        self._take(kind, chosen, answers, shape)
+                        return True
+                    pool = [option for option in pool if option.site is not chosen.site]
+        return False
+
+    def refusal(self, kind: QuestionKind, quota: Mapping[str, int]) -> str:
+        """Why there is no room for another group."""
+        sites = [site for site in self.sites if site.types.get(kind)]
+        spots = sum(len(site.place.spots) for site in sites)
+        return (
+            f"{self.scene}: {kind}: {sum(quota.values())} questions need more places than there are: {len(sites)} that can be "
+            f"named, with {spots} spots in all, hold {self.per_kind[kind]} groups; lower this room's capacity in "
+            "templates/capacities.csv or the totals of the configuration"
+        )
+
+    # ---- choosing
+
+    def _options(self, kind: QuestionKind) -> Iterator[_Option[P]]:
+        """All questions of a kind that could be asked of the room."""
+        for site in self.sites:
+            types = site.types.get(kind, ())
+            total = sum(weight for _, weight in types)
+            spoken: dict[bool, list[float]] = {True: [], False: []}
+            for expression, weight in site.expressions:
+                spoken[_is_bare(expression)].append(weight)
+            for expression, weight in site.expressions:
+                others = spoken[_is_bare(expression)]
+                for name, share in types:
+                    question = Candidate(kind, site.place, expression, name)
+                    # A place counts for as much as its best phrase, however many phrases and types there are for it.
+                    worth = weight * max(others) / sum(others) * share / total
+                    yield _Option(site, question, worth, question.text, mentioned_types(expression.program))
+
+    def _free_options(self, kind: QuestionKind, strict: bool) -> list[_Option[P]]:
+        """The questions that go with those that have been chosen."""
+        limit = self.rules.max_groups_per_place[kind] if strict else len(self.texts) + 1
+        full = {site.key for site in self.sites if self.at_site[kind, site.key] >= limit}
+        at_object: dict[str, set[str]] = {site.place.object_id: set(self.mentioned) for site in self.sites}
+        at_site: dict[SiteKey, set[str]] = {site.key: set() for site in self.sites}
+        for group in self.groups:
+            place = group.question.place
+            at_object[place.object_id].add(group.question.type)
+            at_site[place.object_id, place.relation].add(group.question.type)
+        # Of two types that look alike in one place, or a type that phrases of this room name, nobody could tell which.
+        # What has something under it is raised, and does not open as it did: an object is one place or the other.
+        asked = {group.question.place.object_id: group.question.place.relation for group in self.groups}
+        return [
+            option
+            for option in self.options[kind]
+            if option.site.key not in full
+            and asked.get(option.site.place.object_id, option.site.place.relation) == option.site.place.relation
+            and not (strict and option.words > self.rules.longest_words[kind])
+            and option.text not in self.texts
+            and not _any_confusable({option.question.type}, at_object[option.site.place.object_id] | option.named)
+            and not _any_confusable(option.named, self.asked_for)
+            and not self._clash(option.site.key, at_site[option.site.key] | {option.question.type})
+        ]
+
+    def _clash(self, key: SiteKey, types: set[str]) -> bool:
+        return any(clash <= types for clash in self.clashes.get(key, ()))
+
+    def _pools(self, kind: QuestionKind, size: int, options: list[_Option[P]]) -> Iterator[list[_Option[P]]]:
+        """The options in lots, of which the first that has room is drawn from: bare nouns or not, then by manipulation."""
+        shares: Mapping[Manipulation, float] = {"Open": 1.0}
+        if kind == "SPATIAL":
+            shares = self.rules.spatial_manipulations
+        total = sum(self.samples[kind, m] for m in shares) + size
+        owed = sorted(shares, key=lambda m: (self.samples[kind, m] - shares[m] * total, self.rng.random()))
+        bare = bool(self.rng.random() < self._bare_share(kind))
+        for as_drawn in (True, False):
+            lot = [option for option in options if (_is_bare(option.question.expression) == bare) == as_drawn]
+            for manipulation in owed:
+                yield [option for option in lot if option.question.place.manipulation == manipulation]
+
+    def _bare_share(self, kind: QuestionKind) -> float:
+        asked = sum(self.samples[kind, m] for m in ("Open", "Pickup", "Move"))
+        excess = self.excess_words[kind] / asked if asked else 0.0
+        return self.rules.bare_share[kind] + self.rules.bare_share_per_word * excess
+
+    def _draw(self, kind: QuestionKind, size: int, pool: list[_Option[P]]) -> _Option[P]:
+        weights = np.array([option.weight for option in pool])
+        at_site = {key: sum(self.at_site[k, key] for k in PLAN_ORDER) for key in self.filled}
+        again = [at_site[o.site.key] + self.asked_for[o.question.type] for o in pool]
+        weights /= self.rules.again_factor ** np.array(again)
+        words = np.array([option.words for option in pool])
+        off = np.abs(self.excess_words[kind] + size * (words - self.rules.aim_words[kind])) / size
+        weights *= np.exp(-(off - off.min()) / self.rules.tolerance_words[kind])
+        return pool[int(self.rng.choice(len(pool), p=weights / weights.sum()))]
+
+    def _answers(self, kind: QuestionKind, site: _Site[P]) -> tuple[str, ...] | None:
+        """One answer for each configuration such that the place has room for all things, if there are such."""
+        possible = self.rules.answers(kind)
+        pattern = [possible[i % len(possible)] for i in range(self.configurations)]
+        things = np.array([things_for(answer) for answer in pattern])
+        free = len(site.place.spots) - self.filled[site.key]
+        for _ in range(SHUFFLES):
+            order = self.rng.permutation(self.configurations)
+            if np.all(things[order] <= free):
+                return tuple(pattern[i] for i in order)
+        by_things, by_room = np.argsort(things, kind="stable"), np.argsort(free, kind="stable")
+        if np.any(things[by_things] > free[by_room]):  # most things where most room is
+            return None
+        answers = dict(zip(by_room.tolist(), (pattern[i] for i in by_things), strict=True))
+        return tuple(answers[c] for c in range(self.configurations))
+
+    def _take(self, kind: QuestionKind, chosen: _Option[P], answers: tuple[str, ...], shape: Mapping[str, int]) -> None:
+        asked: list[int] = []
+        for answer, count in shape.items():
+            with_it = [c for c, given in enumerate(answers) if given == answer]
+            asked += self.rng.permutation(with_it)[:count].tolist()
+        name = f"{self.scene}-{kind}-{self.per_kind[kind]:02d}"
+        group = GroupPlan(name, chosen.question, answers, tuple(sorted(asked)))
+        self.groups.append(group)
+        self.filled[chosen.site.key] += group.counts
+        self.at_site[kind, chosen.site.key] += 1
+        self.per_kind[kind] += 1
+        self.asked_for[chosen.question.type] += 1
+        self.mentioned |= chosen.named
+        self.texts.add(chosen.text)
+        size = len(asked)
+        self.samples[kind, chosen.question.place.manipulation] += size
+        self.excess_words[kind] += size * (chosen.words - self.rules.aim_words[kind])  # type: ignore[assignment]
+
+
+def _any_confusable(some: Iterable[str], others: Iterable[str]) -> bool:
+    return any(confusable(one, other) for one in some for other in others)
+
+
+def _is_bare(expression: Expression) -> bool:
+    return expression.kind == "bare"

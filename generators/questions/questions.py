@@ -1,0 +1,187 @@
+"""Questions: a place, what the agent looks for there, and the words and the program that ask for it.
+
+What the words are, and how often each is chosen, is in `templates/questions.yaml`. Which questions a room gets is decided
+in `remqa_data.generators.questions.groups`; the answers come from `remqa_data.language.answers`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from importlib import resources
+from typing import Generic, Literal, Protocol, TypeVar
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, PositiveFloat
+
+from remqa_data.catalog import Manipulation, object_type, plural, with_article
+from remqa_data.generators.questions.expressions import Expression, ExpressionKind
+from remqa_data.language.referring import AnyProgram, Program
+from remqa_data.language.rules import may_be_called
+from remqa_data.relations import Relation, relation_rules
+from remqa_data.tables.rows import QuestionKind
+
+SOURCE = "questions.yaml"
+KINDS: tuple[QuestionKind, ...] = ("EXISTENCE", "COUNTING", "SPATIAL")
+YES, NO = "yes", "no"
+
+
+class Place(Protocol):
+    """What questions need to know of a place where things are hidden; see `hiding_places.HidingPlace`."""
+
+    @property
+    def object_id(self) -> str:
+        """The object that hides them."""
+
+    @property
+    def type(self) -> str:
+        """Its type."""
+
+    @property
+    def manipulation(self) -> Manipulation:
+        """What reveals them."""
+
+    @property
+    def relation(self) -> Literal["in", "under"]:
+        """Where they are."""
+
+    @property
+    def spots(self) -> Sequence[object]:
+        """One for each thing that it can hide at a time."""
+
+
+P = TypeVar("P", bound=Place)
+
+
+class QuestionRules(BaseModel):
+    """All of `templates/questions.yaml`, which says what each field means."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    templates: Mapping[QuestionKind, str]
+    aim_words: Mapping[QuestionKind, PositiveFloat]
+    bare_share: Mapping[QuestionKind, float]
+    bare_share_per_word: float = Field(ge=0)
+    tolerance_words: Mapping[QuestionKind, PositiveFloat]
+    longest_words: Mapping[QuestionKind, int]
+    expression_weights: Mapping[ExpressionKind, float]
+    rank_factor: float = Field(gt=0, le=1)
+    spatial_open_types: frozenset[str]
+    spatial_manipulations: Mapping[Manipulation, float]
+    max_groups_per_place: Mapping[QuestionKind, int]
+    again_factor: float = Field(ge=1)
+    counts: tuple[int, ...]
+
+    def answers(self, kind: QuestionKind) -> tuple[str, ...]:
+        """The answers to a kind of question."""
+        return tuple(map(str, self.counts)) if kind == "COUNTING" else (YES, NO)
+
+
+@lru_cache(maxsize=1)
+def question_rules() -> QuestionRules:
+    """The rules that come with the package, read once."""
+    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
+    return QuestionRules.model_validate(yaml.safe_load(text))
+
+
+@dataclass(frozen=True)
+class Candidate(Generic[P]):
+    """A question that could be asked in every configuration of a room.
+
+    Attributes
+    ----------
+    kind : {"EXISTENCE", "COUNTING", "SPATIAL"}
+        Kind of question.
+    place : Place
+        Where the evidence is, if there is any.
+    expression : Expression
+        The phrase that picks out the place.
+    type : str
+        What is asked for.
+    """
+
+    kind: QuestionKind
+    place: P
+    expression: Expression
+    type: str
+
+    @property
+    def text(self) -> str:
+        """The question, such as "Is there a mug in the drawer next to the toaster?"."""
+        return (
+            question_rules()
+            .templates[self.kind]
+            .format(
+                a_obj=with_article(self.type),
+                objs=plural(self.type),
+                relation=relation_rules().words[self.place.relation],
+                re=self.expression.text,
+            )
+        )
+
+    @property
+    def words(self) -> int:
+        """Length of the question in words."""
+        return len(self.text.split())
+
+    @property
+    def program(self) -> Program:
+        """What `remqa_data.language.answers.execute` executes; JSON-able."""
+        return question_program(self.kind, self.type, self.place.relation, self.expression.program)
+
+
+def question_program(kind: QuestionKind, type_name: str, relation: Relation, where: Program) -> Program:
+    """The program of a question about things of a type that are in a relation to what an expression picks out.
+
+    >>> question_program("COUNTING", "Mug", "in", (("filter_type", "Fridge"),))
+    (('filter_type', 'Mug'), ('relate', 'in', (('filter_type', 'Fridge'),)), ('count',))
+    """
+    last = "count" if kind == "COUNTING" else "exist"
+    return (("filter_type", type_name), ("relate", relation, where), (last,))
+
+
+def kinds_for(place: Place) -> tuple[QuestionKind, ...]:
+    """The kinds of question that a place serves: what is opened serves the first two, what is lifted the last."""
+    if place.relation == "under":
+        return ("SPATIAL",)
+    return KINDS if place.type in question_rules().spatial_open_types else ("EXISTENCE", "COUNTING")
+
+
+def usable_expressions(expressions: Sequence[Expression]) -> list[tuple[Expression, float]]:
+    """The phrases for one place that questions may use, with weights, the best first.
+
+    A phrase must be true of all configurations of a room, so it leans on nothing that a hand carries away.
+    """
+    rules = question_rules()
+    usable: list[tuple[Expression, float]] = []
+    for expression in expressions:
+        anchor = expression.anchor_id
+        weight = rules.expression_weights[expression.kind]
+        if weight > 0 and not (anchor is not None and any(map(_is_loose, mentioned_types(expression.program[1:])))):
+            usable.append((expression, weight * rules.rank_factor ** len(usable)))
+    return usable
+
+
+def mentioned_types(program: AnyProgram) -> frozenset[str]:
+    """The types that a program names, at any depth."""
+    return frozenset(_mentioned(program))
+
+
+@cache
+def confusable(one: str, other: str) -> bool:
+    """Whether a person may take the word for one type to mean the other."""
+    return other in may_be_called(one) or one in may_be_called(other)
+
+
+def _is_loose(type_name: str) -> bool:
+    return object_type(type_name).pickupable
+
+
+def _mentioned(program: AnyProgram) -> Iterator[str]:
+    for step in program:
+        if step[0] == "filter_type":
+            yield step[1]
+        for part in step[1:]:
+            if isinstance(part, list | tuple):
+                yield from _mentioned(part)

@@ -1,0 +1,163 @@
+"""What a room is asked, and its arrangements: planned, arranged, and planned anew without what could not be arranged."""
+
+from __future__ import annotations
+
+import zlib
+from collections import Counter, defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from remqa_data.errors import ArrangementError, QuotaError
+from remqa_data.generators.arrangement.configurations import Configuration, Hidden, arrange, check_room
+from remqa_data.generators.arrangement.fitting_types import fitting_types
+from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places
+from remqa_data.generators.config import Config
+from remqa_data.generators.questions.allotment import SceneQuota
+from remqa_data.generators.questions.expressions import Expression, Expressions
+from remqa_data.generators.questions.groups import GroupPlan, wishes
+from remqa_data.generators.questions.planning import SiteKey, plan_groups
+from remqa_data.scene import Scene
+from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.sim.metadata import object_metadata
+from remqa_data.sim.physics.world import World
+
+PLANS = 200
+"""How often a room's questions are planned anew before its arrangement counts as impossible."""
+ARRANGED = 25
+"""The same for plans that were arranged in the simulator, which takes seconds and not milliseconds."""
+FAILURES = 3
+"""A place in which things could not be arranged so often is used no more."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """All that one room needs; it can be sent to another process."""
+
+    quota: SceneQuota
+    config: Config
+
+    @property
+    def scene(self) -> str:
+        """The room."""
+        return self.quota.scene
+
+    def rng(self, purpose: str) -> np.random.Generator:
+        """Random numbers of the room for one purpose, whatever is drawn for others."""
+        codes = [self.config.seed, zlib.crc32(self.scene.encode()), zlib.crc32(purpose.encode())]
+        return np.random.default_rng(np.random.SeedSequence(codes))
+
+
+@dataclass(frozen=True)
+class RoomPlan:
+    """Questions of a room, and the arrangements that they are about."""
+
+    groups: list[GroupPlan[HidingPlace]]
+    configurations: list[Configuration]
+
+
+class RoomPlanner:
+    """Plans a room, and learns from every failure what not to ask for there.
+
+    Parameters
+    ----------
+    job : Job
+        What the room owes.
+    base : Scene
+        The room as recorded.
+    """
+
+    def __init__(self, job: Job, base: Scene) -> None:
+        self.job, self.base = job, base
+        self.places = hiding_places(base)
+        self.expressions = expressions_of_places(base, self.places)
+        self.plans_made = self.plans_arranged = 0
+        self.failures: Counter[tuple[str, str]] = Counter()
+        self.refused: Counter[str] = Counter()
+        self._fitting_at_first = cache(lambda place, count: fitting_types(place, job.quota.room_type, count))
+        self._forget()
+
+    def next(self) -> RoomPlan:
+        """A plan that has not been tried yet.
+
+        Raises
+        ------
+        QuotaError
+            If the room cannot have the questions that it owes.
+        ArrangementError
+            If its things cannot be arranged, however they are planned.
+        """
+        while True:
+            groups = self._planned()
+            numbers = range(self.job.config.configurations)
+            try:
+                for number in numbers:  # all of them first, as it takes no time
+                    check_room(self.base, _hidden(groups, number), self.job.rng(f"room {number}"))
+                self.plans_arranged += 1
+                return RoomPlan(groups, [self._arranged(groups, number) for number in numbers])
+            except ArrangementError as error:
+                self.refused["arrangement"] += 1
+                if self.plans_made >= PLANS or self.plans_arranged >= ARRANGED:
+                    raise
+                self._learn(error)
+
+    def avoid(self, group: GroupPlan[HidingPlace]) -> None:
+        """Ask for the same no more."""
+        place = group.question.place
+        self.misfits.add((place.object_id, place.relation, group.question.type))
+
+    def _planned(self) -> list[GroupPlan[HidingPlace]]:
+        self.plans_made += 1
+        job, rng = self.job, self.job.rng(f"plan {self.plans_made}")
+        configurations, spare = job.config.configurations, job.config.spare_groups.by_kind()
+        try:
+            return plan_groups(
+                self.places, self.expressions, self._fitting, job.quota, rng, configurations, spare, self.clashes
+            )
+        except QuotaError:
+            if not self.has_learnt or self.plans_made >= PLANS:
+                raise
+            self._forget()  # too much was ruled out for what may have been bad luck
+            return self._planned()
+
+    def _fitting(self, place: HidingPlace, count: int) -> list[tuple[str, float]]:
+        found = self._fitting_at_first(replace(place, spots=()), count)
+        return [pair for pair in found if (place.object_id, place.relation, pair[0]) not in self.misfits]
+
+    def _arranged(self, groups: list[GroupPlan[HidingPlace]], number: int) -> Configuration:
+        return arrange(self.base, self.places, _hidden(groups, number), self.job.rng(f"arrange {number}"))
+
+    @property
+    def has_learnt(self) -> bool:
+        """Whether anything is ruled out that might work another time."""
+        return bool(self.misfits or self.clashes)
+
+    def _forget(self) -> None:
+        self.misfits: set[tuple[str, str, str]] = set()
+        self.clashes: defaultdict[SiteKey, set[frozenset[str]]] = defaultdict(set)
+
+    def _learn(self, error: ArrangementError) -> None:
+        key = error.place_id, error.relation
+        if len(error.types) > 1:
+            self.clashes[key].add(frozenset(error.types))
+            return
+        self.misfits.add((*key, error.types[0]))
+        self.failures[key] += 1
+        self.places = [p for p in self.places if self.failures[p.object_id, p.relation] < FAILURES]
+
+
+def expressions_of_places(scene: Scene, places: Iterable[HidingPlace]) -> dict[str, list[Expression]]:
+    """Referring expressions of the places of a room, with everything closed, by object id."""
+    with World(scene) as world:
+        world.settle()
+        for place in places:
+            if place.manipulation == "Open":
+                world.open(place.object_id, 0.0)
+        found = Expressions(SceneGraph.from_objects(object_metadata(world).values()))
+        return {place.object_id: found.of(place.object_id) for place in places}
+
+
+def _hidden(groups: list[GroupPlan[HidingPlace]], number: int) -> list[Hidden]:
+    return [Hidden(wish.place, wish.type, wish.count) for wish in wishes(groups, number)]

@@ -1,0 +1,29 @@
+"""Typical sizes of the object types, for pictures and for placing things that no floor plan names."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from importlib import resources
+
+import yaml
+
+from remqa_data.errors import UnknownNameError
+from remqa_data.geometry.types import Vec3
+
+
+def typical_size(type_: str) -> Vec3:
+    """Width, depth and height of a closed object in metres: the median over the iTHOR floor plans.
+
+    >>> typical_size("Fridge")[2] > 1.5
+    True
+    """
+    sizes = _sizes()
+    if type_ not in sizes:
+        raise UnknownNameError("object type", type_, sizes)
+    return sizes[type_]
+
+
+@lru_cache(maxsize=1)
+def _sizes() -> dict[str, Vec3]:
+    text = (resources.files("remqa_data.templates") / "sizes.yaml").read_text()
+    return {name: (w, d, h) for name, (w, d, h) in yaml.safe_load(text).items()}

@@ -1,0 +1,1 @@
+"""Meshes: primitives, grids, cloth, swept and extruded solids."""

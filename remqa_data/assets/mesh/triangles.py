@@ -1,0 +1,82 @@
+"""Triangle meshes as plain arrays, and how they are moved, turned and joined. All sizes in metres."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.geometry.types import F64, Vec3
+
+Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
+
+AXES: dict[str, F64] = {
+    "x": np.array([1.0, 0.0, 0.0]),
+    "y": np.array([0.0, 1.0, 0.0]),
+    "z": np.array([0.0, 0.0, 1.0]),
+    "-x": np.array([-1.0, 0.0, 0.0]),
+    "-y": np.array([0.0, -1.0, 0.0]),
+    "-z": np.array([0.0, 0.0, -1.0]),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Vertices (n, 3), unit normals (n, 3), faces (m, 3), and texture coordinates (n, 2) where a shape has its own."""
+
+    vertices: F64
+    normals: F64
+    faces: npt.NDArray[np.int64]
+    uv: F64 | None = None
+
+    def moved(self, offset: Vec3 | F64) -> Mesh:
+        """The mesh shifted by an offset in metres."""
+        return Mesh(self.vertices + np.asarray(offset, dtype=np.float64), self.normals, self.faces, self.uv)
+
+    def turned(self, rotation: F64) -> Mesh:
+        """The mesh rotated about the origin by a 3x3 matrix."""
+        return Mesh(self.vertices @ rotation.T, self.normals @ rotation.T, self.faces, self.uv)
+
+    def scaled(self, factors: Vec3 | F64) -> Mesh:
+        """The mesh scaled per axis about the origin; normals follow the inverse transpose."""
+        f = np.asarray(factors, dtype=np.float64)
+        normals = self.normals / f
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        return Mesh(self.vertices * f, normals, self.faces, self.uv)
+
+    def pointed(self, axis: Axis) -> Mesh:
+        """The mesh turned so that what pointed along +z points along an axis."""
+        return self if axis == "z" else self.turned(_Z_TO[axis])
+
+
+def joined(meshes: Sequence[Mesh]) -> Mesh:
+    """One mesh from several; texture coordinates survive only if all have them."""
+    offsets = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
+    uvs = [mesh.uv for mesh in meshes if mesh.uv is not None]
+    return Mesh(
+        np.vstack([mesh.vertices for mesh in meshes]),
+        np.vstack([mesh.normals for mesh in meshes]),
+        np.vstack([mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=False)]),
+        np.vstack(uvs) if len(uvs) == len(meshes) else None,
+    )
+
+
+def turn(axis: Axis, degrees: float) -> F64:
+    """Rotation matrix of a right-handed turn about an axis."""
+    x, y, z = AXES[axis]
+    angle = np.radians(degrees)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross))
+
+
+_Z_TO: dict[str, F64] = {
+    "x": turn("y", 90),
+    "-x": turn("y", -90),
+    "y": turn("x", -90),
+    "-y": turn("x", 90),
+    "-z": turn("x", 180),
+    "z": np.eye(3),
+}

@@ -1,0 +1,1 @@
+"""Parts that several object types are made of: carcasses, fronts, basins, table tops."""

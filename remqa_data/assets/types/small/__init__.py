@@ -1,0 +1,1 @@
+"""Small and portable things of all rooms."""

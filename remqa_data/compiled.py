@@ -1,0 +1,68 @@
+"""Two decorators that compile a function to machine code, with types kept for mypy.
+
+The machine code is kept on disk, so that only the first run on a machine waits for the compiler. Numba renews it when
+the function's own file changes, but not when a function it calls in another file does; so the folder is named after a
+hash of all files with compiled functions.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import TypeVar, cast
+
+from numba import njit
+from numba.core import config
+
+Function = TypeVar("Function", bound=Callable[..., object])
+
+_SOURCES = (
+    "sim/render/antialias",
+    "sim/arm/obstacles",
+    "sim/render/camera",
+    "compiled",
+    "sim/render/mipmap",
+    "sim/render/outline",
+    "sim/render/pixels",
+    "sim/render/raster",
+    "sim/render/shade",
+    "sim/render/shadow",
+    "sim/render/supersample",
+)
+"""Modules with compiled functions, or with constants that these use."""
+
+
+def exact(function: Function) -> Function:
+    """Compile with every rounding as written: for anything that decides which triangle a pixel shows."""
+    return _compile(function, reorder=False)
+
+
+def relaxed(function: Function) -> Function:
+    """Compile with reordered and fused arithmetic: for colours, where the last bit does not matter.
+
+    The result is still the same on the same machine: the reordering happens once, when the code is compiled.
+    """
+    return _compile(function, reorder=True)
+
+
+def _compile(function: Function, *, reorder: bool) -> Function:
+    usual: str = config.CACHE_DIR  # type: ignore[attr-defined]
+    config.CACHE_DIR = _cache_folder(usual)  # type: ignore[attr-defined]
+    try:
+        decorate = njit(cache=True, nogil=True, error_model="numpy", fastmath=reorder)
+        return cast(Function, decorate(function))
+    finally:
+        config.CACHE_DIR = usual  # type: ignore[attr-defined]
+
+
+@cache
+def _cache_folder(usual: str) -> str:
+    """Where machine code is kept: in NUMBA_CACHE_DIR if set, else beside this file; "" leaves it to Numba."""
+    here = Path(__file__).parent
+    if not usual and not os.access(here, os.W_OK):
+        return ""
+    digest = hashlib.sha256(b"".join((here / f"{module}.py").read_bytes() for module in _SOURCES)).hexdigest()
+    return str((Path(usual) if usual else here / "__pycache__") / f"compiled-{digest[:12]}")

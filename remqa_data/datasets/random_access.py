@@ -1,0 +1,140 @@
+"""Any row of a split, at any time, from memory-mapped shards: what the PyTorch datasets read with.
+
+Columns without images are small and are read once, when they are first asked for. Images lie in a shard as they are (see
+`remqa_data.storage.shards`). The first time that a process wants one, its row group is read and its checksums are checked; where
+the images were found is remembered, and from then on they are taken from there, without a copy. Nothing here needs torch.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+from bisect import bisect_right
+from collections.abc import Sequence
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from remqa_data.errors import UnknownNameError
+from remqa_data.storage.shards import Shard, shard_paths
+from remqa_data.tables.schema import table_spec
+
+Spans = npt.NDArray[np.int64]
+"""(rows, 2) where in its file the image of each row begins and ends; 0 where that is not known yet."""
+
+
+class SplitReader:
+    """One split of a table of a finished dataset.
+
+    It can be pickled, and used after a fork: each process opens the shards for itself.
+
+    Parameters
+    ----------
+    root : path
+        Folder of the dataset.
+    table, split : str
+        What to read.
+
+    Raises
+    ------
+    DatasetError
+        If this is not a finished dataset, or the table has no such split.
+    DamagedShardError
+        If a shard is missing or cut off; damage further in is found when it is read.
+    """
+
+    def __init__(self, root: Path, table: str, split: str) -> None:
+        self.table = table
+        self.paths = shard_paths(root, table, split)
+        self._process = -1
+        self._shards: list[Shard] = []
+        self._bytes: list[memoryview] = []
+        self._spans: dict[str, Spans] = {}
+        groups = [
+            (number, group, shard.rows(group))
+            for number, shard in enumerate(self._open())
+            for group in range(shard.row_groups)
+        ]
+        self._places = [(number, group) for number, group, _ in groups]
+        self._starts = list(accumulate((rows for _, _, rows in groups), initial=0))
+
+    def __len__(self) -> int:
+        return self._starts[-1]
+
+    def columns(self, names: Sequence[str]) -> pa.Table:
+        """All rows of some columns, each as one chunk.
+
+        Raises
+        ------
+        UnknownNameError
+            If the table has no such column.
+        """
+        known = table_spec(self.table).schema.names
+        for name in names:
+            if name not in known:
+                raise UnknownNameError(f"column of {self.table}", name, known)
+        return pa.concat_tables([shard.read(columns=names) for shard in self._open()]).combine_chunks()
+
+    def images(self, row: int, names: Sequence[str]) -> list[memoryview]:
+        """Encoded images of one row, in the order of the names.
+
+        Raises
+        ------
+        DamagedShardError
+            Naming the file, row group and column.
+        """
+        self._open()
+        place = bisect_right(self._starts, row) - 1
+        number, group = self._places[place]
+        data = self._bytes[number]
+        spans = [self._spans[name][row].tolist() if name in self._spans else (0, 0) for name in names]
+        if all(end for _, end in spans):
+            return [data[start:end] for start, end in spans]
+        table = self._shards[number].read(group, [f"{name}.bytes" for name in names])
+        first = self._starts[place]
+        columns = [table[name].combine_chunks().field("bytes") for name in names]
+        for name, column in zip(names, columns, strict=True):
+            self._locate(name, first, column, number, group)
+        return [memoryview(column[row - first].as_buffer()) for column in columns]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_process": -1, "_shards": [], "_bytes": [], "_spans": {}}
+
+    def _locate(self, name: str, first: int, images: pa.BinaryArray, number: int, group: int) -> None:
+        """Remember where the images of a row group lie; a file that some other writer has compressed has them nowhere."""
+        spans = self._spans.setdefault(name, np.zeros((len(self), 2), dtype=np.int64))
+        start, end = _extent(self._shards[number], group, f"{name}.bytes")
+        mapped = self._bytes[number].obj
+        assert isinstance(mapped, mmap.mmap)
+        for row, image in enumerate(images.to_pylist(), start=first):
+            # Parquet writes the length in 4 bytes before the bytes; most images begin alike.
+            found = mapped.find(len(image).to_bytes(4, "little") + image[:8], start, end) + 4
+            if mapped[found : found + len(image)] != image:
+                return
+            start = found + len(image)
+            spans[row] = found, start
+
+    def _open(self) -> list[Shard]:
+        """The shards, opened by this process."""
+        if self._process != os.getpid():
+            self._shards = [Shard(path, self.table) for path in self.paths]
+            self._bytes = [memoryview(_mapped(path)) for path in self.paths]
+            self._spans = {}
+            self._process = os.getpid()
+        return self._shards
+
+
+def _mapped(path: Path) -> mmap.mmap:
+    with path.open("rb") as file:
+        return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+
+
+def _extent(shard: Shard, group: int, path: str) -> tuple[int, int]:
+    """Where in its file a column of a row group begins and ends."""
+    about = shard.file.metadata.row_group(group)
+    column = next(c for c in map(about.column, range(about.num_columns)) if c.path_in_schema == path)
+    return column.data_page_offset, column.data_page_offset + column.total_compressed_size

@@ -1,0 +1,275 @@
+"""The PyTorch datasets: questions, frames and referring expressions, map-style and lazily decoded.
+
+They work with any number of DataLoader workers, forked or spawned. `remqa_data.datasets.sample_types` says what a sample holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from remqa_data.datasets.random_access import SplitReader
+from remqa_data.datasets.sample_types import RAGGED, ExpressionSample, FrameSample, QuestionSample
+from remqa_data.errors import UnknownNameError
+from remqa_data.extras import require
+from remqa_data.storage.manifest import load_manifest
+from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
+from remqa_data.tables.schema import table_spec
+
+if TYPE_CHECKING:
+    import torch
+    from torch.utils.data import Dataset
+else:
+    torch = require("torch", "torch")
+    Dataset = require("torch.utils.data", "torch").Dataset
+
+Sample = TypeVar("Sample", QuestionSample, FrameSample, ExpressionSample)
+KINDS = ("EXISTENCE", "COUNTING", "SPATIAL")
+
+
+class _TableDataset(Dataset[Sample], Generic[Sample]):
+    """What the three share; `table` is the table whose rows they are, `image_table` the one with the images."""
+
+    table: str
+    image_table: str
+
+    def __init__(
+        self,
+        root: str | Path,
+        split: str,
+        transform: Callable[[Sample], Any] | None,
+        columns: Sequence[str] | None,
+        images: Sequence[str] | None,
+    ) -> None:
+        self.root, self.split = Path(root), split
+        self.transform: Callable[[Sample], Any] | None = transform
+        spec, image_spec = table_spec(self.table), table_spec(self.image_table)
+        plain = [name for name in spec.schema.names if name not in spec.image_columns]
+        self.columns = _known(columns, plain, f"column of {self.table} without an image")
+        self.images = _known(images, image_spec.image_columns, f"image of {self.image_table}")
+        self._reader = SplitReader(self.root, self.table, split)
+        self._rows: Sequence[int] = range(len(self._reader))
+        self._loaded: dict[str, _Values] | None = None
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, index: int) -> Sample:
+        row = self._rows[index]
+        if self._loaded is None:
+            arrays = self._reader.columns(self.columns)
+            self._loaded = {k: v for name in self.columns for k, v in _values(name, arrays[name].chunk(0)).items()}
+        sample: dict[str, Any] = {name: values(row) for name, values in self._loaded.items()}
+        if self.images:
+            reader, image_row = self._image_place(row)
+            for name, data in zip(self.images, reader.images(image_row, self.images), strict=True):
+                sample[name] = _image(name, data)
+        typed = cast("Sample", sample)
+        return typed if self.transform is None else cast("Sample", self.transform(typed))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_loaded": None}  # a worker reads its own, which is faster than to send them
+
+    def _image_place(self, row: int) -> tuple[SplitReader, int]:
+        """Where the images of a row are."""
+        return self._reader, row
+
+
+class RemqaDataset(_TableDataset[QuestionSample]):
+    """Questions, with the views before and after the manipulation.
+
+    Parameters
+    ----------
+    root : path
+        Folder of a finished dataset.
+    split : str
+        "train" or "test".
+    kind : str, optional
+        Only "EXISTENCE", "COUNTING" or "SPATIAL".
+    transform : callable, optional
+        Gets each sample and returns what is to be yielded instead. With spawned workers it must be picklable.
+    columns : sequence of str, optional
+        Columns to yield besides the images; all by default. They are held in memory.
+    images : sequence of str, optional
+        Images to decode, such as ("start_rgb", "end_rgb"); all six by default, () for none.
+
+    Raises
+    ------
+    DatasetError
+        If this is not a finished dataset, or has no such split.
+    DamagedShardError
+        When what is read is not as it was written: names the file, row group and column.
+    UnknownNameError
+        For a kind, column or image that does not exist.
+    """
+
+    table = image_table = "questions"
+
+    def __init__(
+        self,
+        root: str | Path,
+        split: str,
+        kind: str | None = None,
+        transform: Callable[[QuestionSample], Any] | None = None,
+        *,
+        columns: Sequence[str] | None = None,
+        images: Sequence[str] | None = None,
+    ) -> None:
+        super().__init__(root, split, transform, columns, images)
+        if kind is not None:
+            _known([kind], KINDS, "kind")
+            kinds = self._reader.columns(["kind"])["kind"].to_pylist()
+            self._rows = [row for row, of_row in enumerate(kinds) if of_row == kind]
+
+
+class FrameDataset(_TableDataset[FrameSample]):
+    """Frames of the walks, with the visible objects; see `RemqaDataset` for parameters and errors.
+
+    The column "objects" becomes the keys object_ids, object_types, boxes_2d, boxes_3d, pixels, distances_m and
+    openness.
+    """
+
+    table = image_table = "frames"
+
+    def __init__(
+        self,
+        root: str | Path,
+        split: str,
+        transform: Callable[[FrameSample], Any] | None = None,
+        *,
+        columns: Sequence[str] | None = None,
+        images: Sequence[str] | None = None,
+    ) -> None:
+        super().__init__(root, split, transform, columns, images)
+
+
+class ExpressionDataset(_TableDataset[ExpressionSample]):
+    """Referring expressions with the image of their frame; see `RemqaDataset` for parameters and errors.
+
+    Splits are "train", "val" and "test". Only "rgb" is decoded by default; "depth" and "instances" can be asked for.
+    """
+
+    table, image_table = "expressions", "frames"
+
+    def __init__(
+        self,
+        root: str | Path,
+        split: str,
+        transform: Callable[[ExpressionSample], Any] | None = None,
+        *,
+        columns: Sequence[str] | None = None,
+        images: Sequence[str] | None = ("rgb",),
+    ) -> None:
+        super().__init__(root, split, transform, columns, images)
+        # The split "val" is cut from scenes whose frames are in another split, so a frame may be in any.
+        splits = load_manifest(self.root).splits("frames") if self.images else []
+        self._frames = [SplitReader(self.root, "frames", name) for name in splits]
+        place_of = {
+            frame_id: (number, row)
+            for number, reader in enumerate(self._frames)
+            for row, frame_id in enumerate(reader.columns(["frame_id"])["frame_id"].to_pylist())
+        }
+        frame_ids = self._reader.columns(["frame_id"])["frame_id"].to_pylist() if self.images else []
+        for frame_id in frame_ids:
+            if frame_id not in place_of:
+                raise UnknownNameError("frame", frame_id, place_of)
+        self._places = [place_of[frame_id] for frame_id in frame_ids]
+
+    def _image_place(self, row: int) -> tuple[SplitReader, int]:
+        number, frame_row = self._places[row]
+        return self._frames[number], frame_row
+
+
+def collate(samples: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Join samples into a batch, for `DataLoader(..., collate_fn=collate)`.
+
+    Tensors are stacked and numbers become a tensor; texts, lists and tensors of variable length
+    (`remqa_data.datasets.sample_types.RAGGED`) become a list with one entry for each sample.
+    """
+    return {key: _collated(key, [sample[key] for sample in samples]) for key in samples[0]}
+
+
+_Values = Callable[[int], Any]
+
+
+def _known(names: Sequence[str] | None, known: Sequence[str], what: str) -> tuple[str, ...]:
+    for name in names or ():
+        if name not in known:
+            raise UnknownNameError(what, name, known)
+    return tuple(known if names is None else names)
+
+
+def _collated(key: str, values: list[Any]) -> Any:
+    if isinstance(values[0], torch.Tensor):
+        return values if key in RAGGED else torch.stack(values)
+    is_number = isinstance(values[0], int | float) and not isinstance(values[0], bool)
+    return torch.tensor(values) if is_number else values
+
+
+def _image(name: str, data: memoryview) -> torch.Tensor:
+    if name.endswith("rgb"):
+        return torch.from_numpy(decode_rgb(data)).permute(2, 0, 1)
+    if name.endswith("depth"):
+        return torch.from_numpy(decode_depth(data))
+    return torch.from_numpy(decode_instances(data).astype(np.int32))
+
+
+def _values(name: str, array: pa.Array) -> dict[str, _Values]:
+    """For each key that a column becomes, what gives its value for a row."""
+    if name in ("agent", "initial_pose"):
+        return {name: _tensors(_poses(array))}
+    if name == "goal_poses":
+        return {name: _ragged_tensors(_poses(array.flatten()), array)}
+    if name in ("box_2d", "start_target_box_2d"):
+        boxes = np.full((len(array), 4), -1, dtype=np.int64)
+        boxes[array.is_valid().to_numpy(zero_copy_only=False)] = _matrix(array, np.int64)
+        return {name: _tensors(boxes)}
+    if name == "objects":
+        flat = array.flatten()
+        return {
+            "object_ids": _ragged_texts(flat.field("id"), array),
+            "object_types": _ragged_texts(flat.field("type"), array),
+            "boxes_2d": _ragged_tensors(_matrix(flat.field("box_2d"), np.int64), array),
+            "boxes_3d": _ragged_tensors(_matrix(flat.field("box"), np.float32, 6), array),
+            "pixels": _ragged_tensors(_vector(flat.field("pixels"), np.int64), array),
+            "distances_m": _ragged_tensors(_vector(flat.field("distance_m"), np.float32), array),
+            "openness": _ragged_tensors(_vector(flat.field("openness"), np.float32), array),
+        }
+    return {name: lambda row: array[row].as_py()}
+
+
+def _poses(array: pa.StructArray) -> npt.NDArray[Any]:
+    """(n, 5) float32: x, y, z, yaw_deg, horizon_deg."""
+    angles = [_vector(array.field(name), np.float32)[:, None] for name in ("yaw_deg", "horizon_deg")]
+    return np.hstack([_matrix(array.field("position"), np.float32, 3), *angles])
+
+
+def _matrix(array: pa.ListArray, dtype: Any, width: int = 4) -> npt.NDArray[Any]:
+    return _vector(array.flatten(), dtype).reshape(-1, width)
+
+
+def _vector(array: pa.Array, dtype: Any) -> npt.NDArray[Any]:
+    return np.asarray(array.to_numpy(zero_copy_only=False), dtype=dtype)
+
+
+def _tensors(rows: npt.NDArray[Any]) -> _Values:
+    return lambda row: torch.from_numpy(rows[row].copy())
+
+
+def _ragged_tensors(items: npt.NDArray[Any], lists: pa.ListArray) -> _Values:
+    ends = _ends(lists)
+    return lambda row: torch.from_numpy(items[ends[row] : ends[row + 1]].copy())
+
+
+def _ragged_texts(items: pa.Array, lists: pa.ListArray) -> _Values:
+    ends = _ends(lists)
+    return lambda row: items[ends[row] : ends[row + 1]].to_pylist()
+
+
+def _ends(lists: pa.ListArray) -> list[int]:
+    return list(np.cumsum([0, *lists.value_lengths().to_pylist()]).tolist())

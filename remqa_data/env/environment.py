@@ -1,0 +1,287 @@
+"""The Gymnasium environment `remqa_data/Remqa-v0`: an agent in a room, with a question to answer.
+
+Importing this module registers it:
+
+>>> import gymnasium, remqa_data.env
+>>> "remqa_data/Remqa-v0" in gymnasium.registry
+True
+
+docs/ENVIRONMENT.md tells the whole story.
+"""
+
+from __future__ import annotations
+
+import string
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+
+from remqa_data.catalog import catalog
+from remqa_data.datasets.vocabulary import Vocabulary
+from remqa_data.env.actions import TELEPORT, ActionMode, Command, action_space, command
+from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes
+from remqa_data.env.loaded_scene import LoadedRoom
+from remqa_data.env.question import QuestionText
+from remqa_data.env.record import Course
+from remqa_data.errors import ActionError
+from remqa_data.scene import Scene
+from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION, Action, perform
+from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
+from remqa_data.sim.render.view import Observation
+
+ENV_ID = "remqa_data/Remqa-v0"
+
+MAX_QUESTION_CHARACTERS, MAX_QUESTION_WORDS = 200, 40
+CHARACTERS = " " + string.printable.replace(" ", "")
+"""Of questions."""
+ROOM_M, DEPTH_M = 100.0, 100.0
+"""Bounds of the spaces: no room is so large."""
+
+
+class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
+    """An agent that sees, walks, reaches, opens, moves, picks up, and answers.
+
+    Parameters
+    ----------
+    root : path, optional
+        Folder of a finished dataset, whose questions are the episodes.
+    split : str
+        Of the dataset.
+    question_ids : sequence of str, optional
+        Only these questions.
+    scenes : sequence of str or Scene, optional
+        Instead of a dataset: bare rooms, by the name of a floor plan, in which nothing is asked.
+    action_mode : {"discrete", "parametrised"}
+        What the action space is; see `remqa_data.env.actions`.
+    hands : {"arm", "reach", "near"}
+        What it takes to act on a thing; see `remqa_data.sim.agent.agent.Hands`.
+    width, height : int
+        Of the images, pixels.
+    max_steps : int
+        An episode is truncated after so many steps.
+    privileged : bool
+        Whether the agent gets what no agent should: instance images, and Teleport. `info["privileged"]` marks the run.
+    vocabulary : Vocabulary, optional
+        For the question's tokens; by default that of the dataset's train split.
+    render_mode : {"rgb_array"}, optional
+        `render` gives the view of a camera behind the agent, with its arm.
+
+    Notes
+    -----
+    `reset(options={"episode": id})` chooses an episode of `episode_ids`; otherwise it is drawn. The reward is 1 at the
+    end of an episode in which the agent navigated to the target and answered rightly, else 0.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012
+        "render_modes": ["rgb_array"],
+        "render_fps": 5,
+    }
+
+    def __init__(
+        self,
+        root: str | Path | None = None,
+        split: str = "train",
+        *,
+        question_ids: Sequence[str] | None = None,
+        scenes: Sequence[str | Scene] | None = None,
+        action_mode: ActionMode = "discrete",
+        hands: Hands = "arm",
+        width: int = 300,
+        height: int = 300,
+        max_steps: int = 250,
+        privileged: bool = False,
+        vocabulary: Vocabulary | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        if (root is None) == (scenes is None):
+            raise ActionError("give either the root of a dataset or scenes: one of them, not both")
+        if render_mode not in (None, "rgb_array"):
+            raise ActionError(f"render_mode {render_mode!r} is neither None nor 'rgb_array'")
+        for name, value in (("width", width), ("height", height), ("max_steps", max_steps)):
+            if value < 1:
+                raise ActionError(f"{name} is {value}: give a positive number")
+        self.episodes: Episodes
+        self.split = None if root is None else split
+        if root is not None:
+            self.episodes = DatasetEpisodes(root, split, question_ids)
+            self.vocabulary = vocabulary or Vocabulary.from_dataset(root)
+        else:
+            self.episodes = SceneEpisodes(scenes or ())
+            self.vocabulary = vocabulary or Vocabulary.build((), ())
+        self.action_mode: ActionMode = action_mode
+        self.hands: Hands = hands
+        self.width, self.height, self.max_steps = width, height, max_steps
+        self.privileged, self.render_mode = privileged, render_mode
+        self.action_space = action_space(action_mode)
+        self.observation_space = _observation_space(width, height, len(self.vocabulary.words), privileged)
+        self._held_numbers = {name: number for number, name in enumerate(catalog(), start=1)}
+        self._room: LoadedRoom | None = None
+        self._is_over = True
+
+    @property
+    def episode_ids(self) -> tuple[str, ...]:
+        """What `reset` can choose from: ids of questions, or names of scenes."""
+        return self.episodes.ids
+
+    @property
+    def agent(self) -> Agent:
+        """The agent; the policy that is trained should not look here."""
+        return self._needed_room().agent
+
+    @property
+    def episode(self) -> Episode:
+        """The episode that is played."""
+        return self._needed_room().episode
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Begin an episode; `options={"episode": id}` chooses which.
+
+        Raises
+        ------
+        ActionError
+            For an option that there is not.
+        UnknownNameError
+            If there is no such episode.
+        """
+        super().reset(seed=seed)
+        wanted = dict(options or {})
+        name = wanted.pop("episode", None)
+        if wanted:
+            raise ActionError(f"reset takes the option 'episode', not {', '.join(map(repr, wanted))}")
+        if name is None:
+            name = self.episode_ids[int(self.np_random.integers(len(self.episode_ids)))]
+        episode = self.episodes.episode(name)
+        if self._room is None or self._room.episode.name != episode.name:
+            self.close()
+            self._room = LoadedRoom(episode, self.hands)
+        self._room.begin(episode, self.np_random)
+        self.course = Course(positions=[(self.agent.x, self.agent.y)])
+        self.steps, self._is_over = 0, False
+        task = episode.task
+        text = task.question if task else ""
+        tokens = np.array(self.vocabulary.encode(text)[:MAX_QUESTION_WORDS], dtype=np.int64)
+        self._question = text[:MAX_QUESTION_CHARACTERS], np.pad(tokens, (0, MAX_QUESTION_WORDS - len(tokens)))
+        info = {"scene": episode.name, "episode": name, "privileged": self.privileged}
+        return self._observe(info), info
+
+    def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        """Do one action, given as `remqa_data.env.actions.command` reads it.
+
+        `info["success"]` and `info["error"]` say what came of it. At the end `info` also holds the measures.
+
+        Raises
+        ------
+        ActionError
+            If it is no action, or the episode has not begun or is over.
+        UnknownNameError
+            If it names an object that is not in the room.
+        """
+        if self._is_over:
+            raise ActionError("there is no episode going on: call reset")
+        wanted = command(action, self.action_mode, self.agent)
+        result = ActionResult(True) if wanted.action is None else self._act(wanted.action, wanted)
+        self.steps += 1
+        terminated = wanted.action is None or wanted.action.name == DONE
+        truncated = not terminated and self.steps >= self.max_steps
+        info: dict[str, Any] = {
+            "action": str(wanted),
+            "success": result.success,
+            "error": result.error,
+            "privileged": self.privileged,
+        }
+        reward = 0.0
+        if terminated or truncated:
+            self._is_over = True
+            task = self.episode.task
+            if task is not None:
+                info["answer"] = wanted.answer
+                self.course.look(self.agent, task, wanted.box)
+                info |= self.course.measures(task, wanted.answer)
+                reward = float(info["S_N"] and info["answer_accuracy"])
+        return self._observe(info), reward, terminated, truncated, info
+
+    def render(self) -> npt.NDArray[np.uint8] | None:
+        """The agent from behind, (height, width, 3) RGB, or None without a render mode."""
+        return None if self.render_mode is None else self._needed_room().third_person.render(self.width, self.height)
+
+    def close(self) -> None:
+        """Give the simulator's memory back."""
+        if self._room is not None:
+            self._room.world.close()
+            self._room = None
+        self._is_over = True
+
+    def _act(self, action: Action, wanted: Command) -> ActionResult:
+        if action.name == TELEPORT and not self.privileged:
+            raise ActionError(f"{TELEPORT} is only for privileged agents")
+        task = self.episode.task
+        is_manipulation = action.name in MANIPULATION
+        if is_manipulation and isinstance(action.target, tuple):
+            seen = self.agent.object_at(*action.target)
+            if seen is None:
+                return ActionResult(False, f"there is no object at image point {action.target}")
+            action = Action(action.name, seen, action.numbers)
+        if is_manipulation and task is not None and isinstance(action.target, str):
+            self.course.look(self.agent, task, wanted.box)
+        result = perform(self.agent, action)
+        if action.name in NAVIGATION:
+            self.course.walked(action, self.agent)
+        elif result.success and isinstance(action.target, str):
+            position = self.agent.world.state(action.target).position
+            self.course.manipulated(action, action.target, position)
+        return result
+
+    def _observe(self, info: dict[str, Any]) -> dict[str, Any]:
+        agent = self.agent
+        seen: Observation = agent.view.render(agent.camera(self.width, self.height))
+        pose = [agent.x, agent.y, agent.yaw_deg, agent.horizon_deg, float(agent.is_standing)]
+        held = 0 if agent.held is None else self._held_numbers[agent.world.type_of(agent.held)]
+        observation: dict[str, Any] = {
+            "rgb": seen.rgb,
+            "depth": seen.depth,
+            "pose": np.array(pose, dtype=np.float32),
+            "held": np.int64(held),
+            "question": self._question[0],
+            "question_tokens": self._question[1].copy(),
+        }
+        if self.privileged:
+            observation["instances"] = seen.objects + 1
+            info["object_ids"] = agent.world.ids
+        return observation
+
+    def _needed_room(self) -> LoadedRoom:
+        if self._room is None:
+            raise ActionError("there is no episode going on: call reset")
+        return self._room
+
+
+def _observation_space(width: int, height: int, words: int, privileged: bool) -> spaces.Dict:
+    low = np.array([-ROOM_M, -ROOM_M, 0.0, -90.0, 0.0], dtype=np.float32)
+    high = np.array([ROOM_M, ROOM_M, 360.0, 90.0, 1.0], dtype=np.float32)
+    entries: dict[str, spaces.Space[Any]] = {
+        "rgb": spaces.Box(0, 255, (height, width, 3), np.uint8),
+        "depth": spaces.Box(0.0, DEPTH_M, (height, width), np.float32),
+        "pose": spaces.Box(low, high, dtype=np.float32),
+        "held": spaces.Discrete(len(catalog()) + 1),
+        "question": QuestionText(MAX_QUESTION_CHARACTERS, min_length=0, charset=CHARACTERS),
+        "question_tokens": spaces.Box(0, max(words - 1, 1), (MAX_QUESTION_WORDS,), np.int64),
+    }
+    if privileged:
+        entries["instances"] = spaces.Box(0, np.iinfo(np.int32).max, (height, width), np.int32)
+    return spaces.Dict(entries)
+
+
+def register() -> None:
+    """Make `gymnasium.make("remqa_data/Remqa-v0", ...)` work; importing this module does it."""
+    if ENV_ID not in gymnasium.registry:
+        gymnasium.register(ENV_ID, entry_point="remqa_data.env:RemqaEnv")
+
+
+register()

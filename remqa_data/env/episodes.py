@@ -1,0 +1,223 @@
+"""What the environment plays: questions of a dataset, or bare rooms to walk about in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from remqa_data.env.actions import Shares
+from remqa_data.errors import DatasetError, UnknownNameError
+from remqa_data.floorplans.load import load_scene
+from remqa_data.geometry.types import F64
+from remqa_data.scene import Scene
+from remqa_data.sim.agent.embodiment import Embodiment
+from remqa_data.sim.navigation.viewpoints import FRAME_PX
+from remqa_data.sim.physics.world import World
+from remqa_data.storage.shards import read_table
+
+Pose = tuple[float, float, float, float]
+"""x, y in metres, yaw_deg, horizon_deg."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A question, what answers it, and how the oracle does it; see `remqa_data.tables.rows.QuestionRow`.
+
+    Attributes
+    ----------
+    goals : (n, 2) float64
+        x, y of the goal poses, metres.
+    target_box : tuple of float or None
+        Of the target in the view from the oracle's goal pose.
+    """
+
+    question_id: str
+    kind: str
+    question: str
+    answer: str
+    target_id: str
+    manipulation: str
+    manipulation_object_id: str
+    goals: F64
+    path_length_m: float
+    actions: tuple[str, ...]
+    target_box: Shares | None
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """One episode.
+
+    Attributes
+    ----------
+    name : str
+        Of the room and its configuration; equal names mean equal rooms.
+    scene : Scene
+        The room, at rest.
+    initial_pose : tuple of float or None
+        Where the agent begins; None for anywhere on the grid.
+    task : Task or None
+        None in a bare room.
+    """
+
+    name: str
+    scene: Scene
+    initial_pose: Pose | None
+    embodiment: Embodiment
+    task: Task | None
+
+
+class Episodes(Protocol):
+    """What there is to play."""
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Names of the episodes."""
+        ...
+
+    def episode(self, name: str) -> Episode:
+        """The episode of a name."""
+        ...
+
+
+class DatasetEpisodes:
+    """The questions of a split of a dataset.
+
+    Parameters
+    ----------
+    root : path
+        Folder of a finished dataset.
+    split : str
+        "train" or "test".
+    question_ids : sequence of str, optional
+        Only these.
+
+    Raises
+    ------
+    DatasetError
+        If this is not a finished dataset, or has no such split.
+    UnknownNameError
+        If it has no such question.
+    """
+
+    def __init__(self, root: str | Path, split: str, question_ids: Sequence[str] | None = None) -> None:
+        self.root, self.split = Path(root), split
+        self._questions = read_table(self.root, "questions", split, list(_QUESTION_COLUMNS))
+        scenes = read_table(self.root, "scenes", split, ["scene", "configuration", "scene_json", "embodiment"])
+        self._scenes = scenes.combine_chunks()
+        keys = scenes.select(["scene", "configuration"]).to_pylist()
+        self._scene_rows = {(key["scene"], key["configuration"]): row for row, key in enumerate(keys)}
+        self._rows = {name: row for row, name in enumerate(self._questions["question_id"].to_pylist())}
+        for name in question_ids or ():
+            self._row(name)
+        self.ids = tuple(self._rows if question_ids is None else question_ids)
+
+    def episode(self, name: str) -> Episode:
+        """The episode of a question.
+
+        Raises
+        ------
+        UnknownNameError
+            If the split has no such question.
+        DatasetError
+            If the dataset lacks its room.
+        """
+        question = self._questions.slice(self._row(name), 1).to_pylist()[0]
+        key = question["scene"], question["configuration"]
+        place = f"{key[0]}, configuration {key[1]}"
+        if key not in self._scene_rows:
+            raise DatasetError(f"{self.root}: split {self.split} asks about {place}, but has no such room")
+        row = self._scenes.slice(self._scene_rows[key], 1).to_pylist()[0]
+        return Episode(
+            name=place,
+            scene=Scene.from_json(row["scene_json"], place),
+            initial_pose=_pose(question["initial_pose"]),
+            embodiment=Embodiment.of_dataset(**row["embodiment"]),
+            task=_task(question),
+        )
+
+    def _row(self, name: str) -> int:
+        if name not in self._rows:
+            raise UnknownNameError("question", name, self._rows)
+        return self._rows[name]
+
+
+class SceneEpisodes:
+    """Bare rooms: the agent starts anywhere, and nothing is asked.
+
+    Parameters
+    ----------
+    scenes : sequence of str or Scene
+        iTHOR's floor plans by name, such as "FloorPlan1", or rooms, which are taken to be at rest.
+    """
+
+    def __init__(self, scenes: Sequence[str | Scene]) -> None:
+        if not scenes:
+            raise DatasetError("no scenes were given: name at least one, such as FloorPlan1")
+        self._scenes = {scene if isinstance(scene, str) else scene.name: scene for scene in scenes}
+        self.ids = tuple(self._scenes)
+
+    def episode(self, name: str) -> Episode:
+        """The episode in a room.
+
+        Raises
+        ------
+        UnknownNameError
+            If the room is not among these, or there is no such floor plan.
+        """
+        if name not in self._scenes:
+            raise UnknownNameError("scene", name, self._scenes)
+        scene = self._scenes[name]
+        if isinstance(scene, str):
+            scene = self._scenes[name] = _floor_plan(scene)
+        return Episode(name, scene, None, Embodiment(), None)
+
+
+_QUESTION_COLUMNS = (
+    "question_id",
+    "kind",
+    "question",
+    "answer",
+    "scene",
+    "configuration",
+    "initial_pose",
+    "goal_poses",
+    "target_id",
+    "start_target_box_2d",
+    "manipulation",
+    "manipulation_object_id",
+    "path_length_m",
+    "actions",
+)
+
+
+def _floor_plan(name: str) -> Scene:
+    with World(load_scene(name)) as world:
+        world.settle()
+        return world.to_scene()
+
+
+def _pose(stored: dict[str, Any]) -> Pose:
+    x, y, _ = stored["position"]
+    return x, y, stored["yaw_deg"], stored["horizon_deg"]
+
+
+def _task(stored: dict[str, Any]) -> Task:
+    box = stored["start_target_box_2d"]
+    return Task(
+        question_id=stored["question_id"],
+        kind=stored["kind"],
+        question=stored["question"],
+        answer=stored["answer"],
+        target_id=stored["target_id"],
+        manipulation=stored["manipulation"],
+        manipulation_object_id=stored["manipulation_object_id"],
+        goals=np.array([pose["position"][:2] for pose in stored["goal_poses"]]),
+        path_length_m=stored["path_length_m"],
+        actions=tuple(stored["actions"]),
+        target_box=None if box is None else tuple(edge / FRAME_PX for edge in box),
+    )

@@ -1,0 +1,51 @@
+"""A room of the environment, loaded once for all episodes in it."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from remqa_data.env.episodes import Episode
+from remqa_data.sim.agent.agent import Agent, Hands
+from remqa_data.sim.agent.third_person import ThirdPerson
+from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.view import WorldView
+
+
+class LoadedRoom:
+    """A room with an agent, brought back to its first state for each episode.
+
+    Parameters
+    ----------
+    episode : Episode
+        One that is played in the room.
+    hands : {"arm", "reach", "near"}
+        See `remqa_data.sim.agent.agent.Hands`.
+    """
+
+    def __init__(self, episode: Episode, hands: Hands) -> None:
+        self.episode = episode
+        self.world = World(episode.scene)
+        self.view = WorldView(self.world)
+        self.agent = Agent(self.world, self.view, (0.0, 0.0), 0.0, embodiment=episode.embodiment, hands=hands)
+        self._first = self.world.save()
+
+    @cached_property
+    def third_person(self) -> ThirdPerson:
+        """Draws the agent from outside."""
+        return ThirdPerson(self.agent)
+
+    def begin(self, episode: Episode, rng: np.random.Generator) -> None:
+        """Undo what was done, and put the agent at its initial pose."""
+        self.episode = episode
+        if self.world.held is not None:
+            self.view.hide(self.world.held, False)
+        self.world.restore(self._first)
+        if episode.initial_pose is None:
+            cells = self.agent.grid.cells
+            position = self.agent.grid.position(cells[int(rng.integers(len(cells)))])
+            self.agent.place(position, float(rng.choice(HEADINGS_DEG)))
+        else:
+            self.agent.place(episode.initial_pose[:2], episode.initial_pose[2], episode.initial_pose[3])

@@ -1,0 +1,118 @@
+"""What an agent of the environment has achieved, by the definitions that `remqa-eval` uses too.
+
+As in a submission, an episode is a walk and then one manipulation: the first one that succeeds. Where the agent stands
+and what it sees just before it decides whether it has navigated, and the box that it names then whether it has localised.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from remqa_data.env.actions import Shares
+from remqa_data.env.episodes import Task
+from remqa_data.geometry.types import Vec3
+from remqa_data.metrics import (
+    box_iou,
+    distance_to_goal_m,
+    is_right_answer,
+    navigation_success,
+    path_lengths_m,
+    spl,
+    stages,
+)
+from remqa_data.sim.agent.actions import Action
+from remqa_data.sim.agent.agent import Agent
+from remqa_data.sim.metadata import scaled_min_pixels
+from remqa_data.sim.navigation.viewpoints import FRAME_PX
+
+MANIPULATION_OF = {"OpenObject": "Open", "CloseObject": "Close", "PickupObject": "Pickup", "MoveObject": "Move"}
+"""What a submission calls the manipulation that an action is."""
+PUSHES = ("PushObject", "PullObject")
+
+
+@dataclass
+class Course:
+    """An episode as it goes on.
+
+    Attributes
+    ----------
+    walk : list of str
+        Navigation actions before the manipulation, refused ones too.
+    positions : list of (float, float)
+        Where the agent was, from the start on, before the manipulation; metres.
+    manipulation : str or None
+        The manipulation that was done first, as text, its target by id.
+    target_box : tuple of float or None
+        The question's target in the view just before it, pixels of a 300 x 300 frame; None where it is not visible.
+    box : tuple of float or None
+        Where the agent said that it is, in the same pixels.
+    """
+
+    walk: list[str] = field(default_factory=list)
+    positions: list[tuple[float, float]] = field(default_factory=list)
+    manipulation: str | None = None
+    target_box: Shares | None = None
+    box: Shares | None = None
+
+    def walked(self, action: Action, agent: Agent) -> None:
+        """Note a navigation action, done or refused."""
+        if self.manipulation is None:
+            self.walk.append(str(action.in_short()))
+            self.positions.append((agent.x, agent.y))
+
+    def look(self, agent: Agent, task: Task, box: Shares | None) -> None:
+        """Note the view before the manipulation, or before the end of an episode without one."""
+        if self.manipulation is None:
+            self.target_box = target_box(agent, task.target_id)
+            self.box = None if box is None else tuple(FRAME_PX * share for share in box)  # type: ignore[assignment]
+
+    def manipulated(self, action: Action, object_id: str, position: Vec3) -> None:
+        """Note that a manipulation was done to an object, whose centre is at a position now."""
+        if self.manipulation is not None:
+            return
+        if action.name in PUSHES:
+            self.manipulation = str(Action("MoveObject", object_id, position))
+        elif action.name == "MoveObject":
+            self.manipulation = str(Action(action.name, object_id, action.numbers))
+        elif action.name in MANIPULATION_OF:
+            self.manipulation = str(Action(action.name, object_id))
+
+    def measures(self, task: Task, answer: str | None) -> dict[str, Any]:
+        """The measures of the episode at its end; names and definitions are in docs/METRICS.md."""
+        nothing = [np.nan] * 4
+        walked_m = path_lengths_m(np.array(self.positions), [len(self.positions)])
+        distance_m = distance_to_goal_m(np.array(self.positions[-1:]), task.goals[None])
+        navigated = navigation_success(distance_m, [self.target_box is not None])
+        iou = box_iou([self.box or nothing], [self.target_box or nothing])
+        is_right = is_right_answer([answer], [task.answer])
+        three = stages(navigated, iou, is_right)
+        return {
+            "S_N": bool(three.navigated[0]),
+            "S_L": bool(three.localised[0]),
+            "S_QA": bool(three.answered[0]),
+            "answer_accuracy": bool(is_right[0]),
+            "manipulated": self._has_manipulated(task),
+            "SPL": float(spl(navigated, [task.path_length_m], walked_m)[0]),
+            "iou": float(iou[0]),
+            "distance_to_goal_m": float(distance_m[0]),
+            "path_length_m": float(walked_m[0]),
+            "steps": len(self.walk),
+        }
+
+    def _has_manipulated(self, task: Task) -> bool:
+        if self.manipulation is None:
+            return False
+        word, object_id = self.manipulation.split(" ")[:2]
+        return (MANIPULATION_OF[word], object_id) == (task.manipulation, task.manipulation_object_id)
+
+
+def target_box(agent: Agent, object_id: str) -> Shares | None:
+    """Tight box [x1, y1, x2, y2) of an object in the agent's 300 x 300 view, or None where it is not visible."""
+    shown = agent.view.instances(agent.camera()) == agent.world.ids.index(object_id)
+    rows, columns = np.nonzero(shown)
+    if len(rows) < scaled_min_pixels(shown.shape):
+        return None
+    return float(columns.min()), float(rows.min()), float(columns.max() + 1), float(rows.max() + 1)

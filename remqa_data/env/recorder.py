@@ -1,0 +1,89 @@
+"""Writing a submission for `remqa-eval` while an agent acts; docs/SUBMISSIONS.md describes the file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+
+from remqa_data.env import RemqaEnv
+from remqa_data.errors import ActionError
+from remqa_data.files import atomic_path
+from remqa_data.sim.agent.actions import NAVIGATION
+
+
+class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
+    """Records each episode that ends, and writes all of them when it is closed.
+
+    Parameters
+    ----------
+    env : Env
+        A `RemqaEnv` over a dataset, wrapped or not.
+    path : path
+        The file to write, .jsonl.
+    agent : str
+        Name of the agent, for reports.
+
+    Raises
+    ------
+    ActionError
+        If the environment plays bare scenes, or the agent is privileged.
+
+    Notes
+    -----
+    A question that is played again replaces what was recorded of it. A submission holds whole steps (`MoveAhead`, not
+    `MoveAhead 0.1`); other navigation before the manipulation is an `ActionError` when the episode ends.
+    """
+
+    def __init__(self, env: gymnasium.Env[dict[str, Any], Any], path: str | Path, agent: str = "unnamed") -> None:
+        super().__init__(env)
+        remqa = env.unwrapped
+        if not isinstance(remqa, RemqaEnv) or remqa.split is None:
+            raise ActionError("only episodes of a dataset can be submitted: make the environment with root=...")
+        if remqa.privileged:
+            raise ActionError("a privileged agent cannot submit: make the environment without privileged=True")
+        self._remqa = remqa
+        self.path = Path(path)
+        self._header = {
+            "format": "remqa-submission",
+            "version": 1,
+            "track": "remqa",
+            "split": remqa.split,
+            "agent": agent,
+        }
+        self.rows: dict[str, dict[str, Any]] = {}
+
+    def step(self, action: Any) -> tuple[dict[str, Any], Any, bool, bool, dict[str, Any]]:
+        """Do one action; the end of an episode makes it a row."""
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        if terminated or truncated:
+            row = self._row(info.get("answer"))
+            self.rows[row["question_id"]] = row
+        return observation, reward, terminated, truncated, info
+
+    def save(self) -> None:
+        """Write what was recorded so far."""
+        lines = [json.dumps(entry, ensure_ascii=False) for entry in (self._header, *self.rows.values())]
+        with atomic_path(self.path) as temporary:
+            temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+    def close(self) -> None:
+        """Write the submission and close the environment."""
+        self.save()
+        super().close()
+
+    def _row(self, answer: str | None) -> dict[str, Any]:
+        course, task = self._remqa.course, self._remqa.episode.task
+        assert task is not None, "episodes of a dataset have a question"
+        for text in course.walk:
+            if text not in NAVIGATION:
+                raise ActionError(f"{task.question_id}: a submission holds whole steps, not {text!r}")
+        return {
+            "question_id": task.question_id,
+            "actions": list(course.walk),
+            "box": None if course.box is None else list(course.box),
+            "manipulation": course.manipulation,
+            "answer": answer,
+        }

@@ -1,0 +1,191 @@
+"""A question as a film: what the agent sees, the agent from outside, and the map that it draws, side by side."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from remqa_data.env import RemqaEnv
+from remqa_data.env.actions import Command
+from remqa_data.env.oracle import oracle_commands
+from remqa_data.errors import OutputError, UnknownNameError
+from remqa_data.files import atomic_path
+from remqa_data.geometry.types import U8
+from remqa_data.mapping.map_picture import draw_plan
+from remqa_data.mapping.semantic_map import VoxelMap
+from remqa_data.sim.agent.actions import MANIPULATION
+from remqa_data.sim.arm.arm import ArmState
+from remqa_data.sim.navigation.grid import GRID_M, Cell
+from remqa_data.storage.manifest import load_manifest
+from remqa_data.storage.shards import read_table
+
+SIZE_PX = 420
+GAP_PX, HEADER_PX = 8, 80
+PAPER, INK, DIM = (255, 255, 255), (25, 25, 25), (110, 110, 110)
+FRAMES_PER_S = 4
+REACHING_FRAMES, LAST_FRAMES = 6, 10
+"""Frames in which the arm goes to the target, and for which the end stays."""
+QUESTION_COLUMNS = 90
+CODEC = "mp4v"
+
+
+def write_film(root: Path, question_id: str, path: Path) -> int:
+    """Write the oracle's episode of a question of a dataset as .mp4; returns the number of frames.
+
+    Raises
+    ------
+    UnknownNameError
+        If the dataset has no such question; names the nearest.
+    DatasetError
+        If this is not a finished dataset.
+    OutputError
+        If films of this kind cannot be written here, or the film was not written whole.
+    """
+    with atomic_path(path) as temporary:
+        frames = _of_one_size(list(film(root, question_id)))
+        height, width = frames[0].shape[:2]
+        writer = cv2.VideoWriter(str(temporary), cv2.VideoWriter.fourcc(*CODEC), FRAMES_PER_S, (width, height))
+        if not writer.isOpened():
+            raise OutputError(f"{path}: OpenCV cannot write this kind of film; give a name that ends with .mp4")
+        for frame in frames:
+            writer.write(np.ascontiguousarray(frame[..., ::-1]))
+        writer.release()
+        if _readable_frames(temporary) != len(frames):  # OpenCV says nothing when a write fails
+            raise OutputError(f"{path}: the film could not be written whole; is the disk full?")
+    return len(frames)
+
+
+def _readable_frames(path: Path) -> int:
+    """How many frames of a film can be decoded."""
+    reader, count = cv2.VideoCapture(str(path)), 0
+    while reader.read()[0]:
+        count += 1
+    reader.release()
+    return count
+
+
+def film(root: Path, question_id: str) -> Iterator[U8]:
+    """The frames of the oracle's episode, (h, w, 3) RGB; their widths differ with the map's legend."""
+    env = RemqaEnv(
+        root,
+        _split_of(root, question_id),
+        question_ids=[question_id],
+        privileged=True,
+        render_mode="rgb_array",
+        width=SIZE_PX,
+        height=SIZE_PX,
+        max_steps=10_000,
+    )
+    try:
+        observation, _ = env.reset(options={"episode": question_id})
+        task = env.episode.task
+        assert task is not None, "episodes of a dataset have a question"
+        memory = _Memory(env)
+        memory.add(observation)
+        yield _frame(env, observation, memory, "start")
+        for command in oracle_commands(task):
+            if command.action is not None and command.action.name in MANIPULATION:
+                yield from _reaching(env, observation, memory, command)
+            observation, *_ = env.step(command)
+            memory.add(observation)
+            yield _frame(env, observation, memory, _said(command))
+        for _ in range(LAST_FRAMES):
+            yield _frame(env, observation, memory, _said(command))
+    finally:
+        env.close()
+
+
+class _Memory:
+    """The semantic map, and the way on it."""
+
+    def __init__(self, env: RemqaEnv) -> None:
+        self._env = env
+        world = env.agent.world
+        self._types = [world.type_of(object_id) for object_id in world.ids]
+        self._voxels = VoxelMap.of_scene(world.scene)
+        self._way: list[Cell] = []
+
+    def add(self, observation: dict[str, Any]) -> None:
+        """Remember a view."""
+        agent = self._env.agent
+        camera = agent.camera(self._env.width, self._env.height)
+        self._voxels.add(observation["depth"], observation["instances"] - 1, self._types, camera)
+        cell = (round(agent.x / GRID_M), round(agent.y / GRID_M))
+        if cell not in self._way[-1:]:
+            self._way.append(cell)
+
+    def picture(self) -> U8:
+        """The map as it is now."""
+        plan = self._voxels.plan()
+        voxel_px = max(1, (SIZE_PX - 40) // max(plan.labels.shape))
+        return draw_plan(plan, path=self._way, title="semantic map", voxel_px=voxel_px)
+
+
+def _reaching(env: RemqaEnv, observation: dict[str, Any], memory: _Memory, command: Command) -> Iterator[U8]:
+    """The arm on its way to the target; it is folded again afterwards, as the episode goes on."""
+    assert command.action is not None
+    arm, target = env.agent.arm, command.action.target
+    if not isinstance(target, str):
+        return
+    first = arm.state
+    last = arm.reach_object(env.agent.base, target).state
+    for share in np.linspace(0.0, 1.0, REACHING_FRAMES + 1)[1:].tolist():
+        arm.state = ArmState.of((1.0 - share) * first.posture() + share * last.posture())
+        yield _frame(env, observation, memory, "reaching")
+    arm.state = first
+
+
+def _frame(env: RemqaEnv, observation: dict[str, Any], memory: _Memory, doing: str) -> U8:
+    outside = env.render()
+    assert outside is not None
+    plan = memory.picture()[:SIZE_PX]
+    plan = _padded(plan, SIZE_PX, plan.shape[1])
+    gap = np.full((SIZE_PX, GAP_PX, 3), PAPER, np.uint8)
+    body = np.hstack([observation["rgb"], gap, outside, gap, plan])
+    header = np.full((HEADER_PX, body.shape[1], 3), PAPER, np.uint8)
+    task = env.episode.task
+    assert task is not None
+    _write(header, textwrap.shorten(task.question, QUESTION_COLUMNS), 0, 24, 0.65, INK)
+    _write(header, f"step {env.steps}: {doing}", 0, 48, 0.5, INK)
+    _write(header, "what the agent sees", 0, 72, 0.42, DIM)
+    _write(header, "the agent from outside", SIZE_PX + GAP_PX, 72, 0.42, DIM)
+    return np.vstack([header, body])
+
+
+def _said(command: Command) -> str:
+    """A command in few words: an object's type stands for its id."""
+    if command.action is None:
+        return f"answer: {command.answer}"
+    target = command.action.target
+    return f"{command.action.name} {target.partition('|')[0]}" if isinstance(target, str) else command.action.name
+
+
+def _write(image: U8, text: str, x: int, y: int, scale: float, color: tuple[int, int, int]) -> None:
+    cv2.putText(image, text, (x + GAP_PX, y), cv2.FONT_HERSHEY_SIMPLEX, scale, color, 1, cv2.LINE_AA)
+
+
+def _of_one_size(frames: list[U8]) -> list[U8]:
+    """All as large as the largest, in even numbers of pixels, which films need."""
+    height, width = (2 * -(-max(frame.shape[axis] for frame in frames) // 2) for axis in (0, 1))
+    return [_padded(frame, height, width) for frame in frames]
+
+
+def _padded(image: U8, height: int, width: int) -> U8:
+    page = np.full((height, width, 3), PAPER, np.uint8)
+    page[: image.shape[0], : image.shape[1]] = image
+    return page
+
+
+def _split_of(root: Path, question_id: str) -> str:
+    known: list[str] = []
+    for split in load_manifest(root).splits("questions"):
+        ids = read_table(root, "questions", split, ["question_id"])["question_id"].to_pylist()
+        if question_id in ids:
+            return str(split)
+        known += ids
+    raise UnknownNameError("question", question_id, known)

@@ -1,0 +1,1 @@
+"""Where rooms come from: recorded floor plans and sampled ones."""

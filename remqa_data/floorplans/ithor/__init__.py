@@ -1,0 +1,1 @@
+"""The 120 iTHOR floor plans as scenes."""

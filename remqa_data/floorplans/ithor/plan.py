@@ -1,0 +1,280 @@
+"""What a room's recorded boxes say about the room itself: floor level, walls, and which way things face."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
+from remqa_data.geometry.types import F64, Rect
+
+ON_WALLS = frozenset(
+    [
+        "Blinds",
+        "Curtains",
+        "HandTowel",
+        "HandTowelHolder",
+        "LightSwitch",
+        "Mirror",
+        "Painting",
+        "Poster",
+        "Towel",
+        "TowelHolder",
+        "ToiletPaperHanger",
+        "Window",
+    ]
+)
+"""Types that hang on a wall: their back is the wall."""
+IN_WALLS = frozenset({"Window", "Curtains", "Blinds"})
+"""Types whose recorded box reaches into or through the wall."""
+BACKED = frozenset(
+    [
+        "Bed",
+        "Bathtub",
+        "BathtubBasin",
+        "Desk",
+        "Dresser",
+        "Faucet",
+        "Safe",
+        "Shelf",
+        "ShelvingUnit",
+        "ShowerHead",
+        "SideTable",
+        "Sink",
+        "SinkBasin",
+        "Sofa",
+        "Toilet",
+        "TVStand",
+    ]
+)
+"""Furniture that stands with its back to a wall when it stands at one."""
+BEFORE_WALLS = frozenset({"Fridge", "ShelvingUnit", "Toilet", "TVStand"})
+"""Furniture whose back is no sight: there is a wall behind it."""
+IN_FURNITURE = ("Drawer", "Cabinet", "Shelf")
+WALL_SLACK_M = 0.60
+WALL_EVIDENCE_SLACK_M = 2.6
+"""A floor's recorded box may reach this far behind the wall (the second: where something hangs on the wall)."""
+LAST_M, HIGH_M = 0.20, 1.0
+"""Things that end this near to where everything ends say whether a wall is there, as do two cabinets this high up."""
+AT_WALL_M = 0.35
+
+SIDES: dict[str, F64] = {
+    "west": np.array([1.0, 0.0, 0.0]),
+    "east": np.array([-1.0, 0.0, 0.0]),
+    "south": np.array([0.0, 1.0, 0.0]),
+    "north": np.array([0.0, -1.0, 0.0]),
+}
+"""The walls of a room and the direction from each into the room."""
+
+
+@dataclass(frozen=True)
+class RoomShell:
+    """Floor level, inner faces of the outer walls, ceiling height above the floor; metres.
+
+    Attributes
+    ----------
+    notch : Rect or None
+        A corner of the bounds that is not part of the room, which is L-shaped then.
+    door : ((3,) array, (3,) array) or None
+        Corners of a closed door in an outer wall: its frame's box, as far as it stands out into the room.
+    """
+
+    floor_z: float
+    bounds: Rect
+    height: float
+    notch: Rect | None = None
+    door: tuple[F64, F64] | None = None
+
+    def gap(self, side: str, low: F64, high: F64) -> float:
+        """Distance between a box and a wall."""
+        x0, y0, x1, y1 = self.bounds
+        gaps = {"west": low[0] - x0, "east": x1 - high[0], "south": low[1] - y0, "north": y1 - high[1]}
+        return float(gaps[side])
+
+    def nearest_side(self, low: F64, high: F64) -> tuple[str, float]:
+        """The wall nearest to a box, and how far it is."""
+        gaps = {side: self.gap(side, low, high) for side in SIDES}
+        side = min(gaps, key=lambda name: gaps[name])
+        return side, gaps[side]
+
+
+def fit_shell(objects: Sequence[RecordedObject]) -> RoomShell:
+    """Floor level and outer walls of a room from its recorded boxes.
+
+    The floor's own box gives the extent, but it often reaches behind the walls: a wall is put where the outermost
+    things on that side end, when they end shortly before the floor does.
+    """
+    floor = next(o for o in objects if o.type == "Floor")
+    standing = [
+        float(o.low[2])
+        for o in objects
+        if any(p.startswith("Floor|") for p in o.parents) and o.size[2] > 0.1 and not o.type.startswith(IN_FURNITURE)
+    ]
+    floor_z = float(np.percentile(standing, 20, method="lower")) if standing else float(floor.high[2])
+    bounds = []
+    for axis, sign in ((0, -1), (1, -1), (0, 1), (1, 1)):
+        edge = float((floor.low if sign < 0 else floor.high)[axis])
+        reach = max(sign * _outer_face(o, axis, sign) for o in objects if o is not floor)
+        last = [o for o in objects if o is not floor and reach - sign * _outer_face(o, axis, sign) < LAST_M]
+        hung = any(_has_wall_behind(o, axis, sign) for o in last)
+        hung |= sum(o.type == "Cabinet" and o.low[2] > floor_z + HIGH_M for o in last) > 1
+        slack = WALL_EVIDENCE_SLACK_M if hung else WALL_SLACK_M
+        bounds.append(edge if sign * edge - reach > slack else sign * reach)
+    top = max(float(o.high[2]) for o in objects if o.type != "Floor")
+    height = max(2.5, top - floor_z + 0.15)
+    return RoomShell(floor_z, (bounds[0], bounds[1], bounds[2], bounds[3]), height)
+
+
+def _outer_face(o: RecordedObject, axis: int, sign: int) -> float:
+    """Where a box ends towards a wall; what sits in a wall ends in the middle of it."""
+    if o.type in IN_WALLS:
+        return float(o.low[axis] + o.high[axis]) / 2 if (o.high - o.low)[axis] < 0.6 else -sign * np.inf
+    return float((o.low if sign < 0 else o.high)[axis])
+
+
+def _has_wall_behind(o: RecordedObject, axis: int, sign: int) -> bool:
+    """Whether something hangs flat on a wall on one side, or stands with its back to it."""
+    flat = (o.high - o.low)[axis] < 0.6 * (o.high - o.low)[1 - axis]
+    return (o.type in ON_WALLS and bool(flat)) or (o.type in BEFORE_WALLS and float(sign * o.front[axis]) < -0.9)
+
+
+def facing_right(objects: Sequence[RecordedObject], shell: RoomShell, worktops: Sequence[Rect]) -> list[RecordedObject]:
+    """The same objects, each facing the way that the room makes plain; `worktops` are the plans of the counters.
+
+    Things on walls face away from the wall, beds have their head where the recording has its foot, furniture at a wall
+    does not face the wall, and doors of cabinets and fronts of drawers face free floor.
+    """
+    blockers = [o for o in objects if not o.pickupable and o.type not in ON_WALLS | {"Floor", "StoveKnob", "Faucet"}]
+    turned = []
+    for o in objects:
+        front = o.front
+        if o.type in ON_WALLS:
+            front = _off_the_wall(o, shell)
+        elif o.type == "Bed":
+            front = -front
+        elif o.type in ("Cabinet", "Drawer"):
+            front = _towards_free_floor(o, blockers, shell, worktops)
+        elif o.type in BACKED:
+            front = _not_into_wall(o, shell)
+        turned.append(_turned(o, front))
+    return turned
+
+
+def _turned(o: RecordedObject, front: F64) -> RecordedObject:
+    if float(front @ o.front) > 0.999:
+        return o
+    rotation = axes_facing(front)
+    swap = abs(float(rotation[:, 0] @ o.rotation[:, 0])) < 0.5
+    size = o.size[[1, 0, 2]] if swap else o.size
+    if abs(o.rotation[2, 2]) < 0.999 or (abs(float(front @ o.front)) > 0.01 and float(front @ o.front) > -0.999):
+        size = np.abs(rotation.T) @ (o.high - o.low)  # was tilted or oblique: take the axis-aligned box
+    return replace(o, rotation=rotation, size=size)
+
+
+def _off_the_wall(o: RecordedObject, shell: RoomShell) -> F64:
+    extent = o.high - o.low
+    thin = [axis for axis in (0, 1) if extent[axis] < 0.6 * extent[1 - axis]]
+    allowed = [side for side, inward in SIDES.items() if not thin or abs(inward[thin[0]]) > 0.5]
+    gaps = {side: abs(shell.gap(side, o.low, o.high)) for side in allowed}
+    side = min(gaps, key=lambda name: (gaps[name] > AT_WALL_M, gaps[name]))
+    if gaps[side] > AT_WALL_M and abs(o.rotation[2, 2]) > 0.99 and any(SIDES[s] @ o.front > 0.99 for s in allowed):
+        return o.front  # on an inner wall: trust the recorded yaw
+    return SIDES[side]
+
+
+def _not_into_wall(o: RecordedObject, shell: RoomShell) -> F64:
+    for side, inward in SIDES.items():
+        faces_it = float(o.front @ inward) < -0.9
+        if faces_it and shell.gap(side, o.low, o.high) < AT_WALL_M:
+            opposite = next(s for s, d in SIDES.items() if float(d @ inward) < -0.9)
+            if shell.gap(opposite, o.low, o.high) > 0.5:
+                return -o.front
+    return o.front
+
+
+def _towards_free_floor(
+    o: RecordedObject, blockers: Sequence[RecordedObject], shell: RoomShell, worktops: Sequence[Rect]
+) -> F64:
+    """Front of a cabinet or drawer: room to open it, floor to stand on before it, a wall or furniture behind it.
+
+    The recorded yaw, the hinge (which is at the front, at one end of it), the front of the piece of furniture that it is
+    built into and the longer side count too.
+    """
+    host = host_of(o, blockers)
+    half = (o.high - o.low) / 2
+    middle = (o.high + o.low) / 2
+    on_floor = o.low[2] < shell.floor_z + 1.2
+    score: dict[str, float] = {}
+    for side, inward in SIDES.items():
+        axis = int(np.abs(inward).argmax())
+        free = _freedom(o, inward, (0.05, 0.45), blockers, host, shell)
+        total = 1.5 * free
+        total += 0.5 * (1 - _freedom(o, -inward, (0.02, 0.15), blockers, host, shell))
+        total += 0.4 * float(o.front @ inward > 0.9)
+        total += 0.3 * float(half[1 - axis] > 1.3 * half[axis])
+        total += 0.5 * float(np.clip((o.pivot - middle)[axis] / max(half[axis], 1e-6) * inward[axis], -1, 1))
+        if on_floor:
+            total += 1.5 * _freedom(o, inward, (0.30, 0.80), blockers, host, shell, worktops)
+        if host is not None:
+            edge = (host.high if inward[axis] > 0 else host.low)[axis]
+            face = (o.high if inward[axis] > 0 else o.low)[axis]
+            total += 0.6 * float(abs(edge - face) < 0.08) + 1.0 * float(host.front @ inward > 0.9)
+        score[side] = total
+    return SIDES[max(score, key=lambda side: score[side])]
+
+
+def host_of(o: RecordedObject, blockers: Sequence[RecordedObject]) -> RecordedObject | None:
+    """The piece of furniture whose box contains an object's centre, if any."""
+    middle = (o.low + o.high) / 2
+    hosts = [
+        b
+        for b in blockers
+        if b is not o
+        and b.type in HOSTS
+        and np.all(middle > b.low - 0.02)
+        and np.all(middle < b.high + 0.02)
+        and np.prod(b.high - b.low) > np.prod(o.high - o.low)
+    ]
+    return min(hosts, key=lambda b: float(np.prod(b.high - b.low)), default=None)
+
+
+HOSTS = frozenset(
+    ["Desk", "Dresser", "SideTable", "TVStand", "CoffeeTable", "DiningTable", "ShelvingUnit", "Bed", "Cabinet"]
+)
+"""Furniture that may contain drawers, shelves and cabinets recorded as objects of their own."""
+
+
+def _freedom(
+    o: RecordedObject,
+    direction: F64,
+    reach: tuple[float, float],
+    blockers: Sequence[RecordedObject],
+    host: RecordedObject | None,
+    shell: RoomShell,
+    worktops: Sequence[Rect] = (),
+) -> float:
+    """Share of the room before one side of a box, between two distances, that is neither wall, furniture nor worktop."""
+    axis = int(np.abs(direction).argmax())
+    across = 1 - axis
+    face = (o.high if direction[axis] > 0 else o.low)[axis]
+    distance, along = (grid.ravel() for grid in np.meshgrid(np.linspace(*reach, 4), (0.2, 0.5, 0.8)))
+    points = np.tile((o.low + o.high) / 2, (len(along), 1))
+    points[:, axis] = face + direction[axis] * distance
+    points[:, across] = o.low[across] + along * (o.high - o.low)[across]
+    free = _within(points[:, :2], np.array([shell.bounds]))
+    if worktops:
+        free &= ~_within(points[:, :2], np.array(worktops))
+    others = [b for b in blockers if b is not o and b is not host and b.type != "CounterTop"]
+    if others:
+        free &= ~_within(points, np.array([[*b.low, *b.high] for b in others]))
+    return float(np.mean(free))
+
+
+def _within(points: F64, boxes: F64) -> npt.NDArray[np.bool_]:
+    """(n,) whether each of (n, k) points lies in any of some boxes, (m, 2 k): their low corners, then their high ones."""
+    k = points.shape[1]
+    inside = (points[:, None] > boxes[:, :k]) & (points[:, None] < boxes[:, k:])
+    return np.asarray(np.any(np.all(inside, axis=2), axis=1))

@@ -1,0 +1,1 @@
+"""Boxes and rotations, and the array types that all of the library uses."""

@@ -1,0 +1,40 @@
+"""Rotations as 3x3 matrices and as unit quaternions (x, y, z, w)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from remqa_data.geometry.types import F64  # the assets need these rotations themselves
+
+
+def quaternion_of(rotation: F64) -> tuple[float, float, float, float]:
+    """Unit quaternion (x, y, z, w) of a 3x3 rotation matrix (Shepperd's method)."""
+    m = np.asarray(rotation, float)
+    trace = float(np.trace(m))
+    picks = np.array([m[0, 0], m[1, 1], m[2, 2], trace])
+    k = int(picks.argmax())
+    q = np.empty(4)
+    if k == 3:
+        q[3] = 1 + trace
+        q[:3] = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
+    else:
+        i, j = (k + 1) % 3, (k + 2) % 3
+        q[k] = 1 - trace + 2 * m[k, k]
+        q[i], q[j], q[3] = m[i, k] + m[k, i], m[j, k] + m[k, j], m[j, i] - m[i, j]
+    q /= np.linalg.norm(q)
+    return float(q[0]), float(q[1]), float(q[2]), float(q[3])
+
+
+def rotation_of(quaternion: tuple[float, float, float, float]) -> F64:
+    """3x3 rotation matrix of a unit quaternion (x, y, z, w)."""
+    x, y, z, w = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )

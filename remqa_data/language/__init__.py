@@ -1,0 +1,1 @@
+"""Referring expressions and questions as programs: what their words mean, and their answers."""

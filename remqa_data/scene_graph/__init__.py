@@ -1,0 +1,1 @@
+"""Objects are nodes, relations between them are edges."""

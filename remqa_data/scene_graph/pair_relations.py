@@ -1,0 +1,214 @@
+"""What one object is to another: the rules that turn two boxes and what holds them into a relation.
+
+Two measures decide, together with what holds what: the distance between the centres and the 3D IoU of the boxes. They
+bound which pairs can be related at all; gaps and shares of the same boxes then tell above from below from beside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.catalog import object_type
+from remqa_data.geometry import boxes as geometry
+from remqa_data.geometry.types import F64
+from remqa_data.relations import Relation, RelationRules, StackedRules
+from remqa_data.sim.metadata import ObjectMetadata
+
+Table = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, order=True)
+class Edge:
+    """A relation: `source` is `relation` (to) `target`.
+
+    Attributes
+    ----------
+    source, target : str
+        Object ids.
+    relation : str
+        "in", "on", "under", "above", "below" or "next to".
+    distance_m : float
+        Between the centres of the two boxes.
+    iou : float
+        3D intersection over union of the two boxes.
+    """
+
+    source: str
+    target: str
+    relation: Relation
+    distance_m: float
+    iou: float
+
+
+def edges_between(
+    sources: Sequence[ObjectMetadata], targets: Sequence[ObjectMetadata], rules: RelationRules
+) -> Iterator[Edge]:
+    """The edges from each of some objects to each of some others; an object has none to itself."""
+    if not sources or not targets:
+        return
+    a, b = _Side.of(sources), _Side.of(targets)
+    measured = _Measured(geometry.centre_distance(a.boxes, b.boxes), geometry.iou_3d(a.boxes, b.boxes))
+    relation = np.full(measured.iou.shape, None, dtype=np.object_)
+    free = a.ids[:, None] != b.ids[None]
+    above, below = _above(a, b, rules, measured), _above(b, a, rules, measured.swapped()).T
+    nothing = np.zeros_like(free)
+    # Earlier rules win over later ones, in both directions: what is in a thing is not next to it, nor it to that.
+    for tables, backwards in (
+        ({"in": _held(a, b, rules, "in"), "on": _held(a, b, rules, "on")}, _holds(a, b, rules)),
+        ({"under": _under(a, b, rules)}, _under(b, a, rules).T),
+        ({"above": above, "below": below}, nothing),
+        ({"next to": _next_to(a, b, rules, measured)}, nothing),
+    ):
+        taken = backwards.copy()
+        for name, table in tables.items():
+            relation[table & free] = name
+            taken |= table
+        free &= ~taken
+    for i, j in np.argwhere(relation != None):  # noqa: E711  (an array compares element by element)
+        distance, iou = float(measured.distance[i, j]), float(measured.iou[i, j])
+        yield Edge(sources[i].id, targets[j].id, relation[i, j], distance, iou)
+
+
+@dataclass(frozen=True)
+class _Side:
+    """Some objects as columns."""
+
+    ids: npt.NDArray[np.object_]
+    types: npt.NDArray[np.object_]
+    support: npt.NDArray[np.object_]
+    kind: npt.NDArray[np.object_]
+    boxes: F64
+
+    @classmethod
+    def of(cls, objects: Sequence[ObjectMetadata]) -> _Side:
+        def column(values: list[str | None]) -> npt.NDArray[np.object_]:
+            return np.array(values, dtype=np.object_)
+
+        return cls(
+            ids=column([o.id for o in objects]),
+            types=column([o.type for o in objects]),
+            support=column([o.support for o in objects]),
+            kind=column([o.support_kind for o in objects]),
+            boxes=np.array([o.box for o in objects], dtype=np.float64),
+        )
+
+    def are(self, types: Collection[str]) -> Table:
+        """(n,) whether each object is of one of some types."""
+        return np.array([name in types for name in self.types], dtype=np.bool_)
+
+    def liftable(self) -> Table:
+        """(n,) whether a hand can pick each object up."""
+        return np.array([object_type(name).pickupable for name in self.types], dtype=np.bool_)
+
+    def removable(self) -> Table:
+        """(n,) whether each object can be picked up or pushed aside."""
+        kinds = [object_type(name) for name in self.types]
+        return np.array([kind.pickupable or kind.moveable for kind in kinds], dtype=np.bool_)
+
+    def sides(self) -> F64:
+        """(n, 3) lengths of the boxes' sides."""
+        return self.boxes[:, 3:] - self.boxes[:, :3]
+
+    def share_support_with(self, other: _Side) -> Table:
+        """(n, m) whether the same receptacle holds both in the same way."""
+        same = (self.support[:, None] == other.support[None]) & (self.kind[:, None] == other.kind[None])
+        return np.asarray(same & (self.support != None)[:, None], dtype=np.bool_)  # noqa: E711
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """(n, m) the two measures that every edge carries."""
+
+    distance: F64
+    iou: F64
+
+    def swapped(self) -> _Measured:
+        return _Measured(self.distance.T, self.iou.T)
+
+
+def _held(a: _Side, b: _Side, rules: RelationRules, kind: str) -> Table:
+    """A rests in or on b, or is a part of it."""
+    held = np.asarray((a.support[:, None] == b.ids[None]) & (a.kind == kind)[:, None], dtype=np.bool_)
+    if kind == "in":
+        shared = geometry.intersection_volume(a.boxes, b.boxes)
+        inside = shared >= rules.part.min_share * np.maximum(geometry.volume(a.boxes), _TINY)[:, None]
+        for part, wholes in rules.part.parts.items():
+            held |= (a.types == part)[:, None] & b.are(wholes)[None] & inside
+    return held
+
+
+def _holds(a: _Side, b: _Side, rules: RelationRules) -> Table:
+    return (_held(b, a, rules, "in") | _held(b, a, rules, "on")).T
+
+
+def _under(a: _Side, b: _Side, rules: RelationRules) -> Table:
+    """A lies beneath b, which can be lifted or pushed off it; or a stands beneath b, which stands on legs."""
+    under = rules.under
+    area_a, area_b = (np.prod(side.sides()[:, :2], axis=1) for side in (a, b))
+    shared = geometry.overlap_share(a.boxes, b.boxes) * np.minimum(area_a[:, None], area_b[None])
+    covered = shared >= under.min_plan_share * np.maximum(area_a, _TINY)[:, None]
+    covered &= area_a[:, None] <= under.max_area_ratio * area_b[None]
+    between = geometry.vertical_gap(b.boxes, a.boxes).T
+    lower = geometry.centres(a.boxes)[:, 2][:, None] < geometry.centres(b.boxes)[:, 2][None]
+    touching = (between <= under.max_contact_gap_m) & (between >= -under.max_sunk_m)
+    beneath = b.removable()[None] & touching & lower
+    top_a, top_b = a.boxes[:, 5][:, None], b.boxes[:, 5][None]
+    on_floor = np.array([kind == "on" for kind in a.kind], dtype=np.bool_)[:, None]
+    sheltered = b.are(under.legs)[None] & (top_a <= top_b - under.min_head_room_m) & on_floor
+    return np.asarray(covered & (beneath | sheltered) & a.share_support_with(b))
+
+
+def _above(a: _Side, b: _Side, rules: RelationRules, measured: _Measured) -> Table:
+    """A is over b with air or a worktop between them, both built in, hanging or standing."""
+    stacked = rules.stacked
+    between = geometry.vertical_gap(a.boxes, b.boxes)
+    wide_a, wide_b = _thickened(a, stacked), _thickened(b, stacked)
+    over = np.ones_like(between, dtype=np.bool_)
+    for axis in (0, 1):
+        over &= geometry.overlap_share(wide_a, wide_b, axes=(axis,)) >= stacked.min_side_share
+    sunk = np.maximum(stacked.max_sunk_m, stacked.max_sunk_share * b.sides()[:, 2])
+    over &= (between >= -sunk[None]) & (between <= stacked.max_gap_m)
+    over &= geometry.centres(a.boxes)[:, 2][:, None] > geometry.centres(b.boxes)[:, 2][None]
+    over &= (measured.distance <= stacked.max_distance_m) & (measured.iou <= stacked.max_iou)
+    fit_a, fit_b = (~side.liftable() & ~side.are(stacked.never) for side in (a, b))
+    return np.asarray(over & fit_a[:, None] & fit_b[None])
+
+
+def _next_to(a: _Side, b: _Side, rules: RelationRules, measured: _Measured) -> Table:
+    """A and b stand side by side at the same height."""
+    beside = rules.next_to
+    size_a, size_b = (np.linalg.norm(side.sides()[:, :2], axis=1) for side in (a, b))
+    reach = np.minimum(beside.max_gap_m, beside.gap_per_size * (size_a[:, None] + size_b[None]) / 2)
+    near = geometry.gap(a.boxes, b.boxes) <= reach
+    near &= geometry.overlap_share(a.boxes, b.boxes, axes=(2,)) >= beside.min_height_share
+    near &= (measured.distance <= beside.max_distance_m) & (measured.iou <= beside.max_iou)
+    smaller = np.minimum(geometry.volume(a.boxes)[:, None], geometry.volume(b.boxes)[None])
+    near &= geometry.intersection_volume(a.boxes, b.boxes) <= beside.max_shared_volume * smaller
+    fit_a, fit_b = (~side.are(beside.never) for side in (a, b))
+    near &= fit_a[:, None] & fit_b[None]
+    # What is inside something is beside only what is inside it too, and what lies on a table is beside what lies there
+    # too or is part of the building: a pencil is not next to the back of a chair.
+    together = a.share_support_with(b)
+    unsupported_a, unsupported_b = (np.array([s is None for s in side.support], dtype=np.bool_) for side in (a, b))
+    near &= together | (~a.liftable()[:, None] | unsupported_b[None]) & (unsupported_a[:, None] | ~b.liftable()[None])
+    inside_a, inside_b = (np.array([kind == "in" for kind in side.kind], dtype=np.bool_) for side in (a, b))
+    return np.asarray(near & (together | ~(inside_a[:, None] | inside_b[None])))
+
+
+_TINY = 1e-12
+"""Stands in for the volume or the area of a box that has none: nothing is a share of it."""
+
+
+def _thickened(side: _Side, stacked: StackedRules) -> F64:
+    """(n, 6) boxes, of which those of things on a wall reach into the room as far as what stands at the wall."""
+    low, high = side.boxes[:, :3], side.boxes[:, 3:]
+    length = high - low
+    thin = np.zeros_like(length, dtype=np.bool_)
+    thin[np.arange(len(length)), length[:, :2].argmin(axis=1)] = True
+    thin &= side.are(stacked.on_walls)[:, None]
+    more = np.where(thin, np.maximum(stacked.wall_depth_m - length, 0.0) / 2, 0.0)
+    return np.concatenate([low - more, high + more], axis=1)

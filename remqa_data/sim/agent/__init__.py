@@ -1,0 +1,1 @@
+"""The embodied agent: its body, its actions, and their replay."""

@@ -1,0 +1,239 @@
+"""The agent's actions as data and as text: AI2-THOR's names and defaults, and what each of them does.
+
+An action is written as its name, then what it is done to, then numbers: `MoveAhead`, `MoveAhead 0.1`, `RotateLeft 45`,
+`OpenObject Fridge|+02.10|+00.00|-00.28`, `PickupObject @0.5,0.62` (what is seen at that share of the image's width and
+height), or `MoveObject Stool|... 1.25 -0.5 0.38`, which puts the centre of an object there, in metres. Numbers that are
+left out have AI2-THOR's defaults.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from remqa_data.errors import ActionError, nearest_names
+from remqa_data.sim.agent.agent import MAX_PUSH_M, Agent
+from remqa_data.sim.agent.body import ActionResult
+from remqa_data.sim.agent.embodiment import Embodiment
+
+Target = str | tuple[float, float]
+"""An object's id, or an image point as shares of the width and height from the top left corner."""
+
+
+@dataclass(frozen=True)
+class Action:
+    """One action; `str` writes what `parse_action` reads.
+
+    Attributes
+    ----------
+    name : str
+        Such as "MoveAhead"; see `ACTIONS`.
+    target : str or tuple of float or None
+        What it is done to.
+    numbers : tuple of float
+        Its amounts; may be fewer than the action has.
+    """
+
+    name: str
+    target: Target | None = None
+    numbers: tuple[float, ...] = ()
+
+    def in_short(self) -> Action:
+        """The same action without the numbers at its end that are the defaults.
+
+        >>> str(Action("MoveAhead", None, (0.25,)).in_short())
+        'MoveAhead'
+        """
+        amounts, numbers = action_spec(self.name).amounts, self.numbers
+        while numbers and numbers[-1] == amounts[len(numbers) - 1].default:
+            numbers = numbers[:-1]
+        return Action(self.name, self.target, numbers)
+
+    def __str__(self) -> str:
+        parts = [self.name]
+        if isinstance(self.target, str):
+            parts.append(self.target)
+        elif self.target is not None:
+            parts.append("@" + ",".join(map(repr, self.target)))
+        return " ".join([*parts, *map(repr, self.numbers)])
+
+
+class Amount(NamedTuple):
+    """A number that an action takes.
+
+    Attributes
+    ----------
+    name : str
+        With its unit.
+    low, high : float
+        What it may be.
+    default : float or None
+        What it is if it is left out; None if it must be given.
+    """
+
+    name: str
+    low: float
+    high: float
+    default: float | None = None
+
+
+class ActionSpec(NamedTuple):
+    """What an action takes and does."""
+
+    has_target: bool
+    amounts: tuple[Amount, ...]
+    run: Callable[..., ActionResult]
+    """Called with the agent, the object's id if it has a target, and the amounts."""
+
+
+def parse_action(text: str) -> Action:
+    """Read an action.
+
+    Raises
+    ------
+    ActionError
+        If there is no such action, or it is given too little, too much, or numbers that it does not take.
+
+    Examples
+    --------
+    >>> parse_action("MoveAhead 0.1")
+    Action(name='MoveAhead', target=None, numbers=(0.1,))
+    >>> str(parse_action("OpenObject @0.5,0.25 0.7"))
+    'OpenObject @0.5,0.25 0.7'
+    """
+    name, *rest = text.split(" ")
+    spec = action_spec(name)
+    target: Target | None = None
+    if spec.has_target:
+        if not rest or not rest[0]:
+            raise ActionError(f"{text!r}: {_usage(name)}")
+        target = _image_point(rest[0], text) if rest[0].startswith("@") else rest[0]
+        rest = rest[1:]
+    try:
+        numbers = tuple(float(word) for word in rest)
+    except ValueError:
+        raise ActionError(f"{text!r}: {_usage(name)}") from None
+    action = Action(name, target, numbers)
+    _amounts(action)
+    return action
+
+
+def perform(agent: Agent, action: Action) -> ActionResult:
+    """Let an agent do an action.
+
+    Raises
+    ------
+    ActionError
+        If there is no such action, or it has too few or wrong numbers or no target.
+    UnknownNameError
+        If the target is no object of the room.
+    """
+    spec, amounts = action_spec(action.name), _amounts(action)
+    if not spec.has_target:
+        return spec.run(agent, *amounts)
+    target = action.target if isinstance(action.target, str) else agent.object_at(*_point(action))
+    if target is None:
+        return ActionResult(False, f"there is no object at image point {action.target}")
+    return spec.run(agent, target, *amounts)
+
+
+def action_spec(name: str) -> ActionSpec:
+    """What an action takes.
+
+    Raises
+    ------
+    ActionError
+        If there is no such action; names the nearest.
+    """
+    if name not in ACTIONS:
+        near = nearest_names(name, ACTIONS)
+        hint = f"; did you mean {' or '.join(near)}?" if near else ""
+        raise ActionError(f"{name!r} is not an action{hint}")
+    return ACTIONS[name]
+
+
+_BODY = Embodiment()
+_STEP = Amount("metres", 0.0, 5.0, _BODY.step_m)
+_TURN = Amount("degrees", 0.0, 360.0, _BODY.rotate_deg)
+_TILT = Amount("degrees", 0.0, 90.0, _BODY.look_deg)
+_PUSH = Amount("metres", 0.001, MAX_PUSH_M, 0.25)
+_FAR = 1e4
+POSITION = (Amount("x", -_FAR, _FAR), Amount("y", -_FAR, _FAR), Amount("z", -_FAR, _FAR))
+"""Metres in the room."""
+
+_NAVIGATION: dict[str, ActionSpec] = {
+    "MoveAhead": ActionSpec(False, (_STEP,), lambda agent, metres: agent.move(metres)),
+    "MoveBack": ActionSpec(False, (_STEP,), lambda agent, metres: agent.move(-metres)),
+    "MoveLeft": ActionSpec(False, (_STEP,), lambda agent, metres: agent.move(0.0, -metres)),
+    "MoveRight": ActionSpec(False, (_STEP,), lambda agent, metres: agent.move(0.0, metres)),
+    "RotateLeft": ActionSpec(False, (_TURN,), lambda agent, degrees: agent.rotate(degrees)),
+    "RotateRight": ActionSpec(False, (_TURN,), lambda agent, degrees: agent.rotate(-degrees)),
+    "LookUp": ActionSpec(False, (_TILT,), lambda agent, degrees: agent.look(-degrees)),
+    "LookDown": ActionSpec(False, (_TILT,), lambda agent, degrees: agent.look(degrees)),
+    "Crouch": ActionSpec(False, (), Agent.crouch),
+    "Stand": ActionSpec(False, (), Agent.stand),
+    "Teleport": ActionSpec(
+        False,
+        (POSITION[0], POSITION[1], Amount("yaw_deg", -360.0, 360.0), Amount("horizon_deg", -90.0, 90.0, 0.0)),
+        Agent.teleport,
+    ),
+}
+_MANIPULATION: dict[str, ActionSpec] = {
+    "OpenObject": ActionSpec(True, (Amount("openness", 0.0, 1.0, 1.0),), Agent.open),
+    "CloseObject": ActionSpec(True, (), Agent.close),
+    "PickupObject": ActionSpec(True, (), Agent.pick_up),
+    "PutObject": ActionSpec(True, (), Agent.put),
+    "DropHandObject": ActionSpec(False, (), Agent.drop),
+    "MoveObject": ActionSpec(True, POSITION, lambda agent, target, x, y, z: agent.move_object(target, (x, y, z))),
+    "PushObject": ActionSpec(True, (_PUSH,), Agent.push),
+    "PullObject": ActionSpec(True, (_PUSH,), Agent.pull),
+    "MoveArm": ActionSpec(False, POSITION, lambda agent, x, y, z: agent.move_hand((x, y, z))),
+    "MoveArmBase": ActionSpec(False, (Amount("metres above the floor", 0.0, 3.0),), Agent.set_arm_base),
+}
+NAVIGATION, MANIPULATION = tuple(_NAVIGATION), tuple(_MANIPULATION)
+"""Names of the actions that move the agent or its camera and nothing else, and of those that do something."""
+DONE = "Done"
+ACTIONS: dict[str, ActionSpec] = {
+    **_NAVIGATION,
+    **_MANIPULATION,
+    DONE: ActionSpec(False, (), lambda agent: ActionResult(True)),
+}
+"""All actions by name."""
+
+
+def _amounts(action: Action) -> list[float]:
+    """The amounts of an action, with its defaults."""
+    spec = action_spec(action.name)
+    if spec.has_target != (action.target is not None) or len(action.numbers) > len(spec.amounts):
+        raise ActionError(f"{str(action)!r}: {_usage(action.name)}")
+    amounts = []
+    for place, amount in enumerate(spec.amounts):
+        value = action.numbers[place] if place < len(action.numbers) else amount.default
+        if value is None:
+            raise ActionError(f"{str(action)!r}: {_usage(action.name)}")
+        if not (math.isfinite(value) and amount.low <= value <= amount.high):
+            raise ActionError(f"{str(action)!r}: {amount.name} must be from {amount.low:g} to {amount.high:g}")
+        amounts.append(value)
+    return amounts
+
+
+def _usage(name: str) -> str:
+    spec = action_spec(name)
+    wanted = ["an object id or an image point"] if spec.has_target else []
+    wanted += [amount.name if amount.default is None else f"{amount.name} (optional)" for amount in spec.amounts]
+    return f"{name} takes {', '.join(wanted) or 'nothing'}"
+
+
+def _image_point(word: str, text: str) -> tuple[float, float]:
+    try:
+        x, y = (float(number) for number in word[1:].split(","))
+    except ValueError:
+        raise ActionError(f"{text!r}: an image point is written @x,y") from None
+    return x, y
+
+
+def _point(action: Action) -> tuple[float, float]:
+    assert isinstance(action.target, tuple)
+    return action.target

@@ -1,0 +1,251 @@
+"""An embodied agent in a room: where it stands and looks, what it holds, and what it can do.
+
+What the room refuses is an `ActionResult` that says why, in AI2-THOR's words; misuse, such as an unknown object or an
+openness of 2, is an exception. A refused action changes nothing, but for the arm, which stops where it was stopped.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+from remqa_data.catalog import object_type
+from remqa_data.errors import ActionError
+from remqa_data.geometry.types import Vec3
+from remqa_data.sim.agent import handling
+from remqa_data.sim.agent.body import DONE, ActionResult, Body, direction
+from remqa_data.sim.agent.embodiment import Embodiment
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.view import WorldView
+
+if TYPE_CHECKING:
+    from remqa_data.sim.arm.arm import Arm, ArmBase, ArmMove
+
+__all__ = ["ActionResult", "Agent", "Embodiment", "Hands"]
+
+Hands = Literal["arm", "reach", "near"]
+"""What it takes to act on a thing. "arm": the arm finds a way on which its hand touches it. "reach": the agent sees it
+and it is nowhere farther from the shoulder than the arm is long. "near": the agent sees it within its visibility
+distance, as AI2-THOR's agent without an arm."""
+
+MAX_PUSH_M = 0.75
+"""How far one action moves a thing."""
+
+
+class Agent(Body):
+    """An agent in a world.
+
+    Parameters
+    ----------
+    world : World
+        The room.
+    view : WorldView
+        Draws the room; what the agent holds is left out of its pictures.
+    position : sequence of float
+        x and y of the middle of its base, metres; a third number is ignored, it stands on the floor.
+    yaw_deg : float
+        Heading, counter-clockwise from +x.
+    horizon_deg : float
+        Tilt of the camera, positive looks down.
+    is_standing : bool
+        Whether it stands or crouches.
+    embodiment : Embodiment
+        Its body.
+    hands : {"arm", "reach", "near"}
+        What it takes to act on a thing.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        view: WorldView,
+        position: Sequence[float],
+        yaw_deg: float,
+        horizon_deg: float = 0.0,
+        is_standing: bool = True,
+        *,
+        embodiment: Embodiment | None = None,
+        hands: Hands = "reach",
+    ) -> None:
+        super().__init__(world, view, position, yaw_deg, horizon_deg, is_standing, embodiment=embodiment)
+        self.hands: Hands = hands
+
+    @property
+    def held(self) -> str | None:
+        """Id of what it holds."""
+        return self.world.held
+
+    @cached_property
+    def arm(self) -> Arm:
+        """Its arm, which is folded until it is used."""
+        from remqa_data.sim.arm.arm import Arm
+
+        return Arm(self.world)
+
+    @property
+    def base(self) -> ArmBase:
+        """Where it stands, as its arm wants to know it."""
+        from remqa_data.sim.arm.arm import ArmBase
+
+        return ArmBase(self.x, self.y, self.yaw_deg, self.world.scene.floor_z)
+
+    # ---- manipulating
+
+    def open(self, object_id: str, openness: float = 1.0, force: bool = False) -> ActionResult:
+        """Open an object to an openness from 0 to 1; what lies in its moving parts comes along."""
+        if not 0.0 <= openness <= 1.0:
+            raise ActionError(f"openness {openness} is not between 0 and 1")
+        was = self.world.state(object_id).openness
+        if not self.world.assets[object_id].is_openable:
+            return ActionResult(False, f"{object_id} is not openable")
+        if abs(was - openness) < 1e-6:
+            return ActionResult(False, f"{object_id} is already {'closed' if openness == 0.0 else 'open'}")
+        refusal = None if force else self._refusal(object_id) or self._swing_refusal(object_id, was, openness)
+        return refusal or ActionResult(True, value=self.world.open(object_id, openness))
+
+    def close(self, object_id: str, force: bool = False) -> ActionResult:
+        """Close an object."""
+        return self.open(object_id, 0.0, force)
+
+    def pick_up(self, object_id: str, force: bool = False) -> ActionResult:
+        """Take an object into the hand; what lay on it falls."""
+        if not object_type(self.world.type_of(object_id)).pickupable:
+            return ActionResult(False, f"{object_id} is not pickupable")
+        if self.held is not None:
+            return ActionResult(False, f"cannot pick up {object_id}: already holding {self.held}")
+        refusal = None if force else self._refusal(object_id)
+        if refusal is None:
+            carried = self.world.contents(object_id)
+            self.world.pick_up(object_id)
+            self.view.hide(object_id)
+            if carried:
+                handling.settle(self.world)
+        return refusal or DONE
+
+    def put(self, receptacle_id: str, force: bool = False) -> ActionResult:
+        """Put what is held into or onto a receptacle, where there is room nearest to the agent."""
+        if self.held is None:
+            return ActionResult(False, "nothing is held")
+        if not object_type(self.world.type_of(receptacle_id)).receptacle:
+            return ActionResult(False, f"{receptacle_id} is not a receptacle")
+        refusal = None if force else self._refusal(receptacle_id)
+        return refusal or self._released(handling.put_into(self.world, receptacle_id, (self.x, self.y)))
+
+    def drop(self) -> ActionResult:
+        """Let go of what is held; it falls in front of the agent, or under the hand where the arm is in use."""
+        if self.held is None:
+            return ActionResult(False, "nothing is held")
+        spots = [self.arm.hand(self.base)] if self.hands == "arm" else []
+        cos, sin = direction(self.yaw_deg)
+        for ahead, height in handling.DROP_SPOTS_M:
+            spots.append((self.x + ahead * cos, self.y + ahead * sin, self.world.scene.floor_z + height))
+        return self._released(handling.drop_at(self.world, spots))
+
+    def move_object(self, object_id: str, position: Vec3, force: bool = False) -> ActionResult:
+        """Bring the centre of an object somewhere near, metres, alone: what is in or under it stays where it is."""
+        if not _can_be_moved(self.world, object_id):
+            return ActionResult(False, f"{object_id} is not moveable")
+        if not force:
+            refusal = self._refusal(object_id)
+            if refusal is None and math.dist(self.world.state(object_id).position, position) > MAX_PUSH_M:
+                refusal = ActionResult(False, f"{object_id} cannot be moved more than {MAX_PUSH_M} m at once")
+            if refusal is None:
+                blocker = handling.blocker_at(self.world, object_id, position) or self._body_at(object_id, position)
+                refusal = ActionResult(False, f"{blocker} is blocking {object_id}") if blocker else None
+            if refusal is not None:
+                return refusal
+        self.world.move_alone(object_id, position)
+        return DONE
+
+    def push(self, object_id: str, distance_m: float = 0.25, angle_deg: float = 0.0) -> ActionResult:
+        """Slide an object away from the agent, or at an angle counter-clockwise from that; it stops before obstacles.
+
+        The result's value is the distance that it was moved, metres.
+        """
+        if not 0.0 < distance_m <= MAX_PUSH_M:
+            raise ActionError(f"a push goes more than 0 and at most {MAX_PUSH_M} m, not {distance_m}")
+        if not _can_be_moved(self.world, object_id):
+            return ActionResult(False, f"{object_id} is not moveable")
+        refusal = self._refusal(object_id)
+        if refusal is not None:
+            return refusal
+        x, y, _ = self.world.state(object_id).position
+        heading = math.atan2(y - self.y, x - self.x) + math.radians(angle_deg)
+        slide = handling.slide(
+            self.world, object_id, heading, distance_m, lambda position: self._body_at(object_id, position)
+        )
+        if slide.distance_m == 0.0:
+            return ActionResult(False, f"{slide.blocked_by} is blocking {object_id}")
+        return ActionResult(True, value=slide.distance_m)
+
+    def pull(self, object_id: str, distance_m: float = 0.25) -> ActionResult:
+        """Slide an object towards the agent."""
+        return self.push(object_id, distance_m, 180.0)
+
+    # ---- the arm
+
+    def move_hand(self, position: Vec3) -> ActionResult:
+        """Bring the hand to a point of the room, metres; the shoulder stays at its height."""
+        return _of_arm(self.arm.move_hand(self.base, position))
+
+    def set_arm_base(self, height_m: float) -> ActionResult:
+        """Slide the shoulder to a height above the floor."""
+        return _of_arm(self.arm.set_base_height(self.base, height_m))
+
+    # ---- helpers
+
+    def _prepare_to_move(self) -> None:
+        """Fold the arm, so that it meets nothing."""
+        if "arm" in self.__dict__:  # it has been used
+            from remqa_data.sim.arm.arm import HOME
+
+            self.arm.state = HOME
+
+    def _refusal(self, object_id: str) -> ActionResult | None:
+        """Why the agent cannot act on an object from here, or None; the arm, if it is in use, goes there."""
+        if object_id == self.held:
+            return ActionResult(False, f"{object_id} is held")
+        if self.hands == "arm":
+            result = _of_arm(self.arm.reach_object(self.base, object_id))
+            return None if result.success else ActionResult(False, f"{object_id}: {result.error}")
+        if object_id not in self.visible_objects():
+            return ActionResult(False, f"{object_id} is not visible")
+        is_near = (
+            self.plan_distance(object_id) <= self.embodiment.visibility_m
+            if self.hands == "near"
+            else self.reach_distance(object_id) <= self.embodiment.reach_m
+        )
+        return None if is_near else ActionResult(False, f"{object_id} is not within reach")
+
+    def _swing_refusal(self, object_id: str, was: float, openness: float) -> ActionResult | None:
+        """Why a door or drawer cannot move, because the agent itself is in its way."""
+        frame = self.world.state(object_id).matrix()
+        for share in (0.5, 1.0):
+            links = frame @ self.world.assets[object_id].link_poses(was + share * (openness - was))
+            if self.ground.meets_agent(object_id, links, (self.x, self.y)):
+                return ActionResult(False, f"Agent is blocking {object_id} from moving")
+        return None
+
+    def _body_at(self, object_id: str, position: Vec3) -> str | None:
+        """Whether the agent is in the way of an object that is to be somewhere else; its name in errors, or None."""
+        state = replace(self.world.state(object_id), position=position)
+        links = state.matrix() @ self.world.assets[object_id].link_poses(state.openness)
+        return "Agent" if self.ground.meets_agent(object_id, links, (self.x, self.y)) else None
+
+    def _released(self, done: handling.Release) -> ActionResult:
+        if done.object_id is None:
+            return ActionResult(False, done.error)
+        self.view.hide(done.object_id, False)
+        return ActionResult(True, value=done.object_id)
+
+
+def _can_be_moved(world: World, object_id: str) -> bool:
+    kind = object_type(world.type_of(object_id))
+    return kind.moveable or kind.pickupable
+
+
+def _of_arm(move: ArmMove) -> ActionResult:
+    return ActionResult(move.success, move.error, move)

@@ -1,0 +1,212 @@
+"""The agent as a body: where it stands and looks, what it sees, and how it walks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from remqa_data.errors import ActionError
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.sim.agent.embodiment import Embodiment
+from remqa_data.sim.navigation.grid import SHOULDER_HIGH_M, SHOULDER_LOW_M, ReachableGrid, reach_distance
+from remqa_data.sim.navigation.ground import Ground
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.view import WorldView
+
+
+@dataclass(frozen=True)
+class ActionResult:
+    """What came of an action: whether it was done, why not, and what it answers."""
+
+    success: bool
+    error: str = ""
+    value: Any = None
+
+
+DONE = ActionResult(True)
+
+
+class Body:
+    """What `remqa_data.sim.agent.agent.Agent` is without its hands; see there for the parameters."""
+
+    def __init__(
+        self,
+        world: World,
+        view: WorldView,
+        position: Sequence[float],
+        yaw_deg: float,
+        horizon_deg: float = 0.0,
+        is_standing: bool = True,
+        *,
+        embodiment: Embodiment | None = None,
+    ) -> None:
+        self.world, self.view = world, view
+        self.embodiment = embodiment or Embodiment()
+        self.ground = Ground(world, self.embodiment.radius_m)
+        self.place(position, yaw_deg, horizon_deg, is_standing)
+
+    # ---- where it is
+
+    def place(
+        self, position: Sequence[float], yaw_deg: float, horizon_deg: float = 0.0, is_standing: bool = True
+    ) -> None:
+        """Put the agent somewhere, unchecked, with its arm folded."""
+        self._prepare_to_move()
+        self.x, self.y = float(position[0]), float(position[1])
+        self.yaw_deg = _turn(float(yaw_deg))
+        self.horizon_deg = float(horizon_deg)
+        self.is_standing = is_standing
+
+    @property
+    def position(self) -> Vec3:
+        """The middle of its base on the floor, metres."""
+        return self.x, self.y, self.world.scene.floor_z
+
+    @property
+    def grid(self) -> ReachableGrid:
+        """Where it could stand, in the room as it is now."""
+        return self.ground.grid()
+
+    def camera(self, width: int = FRAME_PX, height: int = FRAME_PX) -> Camera:
+        """Its eye."""
+        body = self.embodiment
+        above = body.camera_height_m if self.is_standing else body.crouched_camera_height_m
+        eye = (self.x, self.y, self.world.scene.floor_z + above)
+        return Camera(eye, self.yaw_deg, self.horizon_deg, body.fov_deg, width, height)
+
+    # ---- what it sees
+
+    def object_at(self, x: float, y: float) -> str | None:
+        """Id of the object at a point of its view, shares (0 to 1) of the width and height from the top left corner.
+
+        Raises
+        ------
+        ActionError
+            If the point is not in the image.
+        """
+        if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
+            raise ActionError(f"the image point ({x}, {y}) is not between (0, 0) and (1, 1)")
+        image = self.view.instances(self.camera())
+        height, width = image.shape
+        index = image[min(int(y * height), height - 1), min(int(x * width), width - 1)]
+        return self.world.ids[index] if index >= 0 else None
+
+    def visible_objects(self, distance_m: float | None = None) -> list[str]:
+        """Ids of the objects that it sees, in the scene's order; with a distance, those nearer in plan, metres."""
+        seen = pixels_per_object(self.view, self.camera()) >= MIN_PIXELS
+        ids = [self.world.ids[index] for index in np.flatnonzero(seen)]
+        return ids if distance_m is None else [name for name in ids if self.plan_distance(name) <= distance_m]
+
+    # ---- walking and looking
+
+    def move(self, ahead_m: float, right_m: float = 0.0, force: bool = False) -> ActionResult:
+        """Walk straight; with `force` through anything."""
+        cos, sin = direction(self.yaw_deg)
+        x = self.x + ahead_m * cos + right_m * sin
+        y = self.y + ahead_m * sin - right_m * cos
+        return self._go(x, y, None if force else self.ground.blocker((self.x, self.y), (x, y)))
+
+    def rotate(self, degrees: float) -> ActionResult:
+        """Turn, counter-clockwise."""
+        self._prepare_to_move()
+        self.yaw_deg = _turn(self.yaw_deg + degrees)
+        return DONE
+
+    def look(self, degrees: float) -> ActionResult:
+        """Tilt the camera; positive is down."""
+        refusal = self._tilt_refusal(self.horizon_deg + degrees)
+        if refusal is None:
+            self.horizon_deg += degrees
+        return refusal or DONE
+
+    def teleport(
+        self,
+        x: float | None = None,
+        y: float | None = None,
+        yaw_deg: float | None = None,
+        horizon_deg: float | None = None,
+        is_standing: bool | None = None,
+        force: bool = False,
+    ) -> ActionResult:
+        """Be somewhere else, if the agent can stand there; what is not given stays as it is."""
+        x, y = self.x if x is None else float(x), self.y if y is None else float(y)
+        horizon = self.horizon_deg if horizon_deg is None else float(horizon_deg)
+        result = self._tilt_refusal(horizon) or self._go(x, y, None if force else self.ground.blocker_at(x, y))
+        if result.success:
+            yaw = self.yaw_deg if yaw_deg is None else yaw_deg
+            self.place((x, y), yaw, horizon, self.is_standing if is_standing is None else is_standing)
+        return result
+
+    def crouch(self) -> ActionResult:
+        """Lower the camera."""
+        return self._take_posture(False)
+
+    def stand(self) -> ActionResult:
+        """Stand up."""
+        return self._take_posture(True)
+
+    # ---- distances
+
+    def reach_distance(self, object_id: str) -> float:
+        """Metres from the shoulder, at its best height and facing an object, to the object."""
+        return reach_distance((self.x, self.y), self.world.scene.floor_z, self._nearest_point(object_id))
+
+    def plan_distance(self, object_id: str) -> float:
+        """Metres in plan from the middle of the agent to an object."""
+        return math.dist((self.x, self.y), self._nearest_point(object_id)[:2])
+
+    # ---- helpers
+
+    def _prepare_to_move(self) -> None:
+        """Called before the body moves."""
+
+    def _go(self, x: float, y: float, blocker: str | None) -> ActionResult:
+        if blocker is not None:
+            return ActionResult(False, f"{blocker} is blocking Agent from moving")
+        self._prepare_to_move()
+        self.x, self.y = x, y
+        return DONE
+
+    def _nearest_point(self, object_id: str) -> F64:
+        """The point of an object's closed box that is nearest to the agent and to the heights of its shoulder."""
+        state = self.world.state(object_id)
+        half = np.array(self.world.assets[object_id].spec.size) / 2
+        frame = state.matrix()
+        low, high = SHOULDER_LOW_M, SHOULDER_HIGH_M
+        height = min(max(state.position[2] - self.world.scene.floor_z, low), high)
+        shoulder = np.array([self.x, self.y, self.world.scene.floor_z + height])
+        local = np.clip(frame[:3, :3].T @ (shoulder - frame[:3, 3]), -half, half)
+        return np.asarray(frame[:3, :3] @ local + frame[:3, 3])
+
+    def _tilt_refusal(self, horizon_deg: float) -> ActionResult | None:
+        least, most = self.embodiment.least_horizon_deg, self.embodiment.most_horizon_deg
+        if least - 1e-6 <= horizon_deg <= most + 1e-6:
+            return None
+        return ActionResult(False, f"the camera tilts from {least:g} to {most:g} degrees, not to {horizon_deg:g}")
+
+    def _take_posture(self, is_standing: bool) -> ActionResult:
+        if self.is_standing == is_standing:
+            return ActionResult(False, f"the agent is {'standing' if is_standing else 'crouching'} already")
+        self.is_standing = is_standing
+        return DONE
+
+
+def direction(yaw_deg: float) -> tuple[float, float]:
+    """Cosine and sine; exact along the grid, so that whole steps stay on it."""
+    if yaw_deg % 90.0 == 0.0:
+        return _ALONG_GRID[int(yaw_deg // 90.0) % 4]
+    return math.cos(math.radians(yaw_deg)), math.sin(math.radians(yaw_deg))
+
+
+_ALONG_GRID = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+
+
+def _turn(degrees: float) -> float:
+    """Degrees from 0 to below 360; a tiny negative number would round to 360 itself."""
+    return degrees % 360.0 % 360.0

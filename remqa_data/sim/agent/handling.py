@@ -1,0 +1,180 @@
+"""What hands do to a world: put things down, let them fall, slide them along. Who acts, and from where, is not asked.
+
+Every function leaves the world either with the thing done and all at rest, or as it was.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.sim.physics.support import supports
+from remqa_data.sim.physics.world import World
+
+DROP_SPOTS_M = ((0.45, 0.9), (0.6, 0.9), (0.45, 1.3), (0.35, 1.1), (0.6, 0.4), (0.75, 0.9))
+"""Where a thing is let go: how far before the agent and how high above the floor, the best first."""
+OVERLAP_M = 0.005
+"""Things that rest on each other overlap less than this."""
+GAP_M = 0.003
+"""How far above its place a thing is let go."""
+LATTICE_M = 0.05
+TRIES = 3
+"""How many free places of a receptacle are tried: from some, things roll or tip off."""
+SLIDE_STEP_M = 0.025
+OPEN_ENOUGH = 0.3
+"""A thing can be put into a closed space that is open at least this much."""
+
+
+@dataclass(frozen=True)
+class Release:
+    """What was put down, or why it was not."""
+
+    object_id: str | None
+    error: str = ""
+
+
+@dataclass(frozen=True)
+class Slide:
+    """How far a thing was moved, metres, and what stopped it before its goal."""
+
+    distance_m: float
+    blocked_by: str = ""
+
+
+def put_into(world: World, receptacle_id: str, near: tuple[float, float]) -> Release:
+    """Put what is held into or onto a receptacle, at the free place nearest to a point; it must stay there."""
+    held = world.held
+    assert held is not None
+    asset = world.assets[receptacle_id]
+    is_open = asset.is_openable and world.state(receptacle_id).openness >= OPEN_ENOUGH
+    spaces = [space for space in asset.spaces if is_open or not space.enclosed]
+    if not spaces:
+        return Release(None, f"{receptacle_id} is {'closed' if asset.spaces else 'not a receptacle'}")
+    low, high = world.box(held) - np.array(world.state(held).position)
+    links = world.link_poses(receptacle_id)
+    spots = [
+        tuple(spot.tolist())
+        for space in spaces
+        for spot in _spots(links[space.link], np.array(space.box).reshape(2, 3), low, high)
+    ]
+    spots.sort(key=lambda spot: math.dist(spot[:2], near))
+    before = world.save()
+    for spot in islice((spot for spot in spots if _is_free(world, held, spot)), TRIES):
+        world.put(spot)
+        settle(world)
+        if _support(world, held) == receptacle_id:
+            return Release(held)
+        world.restore(before)
+    return Release(None, f"no free place for {held} in {receptacle_id}")
+
+
+def drop_at(world: World, spots: Sequence[Vec3]) -> Release:
+    """Let go of what is held at the first of some points where there is room for it, and let it fall."""
+    held = world.held
+    assert held is not None
+    before = world.save()
+    for spot in spots:
+        if _is_free(world, held, spot):
+            world.put(spot)
+            settle(world)
+            if world.state(held).position != spot:  # it fell, and not out of the room
+                return Release(held)
+            world.restore(before)
+    return Release(None, f"no room to drop {held}")
+
+
+def settle(world: World) -> None:
+    """Let all come to rest; what physics would push through the floor or out of the room stays where it was."""
+    before = world.save()
+    world.settle()
+    for object_id, state in before.states.items():
+        if not state.is_fixed and object_id != world.held and not _is_in_room(world, object_id):
+            world.move(object_id, state.position, state.quaternion)
+
+
+def blocker_at(world: World, object_id: str, position: Vec3) -> str | None:
+    """What fixed thing an object would overlap somewhere else; None if none. What is loose would be pushed aside."""
+    was = world.state(object_id).position
+    world.move_alone(object_id, position)
+    met = [other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M]
+    world.move_alone(object_id, was)
+    return next((other for other in met if other not in world.ids or world.state(other).is_fixed), None)
+
+
+def slide(
+    world: World, object_id: str, heading: float, distance_m: float, is_refused: Callable[[Vec3], str | None]
+) -> Slide:
+    """Slide an object, with what is in or on it, until it meets something; loose things come to rest afterwards.
+
+    Parameters
+    ----------
+    world : World
+        The room.
+    object_id : str
+        What to slide.
+    heading : float
+        Radians counter-clockwise from +x.
+    distance_m : float
+        How far at most.
+    is_refused : callable
+        Names what else is in the way of the object's centre being at a position, or gives None.
+    """
+    before, start = world.save(), np.array(world.state(object_id).position)
+    touching = {other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M}
+    touching.update(world.contents(object_id))
+    held_by = _support(world, object_id)
+    way = np.array([math.cos(heading), math.sin(heading), 0.0])
+    gone, blocker = 0.0, ""
+    for step in np.arange(SLIDE_STEP_M, distance_m + 1e-9, SLIDE_STEP_M).tolist():
+        x, y, z = (start + step * way).tolist()
+        refused = is_refused((x, y, z))
+        world.move(object_id, (x, y, z))
+        met = [other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M and other not in touching]
+        if met or refused:
+            blocker = refused or met[0]
+            x, y, z = (start + gone * way).tolist()
+            world.move(object_id, (x, y, z))
+            break
+        gone = step
+    if gone == 0.0:
+        world.restore(before)
+    elif world.state(object_id).is_fixed:
+        if _support(world, object_id) != held_by:
+            world.restore(before)  # physics does not move what is fixed, so it would hang in the air
+            return Slide(0.0, "the edge")
+    else:
+        settle(world)
+    return Slide(gone, blocker)
+
+
+def _spots(link: F64, box: F64, low: F64, high: F64) -> Iterator[F64]:
+    """Where the origin of a thing, whose box around it is (low, high), can be in a (2, 3) box of a link."""
+    room = (box[1] - box[0])[:2] / 2
+    half = np.minimum(np.maximum(-low, high)[:2], room)  # what is larger than its place lies in its middle
+    middle = (box[0] + box[1]) / 2
+    axes = [np.arange(-(r - h), r - h + 1e-9, LATTICE_M) for r, h in zip(room, half, strict=True)]
+    for dx in axes[0]:
+        for dy in axes[1]:
+            floor = link[:3, :3] @ np.array([middle[0] + dx, middle[1] + dy, box[0, 2]]) + link[:3, 3]
+            yield floor + np.array([0.0, 0.0, GAP_M - low[2]])
+
+
+def _is_free(world: World, object_id: str, spot: Vec3) -> bool:
+    world.move_alone(object_id, spot)
+    return not world.overlapping(object_id)
+
+
+def _support(world: World, object_id: str) -> str | None:
+    found = supports(world, {name: world.box(name) for name in world.ids}).get(object_id)
+    return found.id if found else None
+
+
+def _is_in_room(world: World, object_id: str) -> bool:
+    x0, y0, x1, y1 = world.scene.bounds
+    x, y, z = world.state(object_id).position
+    return x0 <= x <= x1 and y0 <= y <= y1 and z >= world.scene.floor_z

@@ -1,0 +1,117 @@
+"""Executing a list of actions in a room: what the oracle does, and how it is checked.
+
+Actions are written as `remqa_data.sim.agent.actions` says: `MoveAhead`, `OpenObject Fridge|...`, `MoveObject Stool|... 1 2 3`.
+"""
+
+from __future__ import annotations
+
+from remqa_data.errors import ActionError
+from remqa_data.geometry.types import Vec3
+from remqa_data.scene import Scene
+from remqa_data.sim.agent.actions import DONE, Action, parse_action, perform
+from remqa_data.sim.agent.agent import Agent, Embodiment
+from remqa_data.sim.agent.body import ActionResult
+from remqa_data.sim.navigation.grid import GRID_M, ReachableGrid
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, AgentPose
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.view import Observation, WorldView
+
+__all__ = ["CLOSE", "DONE", "MOVE", "OPEN", "PICK_UP", "Replay", "move_action", "open_action", "pick_up_action"]
+
+OPEN, CLOSE, PICK_UP, MOVE = "OpenObject", "CloseObject", "PickupObject", "MoveObject"
+TELEPORT = "Teleport"
+
+
+class Replay:
+    """An agent in a freshly loaded room.
+
+    Parameters
+    ----------
+    scene : Scene
+        The room; it is not settled again, because a stored one is at rest.
+    start : AgentPose
+        Where the agent stands.
+    embodiment : Embodiment, optional
+        Its body.
+
+    Attributes
+    ----------
+    agent : Agent
+        Acts on what it sees and what is within its arm's length.
+    grid : ReachableGrid
+        Where it could stand at first.
+    """
+
+    def __init__(self, scene: Scene, start: AgentPose, embodiment: Embodiment | None = None) -> None:
+        self.world = World(scene)
+        self.view = WorldView(self.world)
+        self.agent = Agent(self.world, self.view, (0.0, 0.0), 0.0, embodiment=embodiment)
+        self.grid: ReachableGrid = self.agent.grid
+        self.pose = start
+
+    @property
+    def pose(self) -> AgentPose:
+        """Where the agent stands and looks, rounded to the grid; may be set."""
+        agent = self.agent
+        cell = (round(agent.x / GRID_M), round(agent.y / GRID_M))
+        return AgentPose(cell, round(agent.yaw_deg) % 360, round(agent.horizon_deg), agent.is_standing)
+
+    @pose.setter
+    def pose(self, pose: AgentPose) -> None:
+        self.agent.place(self.grid.position(pose.cell), pose.yaw_deg, pose.horizon_deg, pose.is_standing)
+
+    def step(self, action: str) -> None:
+        """Execute one action.
+
+        Raises
+        ------
+        ActionError
+            If the room or the agent's body refuses it, or it cannot be read.
+        UnknownNameError
+            If it names an object that is not in the room.
+        """
+        result = self.attempt(action)
+        if not result.success:
+            raise ActionError(f"{action} from {self.pose}: {result.error}")
+
+    def attempt(self, action: str) -> ActionResult:
+        """Execute one action, or say why the room or the agent's body refuses it; nobody teleports.
+
+        Raises
+        ------
+        ActionError
+            If it cannot be read.
+        UnknownNameError
+            If it names an object that is not in the room.
+        """
+        parsed = parse_action(action)
+        if parsed.name == TELEPORT:
+            raise ActionError(f"{action}: an episode is played without {TELEPORT}")
+        return perform(self.agent, parsed)
+
+    def observe(self, size_px: int = FRAME_PX) -> Observation:
+        """What the agent sees now."""
+        return self.view.render(self.agent.camera(size_px, size_px))
+
+    def close(self) -> None:
+        """Give the simulator's memory back."""
+        self.world.close()
+
+
+def open_action(object_id: str) -> str:
+    """The action that opens an object."""
+    return str(Action(OPEN, object_id))
+
+
+def pick_up_action(object_id: str) -> str:
+    """The action that picks an object up."""
+    return str(Action(PICK_UP, object_id))
+
+
+def move_action(object_id: str, position: Vec3) -> str:
+    """The action that puts the centre of an object somewhere, metres.
+
+    >>> move_action("Stool|1", (1.25, -0.5, 0.38))
+    'MoveObject Stool|1 1.25 -0.5 0.38'
+    """
+    return str(Action(MOVE, object_id, position))

@@ -1,0 +1,1 @@
+"""The arm: kinematics, postures, obstacles, and the search for a free movement."""

@@ -1,0 +1,162 @@
+"""The agent's arm: a Kinova Jaco2 whose shoulder slides up and down a column that turns on the agent's base.
+
+A manipulation happens when the ball around the hand reaches the target; fingers do not grasp. The arm moves in straight
+lines of its joint space, and stops at the last step before it would push into anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+
+from remqa_data.assets.core.model import Surface
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.sim.arm import jaco
+from remqa_data.sim.arm.body import robot_poses, robot_surfaces
+from remqa_data.sim.arm.obstacles import Obstacles
+from remqa_data.sim.arm.postures import HOME, ArmBase, ArmState, link_poses
+from remqa_data.sim.arm.search import Goals, Search, Way
+from remqa_data.sim.arm.targets import Targets
+from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, SHOULDER_HIGH_M, SHOULDER_LOW_M
+from remqa_data.sim.physics.world import World
+
+__all__ = ["HOME", "Arm", "ArmBase", "ArmMove", "ArmState"]
+
+NOT_WITHIN_REACH = "not within reach"
+HAND_RADIUS_M = 0.06
+
+
+@dataclass(frozen=True)
+class ArmMove:
+    """What came of a movement.
+
+    Attributes
+    ----------
+    success : bool
+        Whether the arm got where it should.
+    error : str
+        "", "... is blocking", which names what was met, or "not within reach".
+    state : ArmState
+        How the arm is held now.
+    blocked_by : str or None
+        Id of the object that the arm met; "structure" for the building, "Agent" for its own column and base.
+    """
+
+    success: bool
+    error: str
+    state: ArmState
+    blocked_by: str | None = None
+
+
+class Arm:
+    """One arm; it knows nothing of the agent but where it stands.
+
+    Parameters
+    ----------
+    world : World
+        The room.
+
+    Attributes
+    ----------
+    state : ArmState
+        How the arm is held; may be set.
+    hand_radius_m : float
+        Radius of the ball around the hand; what it touches is reached. May be set, to 0.03 m and more: a smaller ball
+        would be inside of the finger tips.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.state = HOME
+        self.hand_radius_m = HAND_RADIUS_M
+        self._obstacles = Obstacles(world)
+        self._targets = Targets(world)
+
+    def shoulder(self, base: ArmBase) -> Vec3:
+        """The shoulder in the room, metres: from here the reach is measured."""
+        return _vec3(self.link_poses(base)[0] @ [0.0, 0.0, jaco.SHOULDER_M, 1.0])
+
+    def hand(self, base: ArmBase) -> Vec3:
+        """Centre of the hand's ball in the room, metres."""
+        return _vec3(self.link_poses(base)[jaco.HAND][:, 3])
+
+    def link_poses(self, base: ArmBase) -> F64:
+        """(8, 4, 4) poses in the room of the arm's foot, its six links and its hand."""
+        return np.asarray(link_poses(base, self.state.posture()[None])[0])
+
+    def move_hand(
+        self, base: ArmBase, target: Vec3, *, ignore: Collection[str] = (), free_height: bool = False
+    ) -> ArmMove:
+        """Bring the hand to a point, pointing wherever it likes.
+
+        Parameters
+        ----------
+        base : ArmBase
+            Where the agent stands.
+        target : tuple of float
+            Where the centre of the hand's ball should go, metres in the room.
+        ignore : collection of str
+            Objects that the hand may touch; the rest of the arm may not.
+        free_height : bool
+            Whether the column may slide and turn too.
+
+        Returns
+        -------
+        What came of it. When something is in the way of every movement that was tried, the arm stops before it.
+
+        Raises
+        ------
+        UnknownNameError
+            If an object to ignore is not there.
+        """
+        point = np.array(target, dtype=np.float64)
+        away = point - np.array(self.shoulder(base))
+        goals = Goals(point[None], away[None] / max(float(np.linalg.norm(away)), 1e-9))
+        return self._after(self._search(base, ignore).to(goals, free_column=free_height))
+
+    def set_base_height(self, base: ArmBase, height_m: float) -> ArmMove:
+        """Slide the shoulder to a height above the floor, metres, as far as it is free; the joints stay as they are."""
+        if not SHOULDER_LOW_M <= height_m <= SHOULDER_HIGH_M:
+            return ArmMove(False, NOT_WITHIN_REACH, self.state)
+        posture = self.state.posture()
+        posture[0] = height_m
+        return self._after(self._search(base).along(posture))
+
+    def reach_object(self, base: ArmBase, object_id: str) -> ArmMove:
+        """Touch an object with the hand's ball; the column slides and turns as it likes.
+
+        The points of the object's surface that are nearest to the shoulder are tried first.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such object.
+        """
+        goals = self._targets.goals(base, object_id, self.hand_radius_m)
+        return self._after(self._search(base, [object_id]).to(goals, free_column=True, from_outside=True))
+
+    def parts(self) -> tuple[tuple[Surface, ...], ...]:
+        """Surfaces of the whole agent, part by part: base, column, head, carriage, the arm's foot and links."""
+        return robot_surfaces()
+
+    def poses(self, base: ArmBase, camera_height_m: float = CAMERA_HEIGHT_M) -> F64:
+        """(n, 4, 4) poses of the parts in the room; the head is at the camera's height above the floor."""
+        return robot_poses(base, self.state, camera_height_m)
+
+    def _search(self, base: ArmBase, touchable: Collection[str] = ()) -> Search:
+        return Search(self._obstacles, base, self.state.posture(), touchable)
+
+    def _after(self, way: Way | None) -> ArmMove:
+        if way is None:
+            return ArmMove(False, NOT_WITHIN_REACH, self.state)
+        self.state = ArmState.of(way.posture)
+        if way.blocker is None:
+            return ArmMove(True, "", self.state)
+        name = self._obstacles.name(way.blocker)
+        return ArmMove(False, f"{name} is blocking", self.state, name)
+
+
+def _vec3(values: F64) -> Vec3:
+    return float(values[0]), float(values[1]), float(values[2])

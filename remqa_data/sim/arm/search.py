@@ -1,0 +1,219 @@
+"""Finding a movement of the arm: a posture that brings the hand somewhere, and a free way to it.
+
+All that is tried is tried in a fixed order, so that equal rooms give equal movements: goals, heights and turns of the
+column, directions of the hand, the closed-form postures of the arm, and a few ways of getting to each.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.geometry.types import F64
+from remqa_data.sim.arm.joint_paths import path, ways
+from remqa_data.sim.arm.obstacles import Obstacles, depth, first_push
+from remqa_data.sim.arm.postures import (
+    BALL_RADII_M,
+    HAND_BALLS,
+    ArmBase,
+    balls,
+    hand_balls,
+    link_poses,
+    postures_to,
+    shoulders,
+)
+from remqa_data.sim.navigation.grid import ARM_REACH_M, SHOULDER_HIGH_M, SHOULDER_LOW_M
+
+T = TypeVar("T")
+
+COARSE = 8
+"""A way is first tested at every eighth posture, which refuses most of those that are not free."""
+RISES_M = (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6)
+"""Heights of the shoulder over the target that are tried."""
+TURNS_DEG = (0.0, 40.0, -40.0)
+"""Turns of the column past the target that are tried."""
+BATCH = 32
+"""So many pairs of a column and a direction of the hand, with eight postures each, are tried at a time."""
+MAX_GOALS = 24
+"""So many points at which the tip of the hand is free are tried."""
+POSTURES_PER_BATCH = 3
+"""So many of the free postures of a batch are tried to get to, the shortest ways first."""
+
+
+class Goals(NamedTuple):
+    """Where the hand may go, the preferred places first.
+
+    Attributes
+    ----------
+    points : (n, 3) array
+        Metres, in the room.
+    axes : (n, 3) array
+        The directions in which it had best point there: unit vectors.
+    """
+
+    points: F64
+    axes: F64
+
+
+@dataclass(frozen=True)
+class Way:
+    """How far the arm gets.
+
+    Attributes
+    ----------
+    posture : (8,) array
+        Where it ends.
+    is_free : bool
+        Whether it gets to its end.
+    blocker : int or None
+        What stops it, as an owner of `Obstacles`.
+    """
+
+    posture: F64
+    is_free: bool
+    blocker: int | None
+
+
+class Search:
+    """Movements from one posture at one place of the agent.
+
+    Parameters
+    ----------
+    obstacles : Obstacles
+        The room.
+    base : ArmBase
+        Where the agent stands.
+    start : (8,) array
+        The arm's posture.
+    touchable : collection of str
+        Objects that the hand may touch, but not the rest of the arm.
+    """
+
+    def __init__(self, obstacles: Obstacles, base: ArmBase, start: F64, touchable: Collection[str] = ()) -> None:
+        self.base, self.start = base, start
+        self.boxes, self.owners = obstacles.near(base)
+        may_touch = np.isin(self.owners, obstacles.indices(touchable))
+        self.spared = HAND_BALLS[:, None] & may_touch[None]
+
+    def along(self, *waypoints: F64) -> Way:
+        """Go through postures in straight lines, as far as it is free."""
+        postures = path([self.start, *waypoints])
+        stop, box = self._first_push(postures)
+        return Way(postures[stop - 1], box < 0, None if box < 0 else int(self.owners[box]))
+
+    def to(self, goals: Goals, *, free_column: bool, from_outside: bool = False) -> Way | None:
+        """Bring the hand to one of some goals.
+
+        Parameters
+        ----------
+        goals : Goals
+            The first ones are preferred.
+        free_column : bool
+            Whether the column may slide and turn too.
+        from_outside : bool
+            Whether goals do not count at which the tip of the hand is inside of what the hand may touch.
+
+        Returns
+        -------
+        A free way; or the way to the first goal as far as the arm gets; or None if all are out of reach.
+        """
+        spared = np.zeros_like(self.spared[-1:]) if from_outside else self.spared[-1:]
+        tip_is_free = depth(goals.points[:, None], BALL_RADII_M[-1:], self.boxes, spared) <= 0.0
+        hopeful = [(goals.points[i], goals.axes[i]) for i in np.flatnonzero(tip_is_free)[:MAX_GOALS]]
+        batches = [self._free_batches(point, axis, free_column=free_column) for point, axis in hopeful]
+        for point, columns, axes in _in_turns(batches):
+            postures = postures_to(self.base, point, columns, axes, self.start)
+            for posture in postures[self._touches_nothing(postures)][:POSTURES_PER_BATCH]:
+                for waypoints in ways(self.base, self.start, posture):
+                    if self._first_push(path([self.start, *waypoints])[::COARSE])[1] < 0:
+                        way = self.along(*waypoints)
+                        if way.is_free:
+                            return way
+        return self._as_near_as_possible(goals, free_column=free_column)
+
+    def _as_near_as_possible(self, goals: Goals, *, free_column: bool) -> Way | None:
+        for goal, axis in zip(*goals, strict=True):
+            for batch in self._batches(goal, _fanned(axis), free_column=free_column):
+                postures = postures_to(self.base, *batch, self.start)
+                if len(postures):
+                    return self.along(postures[0])
+        return None
+
+    def _free_batches(self, point: F64, axis: F64, *, free_column: bool) -> Iterator[tuple[F64, F64, F64]]:
+        """The batches for a point in which the hand alone is free."""
+        fan = _fanned(axis)
+        placed = hand_balls(np.broadcast_to(point, fan.shape), fan)
+        is_free = depth(placed, BALL_RADII_M[HAND_BALLS], self.boxes, self.spared[HAND_BALLS]) <= 0.0
+        yield from self._batches(point, fan[is_free], free_column=free_column)
+
+    def _batches(self, point: F64, axes: F64, *, free_column: bool) -> Iterator[tuple[F64, F64, F64]]:
+        """A point with columns (k, 2) and directions of the hand (k, 3) to try there, a batch at a time, the best first."""
+        columns = self._columns(point, free_column=free_column)
+        ranked = _best_pairs(len(columns), len(axes))
+        for first in range(0, len(ranked), BATCH):
+            column, axis = ranked[first : first + BATCH].T
+            yield point, columns[column], axes[axis]
+
+    def _columns(self, point: F64, *, free_column: bool) -> F64:
+        """(k, 2) heights and turns of the column from which a point is in reach; the present ones first."""
+        columns = [self.start[:2]]
+        if free_column:
+            ahead = math.atan2(point[1] - self.base.y, point[0] - self.base.x) - math.radians(self.base.yaw_deg)
+            for turn, rise in itertools.product(TURNS_DEG, RISES_M):
+                height = min(max(point[2] - self.base.floor_z + rise, SHOULDER_LOW_M), SHOULDER_HIGH_M)
+                columns.append(np.array([height, _wrapped(ahead + math.radians(turn))]))
+        stacked = np.array(columns)
+        is_near = np.linalg.norm(shoulders(self.base, stacked) - point, axis=1) <= ARM_REACH_M
+        return np.asarray(stacked[is_near])
+
+    def _touches_nothing(self, postures: F64) -> npt.NDArray[np.bool_]:
+        placed = balls(link_poses(self.base, postures))
+        return np.asarray(depth(placed, BALL_RADII_M, self.boxes, self.spared) <= 0.0)
+
+    def _first_push(self, postures: F64) -> tuple[int, int]:
+        """The first of successive postures that pushes into a box, and the box; see `first_push`."""
+        placed = balls(link_poses(self.base, postures))
+        return first_push(placed, BALL_RADII_M, self.boxes, self.spared)
+
+
+def _in_turns(iterators: Iterable[Iterator[T]]) -> Iterator[T]:
+    """The first item of each, then the second of each, and so on."""
+    waiting = list(iterators)
+    while waiting:
+        left = []
+        for iterator in waiting:
+            for item in itertools.islice(iterator, 1):
+                left.append(iterator)
+                yield item
+        waiting = left
+
+
+@lru_cache
+def _best_pairs(first: int, second: int) -> npt.NDArray[np.int64]:
+    """(first * second, 2) pairs of places in two ranked lists: those with the least sum of places first."""
+    pairs = np.array(list(np.ndindex(first, second)), dtype=np.int64).reshape(-1, 2)
+    return pairs[np.argsort(pairs.sum(axis=1), kind="stable")]
+
+
+def _fanned(axis: F64) -> F64:
+    """(27, 3) directions: one, then 26 all around, those nearest to it first."""
+    directions = _all_around()
+    nearest_first = np.argsort(-np.round(directions @ axis, 9), kind="stable")
+    return np.vstack([axis, directions[nearest_first]])
+
+
+@lru_cache
+def _all_around() -> F64:
+    lattice = np.array([d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)])
+    return np.asarray(lattice / np.linalg.norm(lattice, axis=1, keepdims=True))
+
+
+def _wrapped(angle: float) -> float:
+    return (angle + math.pi) % (2 * math.pi) - math.pi

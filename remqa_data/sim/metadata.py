@@ -1,0 +1,201 @@
+"""What the simulator says about objects and the agent: plain typed records, of the whole room or of one frame.
+
+World frame: right-handed, z up, metres; yaw in degrees counter-clockwise from +x.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+from scipy.ndimage import find_objects
+
+from remqa_data.geometry.types import F64, Box, Vec3
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixel_counts
+from remqa_data.sim.physics.support import SupportKind, supports
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.view import Observation
+
+Box2D = tuple[int, int, int, int]
+"""[x1, y1, x2, y2) in pixels, half open."""
+
+
+@dataclass(frozen=True)
+class AgentState:
+    """Where the agent is.
+
+    Attributes
+    ----------
+    position : tuple of float
+        The middle of its base: x and y of its grid cell, z of the floor, metres. The camera is 1.576 m above.
+    yaw_deg : float
+        Where it faces, counter-clockwise from +x.
+    horizon_deg : float
+        Where the camera looks; positive is down.
+    """
+
+    position: Vec3
+    yaw_deg: float
+    horizon_deg: float
+
+
+@dataclass(frozen=True)
+class ObjectMetadata:
+    """One object as it is now.
+
+    Attributes
+    ----------
+    id : str
+        AI2-THOR's objectId.
+    type : str
+        Such as "Mug".
+    color, substance : str
+        Words for what one sees most of, such as "red" and "ceramic".
+    box : tuple of float
+        Axis-aligned box of the visible mesh: x0, y0, z0, x1, y1, z1 in metres, world frame.
+    openness : float
+        0 (closed) to 1 (open).
+    is_picked_up : bool
+        Whether the agent holds it; then it is nowhere in the room, whatever `box` says.
+    support : str or None
+        Id of the receptacle that holds it, see `remqa_data.sim.physics.support`; the floor's id for what stands on the floor; None
+        for what rests on nothing that is an object.
+    support_kind : {"in", "on"} or None
+        How the receptacle holds it: "in" what encloses it or has walls around it, else "on".
+    facing_deg : float or None
+        Where its front looks, degrees counter-clockwise from +x, 0 to 360: who stands before it sees its left on the
+        left. None if not known.
+    """
+
+    id: str
+    type: str
+    color: str
+    substance: str
+    box: Box
+    openness: float
+    is_picked_up: bool
+    support: str | None
+    support_kind: SupportKind | None
+    facing_deg: float | None = field(default=None, kw_only=True)
+
+
+@dataclass(frozen=True)
+class VisibleObject(ObjectMetadata):
+    """One object of which a frame shows enough pixels.
+
+    Attributes
+    ----------
+    box_2d : tuple of int
+        Tight box of its pixels, [x1, y1, x2, y2) half open.
+    pixels : int
+        How many pixels show it.
+    distance_m : float
+        From the camera to the nearest point of its 3D box.
+    """
+
+    box_2d: Box2D
+    pixels: int
+    distance_m: float
+
+
+@dataclass(frozen=True)
+class FrameMetadata:
+    """One frame: where it was taken and what it shows, in the scene's order."""
+
+    agent: AgentState
+    objects: tuple[VisibleObject, ...]
+
+
+def object_metadata(world: World) -> dict[str, ObjectMetadata]:
+    """The ground truth of a whole world as it is now, by id, in the scene's order."""
+    boxes = {object_id: world.box(object_id) for object_id in world.ids}
+    held_by = supports(world, boxes)
+    records = {}
+    for object_id in world.ids:
+        asset = world.assets[object_id]
+        support = held_by.get(object_id)
+        low, high = boxes[object_id]
+        records[object_id] = ObjectMetadata(
+            id=object_id,
+            type=world.type_of(object_id),
+            color=asset.color,
+            substance=asset.substance,
+            box=(float(low[0]), float(low[1]), float(low[2]), float(high[0]), float(high[1]), float(high[2])),
+            openness=float(world.state(object_id).openness),
+            is_picked_up=object_id == world.held,
+            support=support.id if support else None,
+            support_kind=support.kind if support else None,
+            facing_deg=_facing_deg(world.state(object_id).matrix()),
+        )
+    return records
+
+
+def frame_metadata(
+    world: World,
+    observation: Observation,
+    agent: AgentState,
+    camera: Camera,
+    min_pixels: int | None = None,
+    known: Mapping[str, ObjectMetadata] | None = None,
+) -> FrameMetadata:
+    """What one frame shows.
+
+    Parameters
+    ----------
+    world : World
+        As it was when the frame was drawn.
+    observation : Observation
+        The frame.
+    agent : AgentState
+        Where the agent was.
+    camera : Camera
+        What drew the frame.
+    min_pixels : int, optional
+        An object is listed when at least this many pixels are its own; by default `viewpoints.MIN_PIXELS`, which is
+        meant for a 300 x 300 frame, in proportion to the area of this frame.
+    known : mapping, optional
+        `object_metadata(world)`, if the caller has it already: for many frames of one unchanged world.
+    """
+    records = object_metadata(world) if known is None else known
+    image = observation.objects
+    least = scaled_min_pixels(image.shape) if min_pixels is None else min_pixels
+    counts = pixel_counts(image, len(world.ids))
+    boxes = find_objects(image + 1)
+    eye = np.asarray(camera.position)
+    visible = []
+    for index in np.flatnonzero(counts >= max(least, 1)):
+        record = records[world.ids[index]]
+        box = np.asarray(record.box)
+        visible.append(
+            VisibleObject(
+                **{name: getattr(record, name) for name in _SHARED},
+                box_2d=_box_2d(*boxes[index]),
+                pixels=int(counts[index]),
+                distance_m=float(np.linalg.norm(eye - np.clip(eye, box[:3], box[3:]))),
+            )
+        )
+    return FrameMetadata(agent, tuple(visible))
+
+
+def scaled_min_pixels(shape: tuple[int, ...]) -> int:
+    """Pixels that make an object visible in a frame of a (height, width): the same share of it as in 300 x 300.
+
+    >>> scaled_min_pixels((300, 300)), scaled_min_pixels((600, 600)), scaled_min_pixels((10, 10))
+    (50, 200, 1)
+    """
+    return max(1, round(MIN_PIXELS * shape[0] * shape[1] / FRAME_PX**2))
+
+
+_SHARED = tuple(f.name for f in fields(ObjectMetadata))
+
+
+def _facing_deg(pose: F64) -> float:
+    """Where the front, which is at -y of the asset, looks in the world."""
+    return round(math.degrees(math.atan2(-pose[1, 1], -pose[0, 1])), 6) % 360.0
+
+
+def _box_2d(rows: slice, columns: slice) -> Box2D:
+    return int(columns.start), int(rows.start), int(columns.stop), int(rows.stop)

@@ -1,0 +1,220 @@
+"""Where the agent can stand, and from where it can reach: a grid over the floor and the paths between its cells.
+
+The agent is a cylinder. The floor is rasterised finely, everything between ankle and head height blocks it, and a cell of
+the coarse grid is free when the nearest obstacle is farther than the agent's radius; two neighbouring cells are joined
+when the whole step between them is free.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import chain
+
+import cv2
+import networkx as nx
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.assets.core.model import Asset
+from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry.types import F64, Rect, Vec3
+from remqa_data.scene import Scene
+from remqa_data.sim.physics.world import World
+
+GRID_M = 0.25
+AGENT_RADIUS_M = 0.20
+AGENT_HEIGHT_M = 1.80
+STEP_OVER_M = 0.05
+"""Lower things (rugs, a doorstep) do not stop the agent."""
+FINE_M = 0.02
+ARM_REACH_M = 0.63
+SHOULDER_LOW_M, SHOULDER_HIGH_M = 0.45, 1.80
+SHOULDER_AHEAD_M = 0.15
+"""The shoulder slides up and down a column (metres above the floor) that stands this far ahead of the agent's middle, so
+that the base, 0.20 m in radius, does not eat up the arm's reach; the agent turns to face what it reaches for."""
+CAMERA_HEIGHT_M = 1.576
+CROUCHED_CAMERA_HEIGHT_M = 0.901
+"""AI2-THOR's agent lowers its camera by 0.675 m when it crouches."""
+
+Cell = tuple[int, int]
+Outline = npt.NDArray[np.float32]
+"""(n, 1, 2) corners of a convex outline on the floor, metres."""
+
+
+@dataclass(frozen=True)
+class ReachableGrid:
+    """The cells that the agent can get to: the connected part of the floor that most things are nearest to.
+
+    Attributes
+    ----------
+    cells : tuple of (int, int)
+        Sorted; cell (i, j) has its centre at (i, j) * 0.25 m in the room.
+    graph : networkx.Graph
+        The same cells, joined where a step is free.
+    other_parts : tuple of int
+        Sizes of the parts of the floor that cannot be reached from there (behind a shower door, a bar), largest first.
+    """
+
+    cells: tuple[Cell, ...]
+    graph: nx.Graph[Cell]
+    other_parts: tuple[int, ...]
+    floor_z: float
+
+    def position(self, cell: Cell) -> tuple[float, float]:
+        """Centre of a cell in the room, metres."""
+        return cell[0] * GRID_M, cell[1] * GRID_M
+
+    def positions(self) -> F64:
+        """(n, 2) centres of all cells."""
+        return np.array(self.cells, dtype=np.float64).reshape(-1, 2) * GRID_M
+
+
+def reachable_grid(world: World) -> ReachableGrid:
+    """The grid of a world as it is now; everything between ankle and head height blocks, but for what is held."""
+    clearance = clearance_map(world)
+    x0, y0, x1, y1 = world.scene.bounds
+    free: set[Cell] = set()
+    for i in range(math.ceil(x0 / GRID_M), math.floor(x1 / GRID_M) + 1):
+        for j in range(math.ceil(y0 / GRID_M), math.floor(y1 / GRID_M) + 1):
+            if clearance.at(i * GRID_M, j * GRID_M) > AGENT_RADIUS_M:
+                free.add((i, j))
+    graph: nx.Graph[Cell] = nx.Graph()
+    graph.add_nodes_from(sorted(free))
+    for i, j in sorted(free):
+        for k, m in ((i + 1, j), (i, j + 1)):
+            if (k, m) in free and all(
+                clearance.at((i + t * (k - i)) * GRID_M, (j + t * (m - j)) * GRID_M) > AGENT_RADIUS_M
+                for t in (0.25, 0.5, 0.75)
+            ):
+                graph.add_edge((i, j), (k, m))
+    parts = sorted((sorted(part) for part in nx.connected_components(graph)), key=lambda part: (-len(part), part))
+    if not parts:
+        return ReachableGrid((), nx.Graph(), (), world.scene.floor_z)
+    main = _part_nearest_to_most(world, parts)
+    sizes = tuple(len(part) for part in parts if part is not main)
+    return ReachableGrid(tuple(main), nx.Graph(graph.subgraph(main)), sizes, world.scene.floor_z)
+
+
+def _part_nearest_to_most(world: World, parts: list[list[Cell]]) -> list[Cell]:
+    """The part that is nearest to the largest number of objects; the largest such part."""
+    things = np.array([world.state(object_id).position[:2] for object_id in world.ids]).reshape(-1, 2)
+    gaps = [np.linalg.norm(things[:, None] - np.array(part)[None] * GRID_M, axis=2).min(axis=1) for part in parts]
+    votes = np.bincount(np.argmin(gaps, axis=0), minlength=len(parts))
+    return parts[int(votes.argmax())]
+
+
+def obstacles(world: World) -> list[Outline]:
+    """Plan outlines of all that blocks the agent."""
+    return [*building_outlines(world.scene), *chain(*(object_outlines(world, name) for name in solid_ids(world)))]
+
+
+def solid_ids(world: World) -> list[str]:
+    """The objects that may block the agent: all but the floor and what is held."""
+    return [name for name in world.ids if name != world.held and world.type_of(name) != "Floor"]
+
+
+def building_outlines(scene: Scene) -> list[Outline]:
+    """Plan outlines of the walls and what is built in, between ankle and head height."""
+    low, high = scene.floor_z + STEP_OVER_M, scene.floor_z + AGENT_HEIGHT_M
+    outlines = []
+    for part in scene.structure:
+        x0, y0, z0, x1, y1, z1 = part.box
+        if z1 > low and z0 < high:
+            outlines.append(_outline([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]))
+    return outlines
+
+
+def object_outlines(world: World, object_id: str, first_link: int = 0) -> list[Outline]:
+    """`body_outlines` of an object as it is now."""
+    return body_outlines(world.assets[object_id], world.link_poses(object_id), world.scene.floor_z, first_link)
+
+
+def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int = 0) -> list[Outline]:
+    """Plan outlines of one object, its links at (n, 4, 4) poses in the room, between ankle and head height.
+
+    With `first_link` 1, only of what moves when it opens.
+    """
+    low, high = floor_z + STEP_OVER_M, floor_z + AGENT_HEIGHT_M
+    outlines = []
+    for link, pose in zip(asset.links[first_link:], link_poses[first_link:], strict=True):
+        for box in link.boxes:
+            corners = _CORNERS * box.size @ rotation_of(box.quaternion).T + box.centre
+            placed = corners @ pose[:3, :3].T + pose[:3, 3]
+            if placed[:, 2].max() > low and placed[:, 2].min() < high:
+                outlines.append(_outline(placed[:, :2]))
+    return outlines
+
+
+def outline_distance(outlines: Iterable[Outline], point: tuple[float, float]) -> float:
+    """Metres from a point to the nearest of some outlines; 0 inside one."""
+    return min((max(0.0, -cv2.pointPolygonTest(outline, point, True)) for outline in outlines), default=math.inf)
+
+
+def reach_distance(position: tuple[float, float], floor_z: float, point: Vec3 | F64) -> float:
+    """Metres from the shoulder, at its best height and facing the point, to a point; the arm reaches 0.63 m."""
+    x, y, z = (float(v) for v in point)
+    shoulder = min(max(z, floor_z + SHOULDER_LOW_M), floor_z + SHOULDER_HIGH_M)
+    ahead = max(math.dist(position, (x, y)) - SHOULDER_AHEAD_M, 0.0)
+    return math.hypot(ahead, z - shoulder)
+
+
+def cells_in_reach(grid: ReachableGrid, points: Iterable[Vec3] | F64, reach_m: float = ARM_REACH_M) -> list[Cell]:
+    """Cells from which the arm reaches at least one of some points."""
+    targets = [np.asarray(point, dtype=np.float64) for point in points]
+    return [
+        cell
+        for cell in grid.cells
+        if any(reach_distance(grid.position(cell), grid.floor_z, target) <= reach_m for target in targets)
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Clearance:
+    """How far the nearest obstacle is, on a fine raster.
+
+    Attributes
+    ----------
+    distance_m : (rows, columns) float32
+    corner : tuple of float
+        x, y of entry (0, 0), metres.
+    """
+
+    distance_m: npt.NDArray[np.float32]
+    corner: tuple[float, float]
+
+    def at(self, x: float, y: float) -> float:
+        """Metres from a point of the room to the nearest obstacle; 0 outside the room."""
+        column, row = round((x - self.corner[0]) / FINE_M), round((y - self.corner[1]) / FINE_M)
+        if not (0 <= row < self.distance_m.shape[0] and 0 <= column < self.distance_m.shape[1]):
+            return 0.0
+        return float(self.distance_m[row, column])
+
+
+def clearance_map(world: World) -> Clearance:
+    """The clearance of a world as it is now; the border of the room counts as an obstacle."""
+    return clearance_from(world.scene.bounds, obstacles(world))
+
+
+def clearance_from(bounds: Rect, outlines: Iterable[Outline]) -> Clearance:
+    """The clearance of a room with given bounds and obstacles."""
+    x0, y0, x1, y1 = bounds
+    columns, rows = math.ceil((x1 - x0) / FINE_M) + 1, math.ceil((y1 - y0) / FINE_M) + 1
+    free = np.full((rows + 2, columns + 2), 255, dtype=np.uint8)
+    free[[0, -1], :] = 0
+    free[:, [0, -1]] = 0
+    scale = 1 << _SHIFT
+    for outline in outlines:
+        pixels = np.round(((outline - np.array([x0, y0])) / FINE_M + 1) * scale).astype(np.int32)
+        cv2.fillConvexPoly(free, pixels, 0, shift=_SHIFT)
+    distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * FINE_M
+    return Clearance(np.asarray(distance, dtype=np.float32), (x0 - FINE_M, y0 - FINE_M))
+
+
+_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+_SHIFT = 4
+
+
+def _outline(points: npt.ArrayLike) -> Outline:
+    return np.asarray(cv2.convexHull(np.asarray(points, dtype=np.float32)), dtype=np.float32)

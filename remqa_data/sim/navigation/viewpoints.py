@@ -1,0 +1,102 @@
+"""From where things are seen: agent poses on the grid and what a camera there shows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.geometry.types import F64, I32
+from remqa_data.sim.navigation.grid import (
+    CAMERA_HEIGHT_M,
+    CROUCHED_CAMERA_HEIGHT_M,
+    Cell,
+    ReachableGrid,
+    cells_in_reach,
+)
+from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.view import WorldView
+
+HEADINGS_DEG = (0, 90, 180, 270)
+HORIZONS_DEG = (-30, 0, 30, 60)
+MIN_PIXELS = 50
+"""An object is visible in a 300 x 300 frame when at least this many pixels are its own."""
+FRAME_PX = 300
+
+
+@dataclass(frozen=True, order=True)
+class AgentPose:
+    """Where the agent is and looks: a grid cell, a heading (degrees counter-clockwise from +x), a horizon, its posture."""
+
+    cell: Cell
+    yaw_deg: int
+    horizon_deg: int = 0
+    is_standing: bool = True
+
+    def camera(self, grid: ReachableGrid, size_px: int = FRAME_PX) -> Camera:
+        """The agent's camera there."""
+        x, y = grid.position(self.cell)
+        height = CAMERA_HEIGHT_M if self.is_standing else CROUCHED_CAMERA_HEIGHT_M
+        eye = (x, y, grid.floor_z + height)
+        return Camera(eye, float(self.yaw_deg), float(self.horizon_deg), width=size_px, height=size_px)
+
+
+def pixels_per_object(view: WorldView, camera: Camera) -> npt.NDArray[np.int64]:
+    """(objects,) number of pixels that show each object, in the scene's order."""
+    return pixel_counts(view.instances(camera), len(view.world.ids))
+
+
+def pixel_counts(image: I32, objects: int) -> npt.NDArray[np.int64]:
+    """(objects,) number of pixels of each object in an image of object indices, -1 for none."""
+    return np.bincount(image.ravel() + 1, minlength=objects + 1)[1:]
+
+
+def facing_poses(
+    grid: ReachableGrid, cells: Iterable[Cell], point: F64, *, is_standing: bool = True
+) -> Iterator[AgentPose]:
+    """Poses at some cells that look towards a point: nearest cells first, then the heading and horizon nearest to it."""
+    x, y, z = (float(v) for v in point)
+    height = CAMERA_HEIGHT_M if is_standing else CROUCHED_CAMERA_HEIGHT_M
+    for cell in sorted(cells, key=lambda c: (math.dist(grid.position(c), (x, y)), c)):
+        px, py = grid.position(cell)
+        yaw = math.degrees(math.atan2(y - py, x - px)) % 360
+        down = math.degrees(math.atan2(grid.floor_z + height - z, max(math.dist((px, py), (x, y)), 1e-6)))
+        headings = sorted(HEADINGS_DEG, key=lambda h: (abs((h - yaw + 180) % 360 - 180), h))[:2]
+        for horizon in sorted(HORIZONS_DEG, key=lambda h: (abs(h - down), h))[:2]:
+            for heading in headings:
+                yield AgentPose(cell, heading, horizon, is_standing)
+
+
+def pose_that_sees_and_reaches(view: WorldView, grid: ReachableGrid, object_id: str, points: F64) -> AgentPose | None:
+    """The nearest pose that sees an object and from which the arm reaches one of some points of it, or None.
+
+    A standing pose is preferred; low drawers under a deep worktop are only seen by an agent that crouches.
+    """
+    index = view.world.ids.index(object_id)
+    middle = np.mean(view.world.box(object_id), axis=0)
+    cells = cells_in_reach(grid, points)
+    for is_standing in (True, False):
+        for pose in facing_poses(grid, cells, middle, is_standing=is_standing):
+            if pixels_per_object(view, pose.camera(grid))[index] >= MIN_PIXELS:
+                return pose
+    return None
+
+
+def front_points(view: WorldView, object_id: str, count: int = 5) -> F64:
+    """(n, 3) points spread over the front of an object, and over its top where it opens upwards, in the room."""
+    state = view.world.state(object_id)
+    half = np.array(view.world.assets[object_id].spec.size) / 2
+    spread = np.linspace(-0.9, 0.9, count)
+    a, b = (axis.ravel() for axis in np.meshgrid(spread, spread))
+    front = np.column_stack([a, -np.ones_like(a), b])
+    top = np.column_stack([a, b, np.ones_like(a)])
+    opens_up = view.world.type_of(object_id) in OPENS_UPWARDS
+    local = (np.vstack([front, top]) if opens_up else front) * half
+    pose = state.matrix()
+    return np.asarray(local @ pose[:3, :3].T + pose[:3, 3])
+
+
+OPENS_UPWARDS = frozenset({"Box", "LaundryHamper", "Toilet", "Kettle", "Laptop", "Book"})

@@ -1,0 +1,1 @@
+"""The world that PyBullet simulates: bodies, joints, poses, and what rests on what."""

@@ -1,0 +1,222 @@
+"""The side of a world that PyBullet knows: collision boxes, joints and poses."""
+
+from __future__ import annotations
+
+import math
+import weakref
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from remqa_data.assets.core.model import Asset, Joint
+from remqa_data.catalog import object_type
+from remqa_data.geometry.types import F64, Box, Vec3
+from remqa_data.scene import Quaternion
+from remqa_data.sim.physics.bullet import pybullet
+from remqa_data.sim.physics.state import ObjectState
+
+TIME_STEP_S = 1 / 240
+GRAVITY_M_S2 = -9.81
+FRICTION = 0.7
+ROLLING_FRICTION = 0.002
+LINEAR_DAMPING, ANGULAR_DAMPING = 0.2, 0.6
+MIN_MASS_KG = 0.05
+"""Lighter things (a credit card weighs 6 g) make the solver restless; they are simulated with this mass."""
+MAX_COMPOUND = 16
+"""PyBullet silently drops the shapes of a compound beyond this number."""
+STILL_M_S, STILL_RAD_S = 0.003, 0.15
+"""What moves and turns no faster than this is at rest."""
+
+STRUCTURE_NAME = "structure"
+"""What the building is called where things touch it."""
+
+
+class Bodies:
+    """The bodies of one PyBullet client, which is disconnected by `close`, or with the last reference to this.
+
+    Attributes
+    ----------
+    client : int
+        For questions to PyBullet that this class does not answer.
+    """
+
+    def __init__(self) -> None:
+        self.client = int(pybullet.connect(pybullet.DIRECT))
+        self._disconnect = weakref.finalize(self, pybullet.disconnect, self.client)
+        self._assets: Mapping[str, Asset] = {}
+        self._of: dict[str, int] = {}
+        self._structure: list[int] = []
+
+    def load(self, structure: Sequence[Box], assets: Mapping[str, Asset], states: Mapping[str, ObjectState]) -> None:
+        """Begin afresh with a building and objects; the same arguments always give the same simulation."""
+        pybullet.resetSimulation(physicsClientId=self.client)
+        pybullet.setGravity(0, 0, GRAVITY_M_S2, physicsClientId=self.client)
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=TIME_STEP_S,
+            numSolverIterations=30,
+            deterministicOverlappingPairs=1,
+            physicsClientId=self.client,
+        )
+        self._assets = assets
+        self._structure = self._static_boxes(structure)
+        self._of = {}
+        for object_id, state in states.items():
+            self._of[object_id] = self._create(assets[object_id], state)
+            self.place(object_id, state)
+
+    def step(self, steps: int) -> None:
+        """Let time pass, in steps of 1/240 s."""
+        for _ in range(steps):
+            pybullet.stepSimulation(physicsClientId=self.client)
+
+    def are_still(self, object_ids: Iterable[str]) -> bool:
+        """Whether none of some objects moves or turns to speak of."""
+        for object_id in object_ids:
+            velocity, turning = pybullet.getBaseVelocity(self._of[object_id], physicsClientId=self.client)
+            if math.hypot(*velocity) > STILL_M_S or math.hypot(*turning) > STILL_RAD_S:
+                return False
+        return True
+
+    def pose(self, object_id: str) -> tuple[Vec3, Quaternion]:
+        """Where physics has moved an object."""
+        position, quaternion = pybullet.getBasePositionAndOrientation(self._of[object_id], physicsClientId=self.client)
+        return position, quaternion
+
+    def place(self, object_id: str, state: ObjectState) -> None:
+        """Put an object and its joints where they are said to be, at rest."""
+        body = self._of[object_id]
+        pybullet.resetBasePositionAndOrientation(body, state.position, state.quaternion, physicsClientId=self.client)
+        if not state.is_fixed:
+            pybullet.resetBaseVelocity(body, (0, 0, 0), (0, 0, 0), physicsClientId=self.client)
+        for i, link in enumerate(self._assets[object_id].links[1:]):
+            assert link.joint is not None
+            pybullet.resetJointState(body, i, link.joint.upper * state.openness, physicsClientId=self.client)
+
+    def set_collisions(self, object_id: str, enabled: bool) -> None:
+        """Let other bodies and rays meet an object, or pass through it."""
+        body = self._of[object_id]
+        for link in range(-1, pybullet.getNumJoints(body, physicsClientId=self.client)):
+            pybullet.setCollisionFilterGroupMask(
+                body, link, int(enabled), -1 if enabled else 0, physicsClientId=self.client
+            )
+
+    def nearby(self, object_id: str, box: F64, margin_m: float) -> dict[str, float]:
+        """Distance to everything that comes closer to an object, whose (2, 3) box is given, than a margin; metres."""
+        body = self._of[object_id]
+        low, high = box[0] - margin_m - 0.02, box[1] + margin_m + 0.02
+        pairs = pybullet.getOverlappingObjects(low.tolist(), high.tolist(), physicsClientId=self.client)
+        names = {b: name for name, b in self._of.items()} | dict.fromkeys(self._structure, STRUCTURE_NAME)
+        found: dict[str, float] = {}
+        for other in sorted({b for b, _ in pairs or ()} - {body}):
+            points = pybullet.getClosestPoints(body, other, margin_m, physicsClientId=self.client)
+            if points:
+                distance = min(float(point[8]) for point in points)
+                found[names[other]] = min(distance, found.get(names[other], distance))
+        return found
+
+    def close(self) -> None:
+        """Give PyBullet's memory back."""
+        self._disconnect()  # the first time only
+        self.client = -1
+
+    def _static_boxes(self, boxes: Sequence[Box]) -> list[int]:
+        bodies = []
+        for start in range(0, len(boxes), MAX_COMPOUND):
+            chunk = np.array(boxes[start : start + MAX_COMPOUND])
+            shape = self._compound((chunk[:, 3:] - chunk[:, :3]) / 2, (chunk[:, 3:] + chunk[:, :3]) / 2, None)
+            bodies.append(int(pybullet.createMultiBody(0, shape, physicsClientId=self.client)))
+        return bodies
+
+    def _compound(self, halves: F64, centres: F64, quaternions: F64 | None) -> int:
+        count = len(halves)
+        if quaternions is None:
+            quaternions = np.tile([0.0, 0.0, 0.0, 1.0], (count, 1))
+        return int(
+            pybullet.createCollisionShapeArray(
+                shapeTypes=[pybullet.GEOM_BOX] * count,
+                halfExtents=halves.tolist(),
+                collisionFramePositions=centres.tolist(),
+                collisionFrameOrientations=quaternions.tolist(),
+                physicsClientId=self.client,
+            )
+        )
+
+    def _create(self, asset: Asset, state: ObjectState) -> int:
+        mass = 0.0 if state.is_fixed else max(object_type(asset.spec.type).mass_kg or 0.0, MIN_MASS_KG)
+        origins = [np.zeros(3) if link.joint is None else np.asarray(link.joint.origin) for link in asset.links]
+        first, rest = [-1] * len(asset.links), []
+        for i, link in enumerate(asset.links):
+            for start in range(0, len(link.boxes), MAX_COMPOUND):
+                chunk = link.boxes[start : start + MAX_COMPOUND]
+                halves = np.array([box.size for box in chunk]) / 2
+                centres = np.array([box.centre for box in chunk]) - origins[i]
+                shape = self._compound(halves, centres, np.array([box.quaternion for box in chunk]))
+                if start == 0:
+                    first[i] = shape
+                else:
+                    rest.append((i, shape))
+        # Joints come first, in the asset's order; then what did not fit into one compound, fixed to its link.
+        links = [
+            _BodyLink(first[i], link.parent, origins[i] - origins[link.parent], link.joint)
+            for i, link in enumerate(asset.links)
+            if link.joint is not None
+        ]
+        moving = range(len(links))
+        links += [_BodyLink(shape, parent, np.zeros(3), None) for parent, shape in rest]
+        link_mass = mass / (4 * len(links)) if mass and links else 0.1
+        zeros, identities = [[0.0] * 3 for _ in links], [[0.0, 0.0, 0.0, 1.0] for _ in links]
+        body = pybullet.createMultiBody(
+            baseMass=mass,
+            baseCollisionShapeIndex=first[0],
+            basePosition=state.position,
+            baseOrientation=state.quaternion,
+            linkMasses=[link_mass for _ in links],
+            linkCollisionShapeIndices=[link.shape for link in links],
+            linkVisualShapeIndices=[-1 for _ in links],
+            linkPositions=[link.offset.tolist() for link in links],
+            linkOrientations=identities,
+            linkInertialFramePositions=zeros,
+            linkInertialFrameOrientations=identities,
+            linkParentIndices=[link.parent for link in links],
+            linkJointTypes=[
+                pybullet.JOINT_FIXED if link.joint is None else _JOINT_TYPES[link.joint.kind] for link in links
+            ],
+            linkJointAxis=[[0.0, 0.0, 1.0] if link.joint is None else list(link.joint.axis) for link in links],
+            physicsClientId=self.client,
+        )
+        for link_index in range(-1, len(links)):
+            pybullet.changeDynamics(
+                body,
+                link_index,
+                lateralFriction=FRICTION,
+                rollingFriction=ROLLING_FRICTION,
+                spinningFriction=ROLLING_FRICTION,
+                linearDamping=LINEAR_DAMPING,
+                angularDamping=ANGULAR_DAMPING,
+                restitution=0.0,
+                physicsClientId=self.client,
+            )
+        for joint in moving:  # hold every joint where it is told to be
+            pybullet.setJointMotorControl2(
+                body,
+                joint,
+                pybullet.VELOCITY_CONTROL,
+                targetVelocity=0.0,
+                force=1000.0,
+                physicsClientId=self.client,
+            )
+        return int(body)
+
+
+_JOINT_TYPES = {"revolute": pybullet.JOINT_REVOLUTE, "prismatic": pybullet.JOINT_PRISMATIC}
+
+
+@dataclass(frozen=True)
+class _BodyLink:
+    """A link as PyBullet wants it: parent 0 is the base, and the offset is from the parent's origin."""
+
+    shape: int
+    parent: int
+    offset: F64
+    joint: Joint | None

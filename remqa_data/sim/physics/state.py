@@ -1,0 +1,28 @@
+"""Where one object of a world is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.scene import Quaternion
+
+
+@dataclass(frozen=True)
+class ObjectState:
+    """Where one object is: pose of the centre of its closed box, openness, and whether physics moves it."""
+
+    position: Vec3
+    quaternion: Quaternion
+    openness: float
+    is_fixed: bool
+
+    def matrix(self) -> F64:
+        """(4, 4) pose, asset frame to world frame."""
+        pose = np.eye(4)
+        pose[:3, :3] = rotation_of(self.quaternion)
+        pose[:3, 3] = self.position
+        return pose

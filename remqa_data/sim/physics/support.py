@@ -1,0 +1,123 @@
+"""What holds what: for each object of a world, the receptacle that it rests in or on.
+
+An object belongs to a space when its centre is in it and its bottom is not below the space's floor. Spaces overlap:
+what lies in a bowl on a table is also in the room above the table, and a desk's things may be in the room above the
+seat of a chair that is pushed under it. Of all spaces, the one with the highest floor is the one that the object
+would meet first on its way down, so this one holds it; of equally high floors, the smallest space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.catalog import object_type
+from remqa_data.geometry.types import F64
+from remqa_data.relations import relation_rules
+from remqa_data.sim.physics.world import World
+
+SupportKind = Literal["in", "on"]
+
+
+@dataclass(frozen=True)
+class Support:
+    """What holds an object, and how: "in" what encloses it or has walls around it, else "on"."""
+
+    id: str
+    kind: SupportKind
+
+
+def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
+    """What holds each object that something holds.
+
+    Parameters
+    ----------
+    world : World
+        The room; what the agent holds neither holds nor is held.
+    boxes : mapping of str to (2, 3) array
+        `world.box` of every object.
+
+    Returns
+    -------
+    Support by object id; no entry for what rests on nothing known.
+    """
+    rules = relation_rules().support
+    spaces = _all_spaces(world)
+    floor = next((object_id for object_id in world.ids if world.type_of(object_id) == "Floor"), None)
+    # The space of what things hang on reaches below it.
+    undersides = np.minimum([boxes[owner][0, 2] for owner in spaces.owners], spaces.floor_z)
+    held_by: dict[str, Support] = {}
+    for object_id, (low, high) in boxes.items():
+        if object_id == world.held or not len(spaces.owners):
+            continue
+        centre, bottom = (low + high) / 2, float(low[2])
+        local = spaces.to_local @ np.append(centre, 1.0)
+        beside = np.abs(local[:, :2] - spaces.middle[:, :2]) <= spaces.half[:, :2] + rules.side_margin_m
+        fits = beside.all(axis=1) & (bottom >= spaces.floor_z - rules.sunk_m)
+        fits &= local[:, 2] <= spaces.middle[:, 2] + spaces.half[:, 2] + rules.overhang_m
+        fits &= (spaces.owners != object_id) & (centre[2] >= undersides)  # what lies beneath is not in it
+        kind = object_type(world.type_of(object_id))
+        if kind.pickupable or kind.moveable:
+            fits &= spaces.enclosed | (bottom - spaces.floor_z <= rules.pile_m)
+        else:
+            fits &= spaces.is_floor & (bottom - spaces.floor_z <= rules.contact_m)
+        rows = np.flatnonzero(fits)
+        if len(rows):
+            best = min(rows, key=lambda row: (-spaces.floor_z[row], spaces.volume[row]))
+            held_by[object_id] = Support(str(spaces.owners[best]), "in" if spaces.surrounds[best] else "on")
+        elif floor not in (None, object_id) and abs(bottom - world.scene.floor_z) <= rules.contact_m:
+            held_by[object_id] = Support(str(floor), "on")  # in an alcove, beside the floor's own box
+    return held_by
+
+
+@dataclass(frozen=True)
+class _Spaces:
+    """The spaces of all objects, one row each."""
+
+    owners: npt.NDArray[np.object_]
+    is_floor: npt.NDArray[np.bool_]
+    enclosed: npt.NDArray[np.bool_]
+    surrounds: npt.NDArray[np.bool_]
+    to_local: F64
+    """(n, 3, 4): upper rows of the transforms from the world to the frames in which the boxes are given."""
+    middle: F64
+    half: F64
+    floor_z: F64
+    """(n,) height of the space's bottom in the world."""
+    volume: F64
+
+
+def _all_spaces(world: World) -> _Spaces:
+    vessels = relation_rules().vessels
+    owners, is_floor, enclosed, surrounds, poses, low, high = [], [], [], [], [], [], []
+    for object_id in world.ids:
+        if object_id == world.held or not world.assets[object_id].spaces:
+            continue
+        type_name, links = world.type_of(object_id), world.link_poses(object_id)
+        for space in world.assets[object_id].spaces:
+            owners.append(object_id)
+            is_floor.append(type_name == "Floor")
+            enclosed.append(space.enclosed)
+            surrounds.append(space.enclosed or space.name.startswith(vessels.get(type_name, ())))
+            poses.append(links[space.link])
+            low.append(space.box[:3])
+            high.append(space.box[3:])
+    pose = np.array(poses, dtype=np.float64).reshape(-1, 4, 4)
+    middle = (np.array(low).reshape(-1, 3) + np.array(high).reshape(-1, 3)) / 2
+    half = np.array(high).reshape(-1, 3) - middle
+    centre_z = np.einsum("nj,nj->n", pose[:, 2, :3], middle) + pose[:, 2, 3]
+    return _Spaces(
+        owners=np.array(owners, dtype=np.object_),
+        is_floor=np.array(is_floor, dtype=np.bool_),
+        enclosed=np.array(enclosed, dtype=np.bool_),
+        surrounds=np.array(surrounds, dtype=np.bool_),
+        to_local=np.asarray(np.linalg.inv(pose)[:, :3], dtype=np.float64),
+        middle=middle,
+        half=half,
+        floor_z=centre_z - np.einsum("nj,nj->n", np.abs(pose[:, 2, :3]), half),
+        volume=np.prod(2 * half, axis=1),
+    )

@@ -1,0 +1,356 @@
+"""The room in motion: PyBullet holds collision shapes, joints and poses; nothing is drawn here.
+
+The poses and openness that this class keeps are the truth. PyBullet is asked to move free objects (`settle`), and its
+answer is read back; every other change is made here and told to PyBullet. An object's pose is that of the centre of its
+closed box, and PyBullet's centre of mass is put there too, so that no conversion ever loses a bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from types import TracebackType
+
+import numpy as np
+
+from remqa_data.assets import Asset, build
+from remqa_data.catalog import object_type
+from remqa_data.errors import ActionError, UnknownNameError
+from remqa_data.geometry.rotations import quaternion_of, rotation_of
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.scene import Quaternion, Scene, SceneObject
+from remqa_data.sim.physics.bodies import Bodies
+from remqa_data.sim.physics.state import ObjectState
+
+SETTLE_STEPS, CHECK_STEPS = 240, 20
+CARRY_MARGIN_M = 0.03
+"""Things whose centre is within this distance of a space belong to it."""
+
+_Kept = dict[str, tuple[ObjectState, F64]]
+"""What was found of objects, with the state that they were in."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The state of a whole world; see `World.save`."""
+
+    states: dict[str, ObjectState]
+    held: str | None
+
+
+class World:
+    """A simulated scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        What to load.
+
+    Attributes
+    ----------
+    held : str or None
+        Id of the object that is out of the room, in the agent's hand.
+    revision : int
+        Grows with every change, so that who follows the world can tell that nothing has changed.
+
+    Notes
+    -----
+    Two worlds loaded from equal scenes behave alike to the last bit, in any process. Use it as a context manager, or
+    call `close`, to give PyBullet's memory back.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.assets: dict[str, Asset] = {o.id: build(o.asset) for o in scene.objects}
+        self._objects: dict[str, SceneObject] = {o.id: o for o in scene.objects}
+        self._link_poses: _Kept = {}
+        self._boxes: _Kept = {}
+        self._states = {o.id: ObjectState(o.position, o.quaternion, o.openness, o.is_fixed) for o in scene.objects}
+        self.held: str | None = None
+        self.revision = 0
+        self._bodies = Bodies()
+        self._reload()
+
+    # ---- reading
+
+    @property
+    def client(self) -> int:
+        """The PyBullet client, for questions to PyBullet that this class does not answer; leave the simulation as it is."""
+        return self._bodies.client
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Ids of all objects, in the scene's order."""
+        return tuple(self._objects)
+
+    def state(self, object_id: str) -> ObjectState:
+        """Where an object is."""
+        self._check_known(object_id)
+        return self._states[object_id]
+
+    def type_of(self, object_id: str) -> str:
+        """Type of an object."""
+        self._check_known(object_id)
+        return self._objects[object_id].type
+
+    def link_poses(self, object_id: str) -> F64:
+        """(links, 4, 4) poses of an object's links, each mapping closed asset geometry to the world."""
+        return self._known(self._link_poses, object_id, self._find_link_poses)
+
+    def box(self, object_id: str) -> F64:
+        """(2, 3) corners of the axis-aligned box of an object's visible mesh as it is now, metres."""
+        return self._known(self._boxes, object_id, self._find_box)
+
+    def contents(self, object_id: str, link: int | None = None) -> list[str]:
+        """Ids of the free objects whose centre is in a space of an object (of one link of it, if given)."""
+        asset, poses = self.assets[object_id], self.link_poses(object_id)
+        spaces = [s for s in asset.spaces if link is None or s.link == link]
+        others = [o for o, s in self._states.items() if not s.is_fixed and o not in (object_id, self.held)]
+        centres = np.array([self._states[other].position for other in others]).reshape(-1, 3)
+        is_inside = np.zeros(len(others), dtype=np.bool_)
+        for space in spaces:
+            pose = poses[space.link]
+            local = (centres - pose[:3, 3]) @ pose[:3, :3]
+            low, high = np.asarray(space.box[:3]) - CARRY_MARGIN_M, np.asarray(space.box[3:]) + CARRY_MARGIN_M
+            is_inside |= ((local > low) & (local < high)).all(axis=1)
+        return [other for other, inside in zip(others, is_inside, strict=True) if inside]
+
+    def to_scene(self) -> Scene:
+        """The world as it is now, as data; loading it gives this world again."""
+        objects = tuple(
+            replace(
+                o,
+                position=self._states[o.id].position,
+                quaternion=self._states[o.id].quaternion,
+                openness=self._states[o.id].openness,
+                is_fixed=self._states[o.id].is_fixed,
+            )
+            for o in self._objects.values()
+        )
+        return self.scene.with_objects(objects)
+
+    # ---- acting
+
+    def settle(self, steps: int = SETTLE_STEPS) -> None:
+        """Let physics move the free objects until all are at rest, at most for a number of steps of 1/240 s.
+
+        Then they are held where they are. The outcome depends on the poses only, not on what happened before: PyBullet
+        starts afresh, because its contact cache and the order of its pairs would remember.
+        """
+        self._reload()
+        free = [i for i, state in self._states.items() if not state.is_fixed and i != self.held]
+        was_still = False
+        for done in range(0, steps, CHECK_STEPS):
+            self._bodies.step(min(CHECK_STEPS, steps - done))
+            is_still = self._bodies.are_still(free)
+            if is_still and was_still:  # once might be the top of a leap
+                break
+            was_still = is_still
+        for object_id in free:
+            state = self._states[object_id]
+            position, quaternion = self._bodies.pose(object_id)
+            self._put_at(object_id, replace(state, position=position, quaternion=quaternion))
+
+    def open(self, object_id: str, openness: float = 1.0) -> list[str]:
+        """Open or close an object; what lies in its moving parts is carried along, exactly.
+
+        Parameters
+        ----------
+        object_id : str
+            An openable object.
+        openness : float
+            0 (closed) to 1 (open).
+
+        Returns
+        -------
+        Ids of the objects that were carried along.
+
+        Raises
+        ------
+        ActionError
+            If it cannot be opened, or the openness is not in 0..1.
+        """
+        state, asset = self.state(object_id), self.assets[object_id]
+        if not asset.is_openable:
+            raise ActionError(f"{object_id} is not openable")
+        if not 0.0 <= openness <= 1.0:
+            raise ActionError(f"openness {openness} is not between 0 and 1")
+        carried: dict[str, int] = {}
+        for link in range(1, len(asset.links)):
+            carried |= {other: link for other in self.contents(object_id, link) if other not in carried}
+        before = self.link_poses(object_id)
+        self._put_at(object_id, replace(state, openness=openness))
+        after = self.link_poses(object_id)
+        for other, link in carried.items():
+            self._move_by(other, after[link] @ np.linalg.inv(before[link]))
+        return list(carried)
+
+    def close_object(self, object_id: str) -> list[str]:
+        """Close an object; see `open`."""
+        return self.open(object_id, 0.0)
+
+    def move(self, object_id: str, position: Vec3, quaternion: Quaternion | None = None) -> list[str]:
+        """Put an object somewhere else, with what is in or on it; no check for obstacles (see `overlapping`).
+
+        Returns
+        -------
+        Ids of the objects that were carried along.
+        """
+        state = self.state(object_id)
+        carried = self.contents(object_id)
+        before = state.matrix()
+        moved = replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion)
+        motion = moved.matrix() @ np.linalg.inv(before)
+        self._put_at(object_id, moved)
+        for other in carried:
+            self._move_by(other, motion)
+        return carried
+
+    def pick_up(self, object_id: str) -> None:
+        """Take an object out of the room; it stays out of physics until it is put back.
+
+        Raises
+        ------
+        ActionError
+            If it is not pickupable, or something is held already.
+        """
+        self._check_known(object_id)
+        if not object_type(self.type_of(object_id)).pickupable:
+            raise ActionError(f"{object_id} is not pickupable")
+        if self.held is not None:
+            raise ActionError(f"cannot pick up {object_id}: already holding {self.held}")
+        self._set_fixed(object_id, False)
+        self.held = object_id
+        self.revision += 1
+        self._bodies.set_collisions(object_id, False)
+
+    def put(self, position: Vec3, quaternion: Quaternion | None = None) -> str:
+        """Put the held object back into the room at a pose, free to fall; returns its id.
+
+        Raises
+        ------
+        ActionError
+            If nothing is held.
+        """
+        if self.held is None:
+            raise ActionError("nothing is held")
+        object_id, self.held = self.held, None
+        self._bodies.set_collisions(object_id, True)
+        state = self._states[object_id]
+        self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion))
+        return object_id
+
+    def overlapping(self, object_id: str, margin_m: float = 0.0) -> list[tuple[str, float]]:
+        """Other objects (and "structure") that an object's collision boxes come closer to than a margin.
+
+        Returns
+        -------
+        Pairs of id and distance in metres, negative where they interpenetrate; nearest first.
+        """
+        found = self._bodies.nearby(object_id, self.box(object_id), margin_m)
+        return sorted(found.items(), key=lambda pair: pair[1])
+
+    def move_alone(self, object_id: str, position: Vec3) -> None:
+        """Put an object somewhere else and leave what is in or on it where it is."""
+        self._put_at(object_id, replace(self.state(object_id), position=_vec3(position)))
+
+    @contextmanager
+    def without_collisions(self, object_id: str) -> Iterator[None]:
+        """For the length of a block, physics and rays pass through an object."""
+        self._bodies.set_collisions(object_id, False)
+        try:
+            yield
+        finally:
+            self._bodies.set_collisions(object_id, object_id != self.held)
+
+    # ---- saving
+
+    def save(self) -> Snapshot:
+        """The state of everything, to come back to with `restore`."""
+        return Snapshot(dict(self._states), self.held)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Bring back a saved state exactly: later actions give what they would have given then."""
+        if self.held is not None and self.held != snapshot.held:
+            self._bodies.set_collisions(self.held, True)
+        for object_id, state in snapshot.states.items():
+            self._set_fixed(object_id, state.is_fixed)
+        for object_id, state in snapshot.states.items():
+            if state is not self._states[object_id]:
+                self._put_at(object_id, state)
+        self.held = snapshot.held
+        self.revision += 1
+        if self.held is not None:
+            self._bodies.set_collisions(self.held, False)
+
+    def close(self) -> None:
+        """Give PyBullet's memory back; the world cannot be used afterwards."""
+        self._bodies.close()
+
+    def __enter__(self) -> World:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    # ---- what follows from an object's state
+
+    def _known(self, kept: _Kept, object_id: str, find: Callable[[str], F64]) -> F64:
+        """A copy of what was found when the object came to be where it is."""
+        state = self.state(object_id)
+        if object_id not in kept or kept[object_id][0] is not state:
+            kept[object_id] = (state, find(object_id))
+        return kept[object_id][1].copy()
+
+    def _find_link_poses(self, object_id: str) -> F64:
+        state = self._states[object_id]
+        return np.asarray(state.matrix() @ self.assets[object_id].link_poses(state.openness))
+
+    def _find_box(self, object_id: str) -> F64:
+        points = []
+        for link, pose in zip(self.assets[object_id].links, self.link_poses(object_id), strict=True):
+            points += [s.vertices @ pose[:3, :3].T + pose[:3, 3] for s in link.surfaces]
+        stacked = np.vstack(points)
+        return np.stack([stacked.min(axis=0), stacked.max(axis=0)])
+
+    # ---- PyBullet
+
+    def _reload(self) -> None:
+        solid = [part.box for part in self.scene.structure if part.kind != "outside"]
+        self._bodies.load(solid, self.assets, self._states)
+        if self.held is not None:
+            self._bodies.set_collisions(self.held, False)
+
+    def _put_at(self, object_id: str, state: ObjectState) -> None:
+        self._states[object_id] = state
+        self._bodies.place(object_id, state)
+        self.revision += 1
+
+    def _set_fixed(self, object_id: str, is_fixed: bool) -> None:
+        """PyBullet cannot free a fixed body, so the world is loaded anew: bodies keep their order, and so their effect."""
+        state = self._states[object_id]
+        if state.is_fixed == is_fixed:
+            return
+        self._states[object_id] = replace(state, is_fixed=is_fixed)
+        self._reload()
+        self.revision += 1
+
+    def _move_by(self, object_id: str, motion: F64) -> None:
+        state = self._states[object_id]
+        position = motion[:3, :3] @ np.asarray(state.position) + motion[:3, 3]
+        quaternion = state.quaternion
+        if not np.allclose(motion[:3, :3], np.eye(3), rtol=0, atol=1e-12):
+            quaternion = quaternion_of(motion[:3, :3] @ rotation_of(state.quaternion))
+        self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion))
+
+    def _check_known(self, object_id: str) -> None:
+        if object_id not in self._objects:
+            raise UnknownNameError("object", object_id, self._objects)
+
+
+def _vec3(values: Iterable[float]) -> Vec3:
+    x, y, z = values
+    return float(x), float(y), float(z)

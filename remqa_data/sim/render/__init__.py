@@ -1,0 +1,1 @@
+"""Cameras and the rasteriser: colour, depth and instance images."""

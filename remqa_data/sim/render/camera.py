@@ -1,0 +1,207 @@
+"""Where pictures are taken from: a pinhole camera in the room, and a map camera above it.
+
+World frame: right-handed, z up, metres. Yaw in degrees counter-clockwise from +x; horizon in degrees, positive looks
+down. Pixel centres lie at +0.5, x to the right and y down from the top left corner of the image. Depth is the
+distance along the camera's forward axis in metres.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.geometry.types import F64, Vec3
+
+NEAR_M = 0.02
+"""Nothing closer than this is drawn: short, because cameras can be close to doors."""
+
+
+class View(NamedTuple):
+    """A camera as the rasteriser reads it.
+
+    With d = point - eye, a point has homogeneous image coordinates (axes[0] . d, axes[1] . d, w), in pixels from the
+    image centre, y down; its depth is axes[2] . d; and w is that depth for a pinhole, 1 for a parallel projection.
+    """
+
+    eye: F64
+    """(3,) metres."""
+    axes: F64
+    """(3, 3): right and down, scaled to pixels, and forward."""
+    inverse: F64
+    """(3, 3) inverse of `axes`: its columns are one pixel right, one pixel down and one metre forward, in metres."""
+    pinhole: bool
+    width: int
+    height: int
+
+    @classmethod
+    def of(cls, eye: npt.ArrayLike, axes: F64, *, pinhole: bool, width: int, height: int) -> View:
+        """A view with its inverse."""
+        inverse = np.linalg.inv(axes).astype(np.float64)
+        return cls(np.array(eye, dtype=np.float64), axes, inverse, pinhole, width, height)
+
+
+class AnyCamera(Protocol):
+    """What the renderer asks of a camera."""
+
+    def view(self) -> View:
+        """The camera as the rasteriser reads it."""
+        ...
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera with square pixels.
+
+    Attributes
+    ----------
+    position : tuple of float
+        Metres, world frame.
+    yaw_deg, horizon_deg : float
+        Where it looks.
+    fov_deg : float
+        Vertical field of view.
+    width, height : int
+        Pixels.
+    """
+
+    position: Vec3
+    yaw_deg: float
+    horizon_deg: float = 0.0
+    fov_deg: float = 90.0
+    width: int = 300
+    height: int = 300
+
+    @classmethod
+    def look_at(cls, eye: Vec3, target: Vec3, *, fov_deg: float = 90.0, width: int = 300, height: int = 300) -> Camera:
+        """A level camera at `eye` with `target` in the middle of its image."""
+        dx, dy, dz = (float(t) - float(e) for e, t in zip(eye, target, strict=True))
+        return cls(
+            position=eye,
+            yaw_deg=math.degrees(math.atan2(dy, dx)),
+            horizon_deg=math.degrees(math.atan2(-dz, math.hypot(dx, dy))),
+            fov_deg=fov_deg,
+            width=width,
+            height=height,
+        )
+
+    @property
+    def focal_px(self) -> float:
+        """Focal length in pixels."""
+        return 0.5 * self.height / math.tan(math.radians(self.fov_deg) / 2)
+
+    def rotation(self) -> F64:
+        """(3, 3) unit rows: right, up, forward, in the world frame."""
+        yaw, pitch = math.radians(self.yaw_deg), math.radians(self.horizon_deg)
+        cos_yaw, sin_yaw = math.cos(yaw), math.sin(yaw)
+        cos_pitch, sin_pitch = math.cos(pitch), math.sin(pitch)
+        return np.array(
+            [
+                [sin_yaw, -cos_yaw, 0.0],
+                [sin_pitch * cos_yaw, sin_pitch * sin_yaw, cos_pitch],
+                [cos_pitch * cos_yaw, cos_pitch * sin_yaw, -sin_pitch],
+            ]
+        )
+
+    def project(self, points: npt.ArrayLike) -> F64:
+        """Image position of world points.
+
+        Parameters
+        ----------
+        points : (n, 3) array
+            Metres, world frame.
+
+        Returns
+        -------
+        (n, 3) float64: pixel x, pixel y, depth. Behind the camera the depth is negative and the pixel means nothing.
+        """
+        return _project(self.view(), points)
+
+    def unproject(self, depth: npt.ArrayLike) -> F64:
+        """World point that each pixel of a (h, w) depth image shows, (h, w, 3) float64; inverse of `project`."""
+        return _unproject(self.view(), depth)
+
+    def view(self) -> View:
+        """The camera as the rasteriser reads it."""
+        return _pinhole_view(self)
+
+
+@dataclass(frozen=True)
+class TopDownCamera:
+    """A map: parallel projection, looking straight down, image right is +x and image up is +y.
+
+    Attributes
+    ----------
+    centre_xy : tuple of float
+        World point in the middle of the image.
+    height_m : float
+        z of the camera. What is above it is cut off, such as the ceiling and the tops of the walls.
+    extent_m : float
+        Metres that the shorter side of the image covers.
+    width, height : int
+        Pixels.
+    """
+
+    centre_xy: tuple[float, float]
+    height_m: float
+    extent_m: float
+    width: int = 300
+    height: int = 300
+
+    @property
+    def pixels_per_m(self) -> float:
+        """Scale of the map."""
+        return min(self.width, self.height) / self.extent_m
+
+    def rotation(self) -> F64:
+        """(3, 3) unit rows: right, up, forward, in the world frame."""
+        return np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]])
+
+    def project(self, points: npt.ArrayLike) -> F64:
+        """Image position of world points: (n, 3) pixel x, pixel y, depth below the camera."""
+        return _project(self.view(), points)
+
+    def unproject(self, depth: npt.ArrayLike) -> F64:
+        """World point that each pixel of a (h, w) depth image shows, (h, w, 3) float64; inverse of `project`."""
+        return _unproject(self.view(), depth)
+
+    def view(self) -> View:
+        """The camera as the rasteriser reads it."""
+        right, up, forward = self.rotation()
+        scale = self.pixels_per_m
+        axes = np.stack([right * scale, -up * scale, forward])
+        eye = (*self.centre_xy, self.height_m)
+        return View.of(eye, axes, pinhole=False, width=self.width, height=self.height)
+
+
+@lru_cache(maxsize=1024)  # one camera looks, and then points are looked up in its image
+def _pinhole_view(camera: Camera) -> View:
+    right, up, forward = camera.rotation()
+    focal = camera.focal_px
+    axes = np.stack([right * focal, -up * focal, forward])
+    return View.of(camera.position, axes, pinhole=True, width=camera.width, height=camera.height)
+
+
+def _project(view: View, points: npt.ArrayLike) -> F64:
+    image = (np.asarray(points, dtype=np.float64).reshape(-1, 3) - view.eye) @ view.axes.T
+    if view.pinhole:
+        image[:, :2] /= image[:, 2:]
+    image[:, 0] += 0.5 * view.width
+    image[:, 1] += 0.5 * view.height
+    return image
+
+
+def _unproject(view: View, depth: npt.ArrayLike) -> F64:
+    distance = np.asarray(depth, dtype=np.float64)
+    image = np.empty((view.height, view.width, 3))
+    image[..., 0] = np.arange(view.width) + 0.5 - 0.5 * view.width
+    image[..., 1] = (np.arange(view.height) + 0.5 - 0.5 * view.height)[:, None]
+    if view.pinhole:
+        image[..., :2] *= distance[..., None]
+    image[..., 2] = distance
+    points: F64 = view.eye + image @ view.inverse.T
+    return points

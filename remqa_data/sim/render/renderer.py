@@ -1,0 +1,194 @@
+"""Draws the room: colour, depth and instance images from any camera, on one core."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.geometry.types import F32, F64, I32, U8, Vec3
+from remqa_data.sim.render.antialias import smooth_edges
+from remqa_data.sim.render.camera import AnyCamera, View
+from remqa_data.sim.render.raster import Buffers, Placed, place_part, rasterise
+from remqa_data.sim.render.scene_arrays import Part, build_geometry, build_materials, surface_instances
+from remqa_data.sim.render.shade import Lights, shade, write_depth_and_instances
+from remqa_data.sim.render.shadow import empty_shadows, lamp_views, mark_faces, summarise
+
+__all__ = ["Frame", "Part", "Renderer"]
+
+_NO_SHADOWS = empty_shadows((0.0, 0.0, 0.0), 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """What a camera sees; all images have the same height and width."""
+
+    rgb: U8
+    """(h, w, 3) sRGB."""
+    depth: F32
+    """(h, w) metres along the camera's forward axis at the pixel's centre, 0 where nothing is."""
+    instances: I32
+    """(h, w) `Part.instance` at the pixel's centre, -1 where nothing is."""
+
+
+class Renderer:
+    """Parts at their poses, lamps, and what is kept between frames.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        What there is to draw.
+    poses : (n, 4, 4) array
+        Pose of each part: its frame to the world.
+    lights : sequence of tuple of float
+        One to three lamps, metres, world frame. The first one casts shadows.
+    ambient : float
+        Light from everywhere, linear; 0.3 to 0.6 looks like a room by day.
+    background : tuple of float
+        sRGB in 0..1 of pixels where nothing is.
+    shadow_size : int
+        Pixels along each side of the six shadow maps of the first lamp.
+    """
+
+    def __init__(
+        self,
+        parts: Sequence[Part],
+        poses: npt.ArrayLike,
+        *,
+        lights: Sequence[Vec3] = ((0.0, 0.0, 2.4),),
+        ambient: float = 0.37,
+        background: Vec3 = (0.93, 0.94, 0.95),
+        shadow_size: int = 512,
+    ) -> None:
+        self.parts = tuple(parts)
+        self._geometry = build_geometry(self.parts)
+        self._materials, self._texels = build_materials(self.parts)
+        self._instances = surface_instances(self.parts)
+        self._lights = _lights(lights, ambient, background)
+        count, vertices = len(self.parts), self._geometry.vertices.shape[1]
+        self._placed = Placed(
+            vertices=np.empty((3, vertices), dtype=np.float32),
+            normals=np.empty((vertices, 3), dtype=np.float32),
+            corners=np.zeros((count, 8, 3)),
+            visible=np.ones(count, dtype=np.bool_),
+        )
+        self._poses = np.full((count, 4, 4), np.nan)
+        self._records = np.empty((len(self._geometry.faces), 9), dtype=np.float32)
+        self._record_face = np.empty(len(self._geometry.faces), dtype=np.int32)
+        self._candidates = np.empty(len(self._geometry.faces), dtype=np.int32)
+        self._drawn = np.empty((count + 1, 2), dtype=np.int32)
+        self._image = np.empty((5, vertices), dtype=np.float32)
+        lamp = self._lights.positions[0]
+        self._shadows = empty_shadows(lamp, shadow_size)
+        self._lamp_views = lamp_views(lamp, shadow_size)
+        self._shadow_slots = np.empty((shadow_size, shadow_size), dtype=np.int32)
+        self._stale_maps = np.ones(6, dtype=np.bool_)
+        self._frame_buffers: dict[tuple[int, int], Buffers] = {}
+        self.set_poses(range(count), poses)
+
+    def set_pose(self, part: int, pose: npt.ArrayLike) -> None:
+        """Put one part elsewhere; `pose` is (4, 4), from its frame to the world."""
+        matrix = np.ascontiguousarray(pose, dtype=np.float64)
+        if np.array_equal(matrix, self._poses[part]):
+            return
+        self._poses[part] = matrix
+        self._mark_shadows(part)
+        place_part(self._geometry, self._placed, part, matrix)
+        self._mark_shadows(part)
+
+    def set_poses(self, indices: Iterable[int], poses: npt.ArrayLike) -> None:
+        """Put several parts elsewhere; `poses` is (n, 4, 4)."""
+        for part, pose in zip(indices, np.asarray(poses, dtype=np.float64), strict=True):
+            self.set_pose(part, pose)
+
+    def set_visible(self, part: int, visible: bool) -> None:
+        """Show or hide one part. A hidden part is drawn nowhere and casts no shadow."""
+        if self._placed.visible[part] != visible:
+            self._placed.visible[part] = True
+            self._mark_shadows(part)
+            self._placed.visible[part] = visible
+
+    def render(self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True) -> Frame:
+        """Draw one frame.
+
+        Parameters
+        ----------
+        camera : Camera or TopDownCamera
+            From where.
+        shadows : bool
+            Whether the first lamp casts shadows. Of its six maps, those that see a moved part are drawn again.
+        antialias : bool
+            Whether to smooth the edges in the colour image. Depth and instances are the same either way.
+        """
+        view = camera.view()
+        if shadows:
+            self._draw_stale_maps()
+        buffers, depth, instances = self._rasterise(view)
+        rgb = np.empty((view.height, view.width, 3), dtype=np.uint8)
+        shade(
+            self._geometry,
+            self._placed,
+            view,
+            buffers,
+            self._materials,
+            self._texels,
+            self._lights,
+            self._shadows if shadows else _NO_SHADOWS,
+            rgb,
+        )
+        if antialias:
+            smooth_edges(self._geometry, buffers, view.pinhole, rgb)
+        return Frame(rgb, depth, instances)
+
+    def render_instances(self, camera: AnyCamera) -> tuple[F32, I32]:
+        """Depth and instances of the frame that `render` would draw, several times quicker than with its colours."""
+        _, depth, instances = self._rasterise(camera.view())
+        return depth, instances
+
+    def _rasterise(self, view: View) -> tuple[Buffers, F32, I32]:
+        buffers = self._buffers(view.height, view.width)
+        rasterise(self._geometry, self._placed, view, buffers)
+        depth = np.empty((view.height, view.width), dtype=np.float32)
+        instances = np.empty((view.height, view.width), dtype=np.int32)
+        write_depth_and_instances(self._geometry, self._instances, buffers, view.pinhole, depth, instances)
+        return buffers, depth, instances
+
+    def _mark_shadows(self, part: int) -> None:
+        """Note which shadow maps show a part where it is now."""
+        if self._placed.visible[part]:
+            mark_faces(self._shadows.lamp, self._placed.corners[part], self._stale_maps)
+
+    def _draw_stale_maps(self) -> None:
+        for face in np.flatnonzero(self._stale_maps).tolist():
+            buffers = self._with_scratch(self._shadows.maps[face], self._shadow_slots)
+            rasterise(self._geometry, self._placed, self._lamp_views[face], buffers)
+            summarise(self._shadows, face)
+        self._stale_maps[:] = False
+
+    def _buffers(self, height: int, width: int) -> Buffers:
+        if (height, width) not in self._frame_buffers:
+            key = np.empty((height, width), dtype=np.float32)
+            slot = np.empty((height, width), dtype=np.int32)
+            self._frame_buffers = {(height, width): self._with_scratch(key, slot)}
+        return self._frame_buffers[height, width]
+
+    def _with_scratch(self, key: F32, slot: I32) -> Buffers:
+        return Buffers(key, slot, self._records, self._record_face, self._drawn, self._candidates, self._image)
+
+
+def _lights(positions: Sequence[Vec3], ambient: float, background: Vec3) -> Lights:
+    """Share the light of a room out among its lamps; the first one, which casts shadows, gets most."""
+    if not 1 <= len(positions) <= 3:
+        msg = f"a room has one to three lamps, not {len(positions)}"
+        raise ValueError(msg)
+    shares = [1.0] if len(positions) == 1 else [0.6] + [0.4 / (len(positions) - 1)] * (len(positions) - 1)
+    linear_background: F64 = np.square(np.array(background))
+    return Lights(
+        positions=np.array(positions, dtype=np.float64).reshape(-1, 3),
+        strength=np.array(shares, dtype=np.float32) * np.float32(0.82),
+        reach_m=4.0,
+        ambient=ambient,
+        background=linear_background.astype(np.float32),
+    )

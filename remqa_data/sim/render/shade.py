@@ -1,0 +1,266 @@
+"""What colour is each pixel? Kernels that light the triangles of a visibility buffer.
+
+Colours are linear between reading the texture and writing the picture, with a gamma of 2 (a square root is quick).
+A picture is shaded row by row, each step for the whole row at once.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from remqa_data.compiled import exact, relaxed
+from remqa_data.geometry.types import F32, F64, I32, U8
+from remqa_data.sim.render import pixels as px
+from remqa_data.sim.render.camera import View
+from remqa_data.sim.render.mipmap import apply_textures
+from remqa_data.sim.render.raster import FAR_M, Buffers, Geometry, Placed
+from remqa_data.sim.render.shadow import Shadows, find_shadows
+
+
+class Materials(NamedTuple):
+    """Material of each surface."""
+
+    albedo: F32
+    """(s, 3) linear."""
+    texture: I32
+    """(s,) number in the atlas, see `mipmap.apply_textures`."""
+    gloss: F32
+    """(s,)."""
+    glow: F32
+    """(s,)."""
+
+
+class Lights(NamedTuple):
+    """The light of a room, linear."""
+
+    positions: F64
+    """(k, 3) metres."""
+    strength: F32
+    """(k,) of a surface that faces the lamp from close by."""
+    reach_m: float
+    """Distance at which a lamp's light has halved."""
+    ambient: float
+    """Light from everywhere."""
+    background: F32
+    """(3,) where nothing is."""
+
+
+@exact
+def write_depth_and_instances(
+    geometry: Geometry, surface_instance: I32, buffers: Buffers, pinhole: bool, depth: F32, instances: I32
+) -> None:
+    """Fill the depth (metres, 0 where nothing is) and instance (-1 where nothing is) images."""
+    height, width = depth.shape
+    last, instance = -1, -1
+    for y in range(height):
+        for x in range(width):
+            slot = buffers.slot[y, x]
+            if slot < 0:
+                depth[y, x] = 0.0
+                instances[y, x] = -1
+                continue
+            if slot != last:
+                last = slot
+                instance = surface_instance[geometry.face_surface[buffers.record_face[slot]]]
+            key = buffers.key[y, x]
+            depth[y, x] = np.float32(1.0) / key if pinhole else np.float32(FAR_M) - key
+            instances[y, x] = instance
+
+
+@relaxed
+def shade(
+    geometry: Geometry,
+    placed: Placed,
+    view: View,
+    buffers: Buffers,
+    materials: Materials,
+    texels: I32,
+    lights: Lights,
+    shadows: Shadows,
+    rgb: U8,
+) -> None:
+    """Write the (h, w, 3) uint8 picture."""
+    height, width = buffers.slot.shape
+    sheet = np.zeros(px.FLOATS, dtype=np.float32)
+    fetches = np.zeros(px.INTS, dtype=np.int32)
+    for y in range(height):
+        for start in range(0, width, px.BLOCK_PX):
+            count = min(px.BLOCK_PX, width - start)
+            _fetch(geometry, placed, view, buffers, materials, lights.background, y, start, count, sheet)
+            _place(view, y + 0.5 - 0.5 * height, start + 0.5 - 0.5 * width, sheet, count)
+            apply_textures(texels, sheet, fetches, count)
+            find_shadows(shadows, sheet, fetches, count)
+            _light(view, lights, sheet, count)
+            _encode(sheet, fetches, count)
+            for i in range(min(count, px.BLOCK_PX)):
+                for channel in range(3):
+                    rgb[y, start + i, channel] = fetches[channel * px.BLOCK_PX + i]
+
+
+@relaxed
+def _fetch(
+    geometry: Geometry,
+    placed: Placed,
+    view: View,
+    buffers: Buffers,
+    materials: Materials,
+    background: F32,
+    y: int,
+    start: int,
+    count: int,
+    sheet: F32,
+) -> None:
+    """Write material, texture coordinates, normal and depth of each pixel, one run of the same triangle at a time."""
+    height, width = buffers.slot.shape
+    one = np.float32(1.0)
+    line = np.float32(y + 0.5 - 0.5 * height)
+    left = np.float32(start + 0.5 - 0.5 * width)
+    stop = 0
+    while stop < count:
+        first = stop
+        slot = buffers.slot[y, start + first]
+        stop = first + 1
+        while stop < count and buffers.slot[y, start + stop] == slot:
+            stop += 1
+        if slot < 0:
+            for i in range(first, stop):
+                sheet[px.TEXTURE + i] = 0.0
+                sheet[px.RED + i], sheet[px.GREEN + i], sheet[px.BLUE + i] = background
+                sheet[px.GLOSS + i], sheet[px.GLOW + i] = 0.0, one
+                sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i] = 0.0, 0.0, one
+                sheet[px.DEPTH + i] = one
+            continue
+        record = buffers.records[slot]
+        ax, ay, ac, bx, by, bc = record[0], record[1], record[2], record[3], record[4], record[5]
+        kx, ky, kc = record[6], record[7], record[8]
+        face = buffers.record_face[slot]
+        a, b, c = geometry.faces[face, 0], geometry.faces[face, 1], geometry.faces[face, 2]
+        surface = geometry.face_surface[face]
+        texture = np.float32(materials.texture[surface])
+        albedo = materials.albedo[surface]
+        red, green, blue = albedo[0], albedo[1], albedo[2]
+        gloss, glow = materials.gloss[surface], materials.glow[surface]
+        a_line, b_line = ay * line + ac, by * line + bc
+        # Of u, v and the normal: the value at corner c, and how much more it is at the corners a and b.
+        uv_a, uv_b, uv_c = geometry.uv[a], geometry.uv[b], geometry.uv[c]
+        uc, vc = uv_c[0], uv_c[1]
+        ua, va, ub, vb = uv_a[0] - uc, uv_a[1] - vc, uv_b[0] - uc, uv_b[1] - vc
+        ux, uy = ua * ax + ub * bx, ua * ay + ub * by
+        vx, vy = va * ax + vb * bx, va * ay + vb * by
+        wx, wy = (kx, ky) if view.pinhole else (np.float32(0.0), np.float32(0.0))
+        normal_a, normal_b, normal_c = placed.normals[a], placed.normals[b], placed.normals[c]
+        nxc, nyc, nzc = normal_c[0], normal_c[1], normal_c[2]
+        nxa, nya, nza = normal_a[0] - nxc, normal_a[1] - nyc, normal_a[2] - nzc
+        nxb, nyb, nzb = normal_b[0] - nxc, normal_b[1] - nyc, normal_b[2] - nzc
+        key_line = ky * line + kc
+        # A view that starts at the run lets the compiler see that no index is negative, and vectorise.
+        run, run_left = sheet[first:], left + np.float32(first)
+        for i in range(stop - first):
+            column = np.float32(i) + run_left
+            key = kx * column + key_line
+            depth = one / key if view.pinhole else np.float32(FAR_M) - key
+            w = depth if view.pinhole else one
+            at_a, at_b = (ax * column + a_line) * w, (bx * column + b_line) * w
+            u, v = ua * at_a + ub * at_b, va * at_a + vb * at_b
+            dux, duy = (ux - u * wx) * w, (uy - u * wy) * w
+            dvx, dvy = (vx - v * wx) * w, (vy - v * wy) * w
+            run[px.TEXTURE + i] = texture
+            run[px.U + i], run[px.V + i] = u + uc, v + vc
+            run[px.STRETCH + i] = max(dux * dux + dvx * dvx, duy * duy + dvy * dvy)
+            run[px.RED + i], run[px.GREEN + i], run[px.BLUE + i] = red, green, blue
+            run[px.GLOSS + i], run[px.GLOW + i] = gloss, glow
+            run[px.NORMAL_X + i] = nxc + nxa * at_a + nxb * at_b
+            run[px.NORMAL_Y + i] = nyc + nya * at_a + nyb * at_b
+            run[px.NORMAL_Z + i] = nzc + nza * at_a + nzb * at_b
+            run[px.DEPTH + i] = depth
+
+
+@relaxed
+def _place(view: View, line: float, left: float, sheet: F32, count: int) -> None:
+    """Write the world position of each pixel; make its normal a unit vector on the camera's side."""
+    one, zero = np.float32(1.0), np.float32(0.0)
+    ex, ey, ez = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
+    ray = view.inverse.astype(np.float32)
+    rx, ry, rz = ray[0, 0], ray[1, 0], ray[2, 0]
+    lx, ly, lz = ray[0, 1] * np.float32(line), ray[1, 1] * np.float32(line), ray[2, 1] * np.float32(line)
+    fx, fy, fz = ray[0, 2], ray[1, 2], ray[2, 2]
+    spread = one if view.pinhole else zero
+    for i in range(min(count, px.BLOCK_PX)):
+        column = np.float32(i) + np.float32(left)
+        sx, sy, sz = rx * column + lx, ry * column + ly, rz * column + lz
+        depth = sheet[px.DEPTH + i]
+        w = spread * depth + (one - spread)
+        sheet[px.X + i] = ex + sx * w + fx * depth
+        sheet[px.Y + i] = ey + sy * w + fy * depth
+        sheet[px.Z + i] = ez + sz * w + fz * depth
+        nx, ny, nz = sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i]
+        away = nx * (fx + spread * sx) + ny * (fy + spread * sy) + nz * (fz + spread * sz)
+        scale = one / math.sqrt(nx * nx + ny * ny + nz * nz + np.float32(1e-20))
+        scale = -scale if away > zero else scale
+        sheet[px.NORMAL_X + i] = nx * scale
+        sheet[px.NORMAL_Y + i] = ny * scale
+        sheet[px.NORMAL_Z + i] = nz * scale
+
+
+@relaxed
+def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
+    """Write the linear light that each pixel sends to the camera."""
+    one, zero, tiny = np.float32(1.0), np.float32(0.0), np.float32(1e-12)
+    ambient = np.float32(lights.ambient)
+    ex, ey, ez = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
+    for i in range(min(count, px.BLOCK_PX)):
+        nx, ny, nz = sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i]
+        # Brighter from above, and from below by what the floor throws back; the slight slope in x and y tells the sides
+        # of a box apart where no lamp shines.
+        slope = np.float32(0.07) * nx + np.float32(0.04) * ny + np.float32(0.15) * nz + np.float32(0.15) * nz * nz
+        level = ambient * (one + slope)
+        sheet[px.LIGHT_RED + i] = level * sheet[px.RED + i]
+        sheet[px.LIGHT_GREEN + i] = level * sheet[px.GREEN + i]
+        sheet[px.LIGHT_BLUE + i] = level * sheet[px.BLUE + i]
+    fade = np.float32(1.0 / (lights.reach_m * lights.reach_m))
+    for lamp in range(len(lights.positions)):
+        at_x, at_y, at_z = lights.positions[lamp]
+        at_x, at_y, at_z = np.float32(at_x), np.float32(at_y), np.float32(at_z)
+        strength = lights.strength[lamp]
+        shadowed = one if lamp == 0 else zero
+        for i in range(min(count, px.BLOCK_PX)):
+            nx, ny, nz = sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i]
+            x, y, z = sheet[px.X + i], sheet[px.Y + i], sheet[px.Z + i]
+            lx, ly, lz = at_x - x, at_y - y, at_z - z
+            square = lx * lx + ly * ly + lz * lz
+            inverse = one / math.sqrt(square + tiny)
+            lit = one + shadowed * (sheet[px.LIT + i] - one)
+            power = strength * lit / (one + square * fade)
+            diffuse = max((nx * lx + ny * ly + nz * lz) * inverse, zero) * power
+            vx, vy, vz = ex - x, ey - y, ez - z
+            view_inverse = one / math.sqrt(vx * vx + vy * vy + vz * vz + tiny)
+            # Blinn's highlight: the normal against the direction half way between lamp and camera.
+            hx, hy, hz = (
+                lx * inverse + vx * view_inverse,
+                ly * inverse + vy * view_inverse,
+                lz * inverse + vz * view_inverse,
+            )
+            shine = max(nx * hx + ny * hy + nz * hz, zero) / math.sqrt(hx * hx + hy * hy + hz * hz + tiny)
+            shine = shine * shine
+            shine = shine * shine
+            shine = shine * shine
+            shine = shine * shine
+            shine = shine * shine * np.float32(0.6) * sheet[px.GLOSS + i] * power
+            sheet[px.LIGHT_RED + i] += diffuse * sheet[px.RED + i] + shine
+            sheet[px.LIGHT_GREEN + i] += diffuse * sheet[px.GREEN + i] + shine
+            sheet[px.LIGHT_BLUE + i] += diffuse * sheet[px.BLUE + i] + shine
+
+
+@relaxed
+def _encode(sheet: F32, fetches: I32, count: int) -> None:
+    """Let glowing pixels show their own colour, and write all as whole numbers 0..255."""
+    one = np.float32(1.0)
+    for i in range(min(count, px.BLOCK_PX)):
+        glow = sheet[px.GLOW + i]
+        for channel in range(3):
+            row = channel * px.BLOCK_PX + i
+            light = sheet[px.LIGHT_RED + row] + glow * (sheet[px.RED + row] - sheet[px.LIGHT_RED + row])
+            fetches[row] = np.int32(math.sqrt(min(light, one)) * np.float32(255.0) + np.float32(0.5))

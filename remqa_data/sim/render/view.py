@@ -1,0 +1,134 @@
+"""What a camera sees of a world: one renderer part for each moving link, kept in step with the world's poses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from remqa_data.assets.core.fitting import surface, with_uv
+from remqa_data.assets.core.model import Material, Surface
+from remqa_data.assets.mesh import primitives
+from remqa_data.geometry.types import F32, F64, I32
+from remqa_data.scene import Scene, StructureBox
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.camera import AnyCamera
+from remqa_data.sim.render.renderer import Part, Renderer
+
+if TYPE_CHECKING:
+    from remqa_data.sim.render.renderer import Frame
+
+STRUCTURE = -1
+"""Object index of walls, ceiling and built-in furniture."""
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A frame with what its instances mean.
+
+    Attributes
+    ----------
+    rgb : (h, w, 3) uint8
+    depth : (h, w) float32, metres along the camera's forward axis, 0 where nothing is seen.
+    objects : (h, w) int32, index into the scene's objects, -1 for the building and for nothing.
+    links : (h, w) int32, index of the object's link (0 is its base), -1 for the building and for nothing.
+    """
+
+    rgb: npt.NDArray[np.uint8]
+    depth: npt.NDArray[np.float32]
+    objects: I32
+    links: I32
+
+
+class WorldView:
+    """Draws a world.
+
+    Parameters
+    ----------
+    world : World
+        What to draw; later changes of the world are followed by `render`.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        parts, poses = world_parts(world)
+        self._first_object_part = len(parts) - sum(len(asset.links) for asset in world.assets.values())
+        object_of, link_of = [STRUCTURE] * self._first_object_part, [STRUCTURE] * self._first_object_part
+        self._parts_of: dict[str, range] = {}
+        for index, object_id in enumerate(world.ids):
+            count = len(world.assets[object_id].links)
+            self._parts_of[object_id] = range(len(object_of), len(object_of) + count)
+            object_of += [index] * count
+            link_of += range(count)
+        # The last entry answers for instance -1, where nothing is seen.
+        self._object_of = np.array([*object_of, STRUCTURE], dtype=np.int32)
+        self._link_of = np.array([*link_of, STRUCTURE], dtype=np.int32)
+        self._shown = {object_id: world.state(object_id) for object_id in world.ids}
+        self._revision = world.revision
+        self.renderer = Renderer(parts, poses, lights=world.scene.lights)
+
+    def sync(self) -> None:
+        """Follow the world's poses; `render` does it by itself."""
+        if self.world.revision == self._revision:
+            return
+        self._revision = self.world.revision
+        for object_id, rows in self._parts_of.items():
+            state = self.world.state(object_id)
+            if state is not self._shown[object_id]:
+                self._shown[object_id] = state
+                self.renderer.set_poses(np.arange(rows.start, rows.stop), self.world.link_poses(object_id))
+
+    def hide(self, object_id: str, hidden: bool = True) -> None:
+        """Leave an object out of the pictures, or show it again."""
+        for part in self._parts_of[object_id]:
+            self.renderer.set_visible(part, not hidden)
+
+    def render(self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True) -> Observation:
+        """Draw the world as it is now."""
+        self.sync()
+        frame: Frame = self.renderer.render(camera, shadows=shadows, antialias=antialias)
+        return Observation(frame.rgb, frame.depth, self._object_of[frame.instances], self._link_of[frame.instances])
+
+    def instances(self, camera: AnyCamera) -> I32:
+        """Only the (h, w) image of object indices, which is much cheaper than a picture."""
+        return self.depth_and_instances(camera)[1]
+
+    def depth_and_instances(self, camera: AnyCamera) -> tuple[F32, I32]:
+        """Only the (h, w) images of depth, metres, and of object indices."""
+        self.sync()
+        depth, parts = self.renderer.render_instances(camera)
+        return depth, np.asarray(self._object_of[parts])
+
+
+def world_parts(world: World) -> tuple[list[Part], F64]:
+    """Everything there is to draw: the building's parts, then every link of every object; and their (n, 4, 4) poses.
+
+    A part's instance is its place in the list.
+    """
+    surfaces = structure_surfaces(world.scene)
+    poses = [np.eye(4)] * len(surfaces)
+    for object_id in world.ids:
+        surfaces += [link.surfaces for link in world.assets[object_id].links]
+        poses += list(world.link_poses(object_id))
+    return [Part(shown, i) for i, shown in enumerate(surfaces)], np.stack(poses)
+
+
+def structure_surfaces(scene: Scene) -> list[tuple[Surface, ...]]:
+    """Surfaces of the building in groups that are culled together: each wall panel, the rest by kind and finish."""
+    groups: dict[tuple[object, ...], list[StructureBox]] = {}
+    for index, part in enumerate(scene.structure):
+        key = (part.kind, index) if part.kind in ("wall", "outside", "ceiling") else (part.kind, part.finish)
+        groups.setdefault(key, []).append(part)
+    return [(_boxes(parts),) for parts in groups.values()]
+
+
+def _boxes(parts: list[StructureBox]) -> Surface:
+    material: Material = parts[0].finish
+    meshes = []
+    for part in parts:
+        low, high = np.asarray(part.box[:3]), np.asarray(part.box[3:])
+        mesh = primitives.box(tuple(high - low)).moved((low + high) / 2)
+        meshes.append(with_uv(mesh, material, None))
+    return surface(primitives.joined(meshes), material)

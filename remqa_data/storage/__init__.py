@@ -1,0 +1,1 @@
+"""Where datasets lie: shards, manifest, dataset card, parts of unfinished ones, locks."""

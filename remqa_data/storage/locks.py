@@ -1,0 +1,126 @@
+"""One run at a time writes a dataset. A lock is gone when its run is, however that ended.
+
+In a folder, the operating system holds a lock on a file and gives it back when the process dies. A bucket knows no locks.
+There, a run puts a claim, looks whether there is an older claim that is alive, and if so gives up; else it goes on and
+writes its claim again and again to show that it lives. All ages are told by the bucket's clock.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol
+from uuid import uuid4
+
+import filelock
+
+from remqa_data.errors import BusyDatasetError
+from remqa_data.storage.backend import Folder, Storage, StoredFile
+
+LOCK = ".lock"
+BEAT_S = 20.0
+"""A run shows so often that it is alive."""
+LIFE_S = 120.0
+"""A claim that is so much older than the newest is dead."""
+
+
+class Lock(Protocol):
+    """What a run holds while it writes."""
+
+    def confirm(self) -> None:
+        """Make sure that it is still held; BusyDatasetError if not."""
+
+
+@contextmanager
+def exclusive(storage: Storage) -> Iterator[Lock]:
+    """Hold the lock of a dataset for a block.
+
+    Raises
+    ------
+    BusyDatasetError
+        At once, if another run holds it.
+    """
+    if isinstance(storage, Folder):
+        with _locked_folder(storage.path) as lock:
+            yield lock
+    else:
+        with _Claim(storage) as claim:
+            yield claim
+
+
+class _HeldByTheSystem:
+    def confirm(self) -> None:
+        """Nobody else can have it."""
+
+
+@contextmanager
+def _locked_folder(path: Path) -> Iterator[Lock]:
+    path.mkdir(parents=True, exist_ok=True)
+    lock = filelock.FileLock(path / LOCK, blocking=False, fallback_to_soft=False)
+    try:
+        lock.acquire()
+    except filelock.Timeout:
+        raise _busy(str(path)) from None
+    try:
+        yield _HeldByTheSystem()
+    finally:
+        with suppress(OSError):
+            (path / LOCK).unlink()  # while it is held: whoever has it open sees that it has no name any more
+        lock.release()
+
+
+class _Claim:
+    """A claim to a bucket's prefix, kept alive by a thread."""
+
+    def __init__(self, storage: Storage) -> None:
+        self._storage = storage
+        self._path = f"{LOCK}/{uuid4().hex}"
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._beat, daemon=True)
+
+    def __enter__(self) -> Lock:
+        self._write()
+        if self._others():
+            self._storage.delete([self._path])
+            raise _busy(self._storage.where())
+        self._storage.delete(claim.path for claim in self._storage.files(LOCK) if claim.path != self._path)
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stop.set()
+        self._thread.join()
+        self._storage.delete([self._path])
+
+    def confirm(self) -> None:
+        """Claim it once more, and look whether it has passed to another run, as when this one was stopped for long."""
+        self._write()
+        if self._others():
+            raise _busy(self._storage.where())
+
+    def _others(self) -> list[StoredFile]:
+        """Claims of other runs that are alive. Of two runs that claim at the same moment, both see the other."""
+        claims = self._storage.files(LOCK)
+        newest = max((claim.modified_s for claim in claims), default=0.0)
+        return [claim for claim in claims if claim.path != self._path and newest - claim.modified_s < LIFE_S]
+
+    def _beat(self) -> None:
+        while not self._stop.wait(BEAT_S):
+            with suppress(OSError):  # the next beat may get through
+                self._write()
+
+    def _write(self) -> None:
+        with self._storage.publish(self._path) as temporary:
+            temporary.touch()
+
+
+def _busy(where: str) -> BusyDatasetError:
+    return BusyDatasetError(
+        f"{where}: another run is writing here; wait for its end (in a bucket, up to {LIFE_S / 60:.0f} minutes after it "
+        "was killed), or use another place"
+    )

@@ -1,0 +1,170 @@
+"""The manifest of a dataset: what was asked for, with what it was made, and every file with its checksum.
+
+It is written last. A folder without one is not a finished dataset, whatever else lies in it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from importlib import metadata
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from remqa_data.errors import DatasetError
+from remqa_data.storage.backend import Folder, Storage, storage_at
+from remqa_data.version import __version__
+
+MANIFEST = "manifest.json"
+FORMAT_VERSION = 2
+"""2: initial_pose, start_target_box_2d and walk_start_cell have their names."""
+VERSIONED = ("pybullet", "numpy", "numba", "opencv-python-headless", "pyarrow")
+"""Packages whose version can change the bytes of a dataset."""
+
+
+@dataclass(frozen=True)
+class FileInfo:
+    """One file of a dataset.
+
+    Attributes
+    ----------
+    path : str
+        Relative to the dataset's folder, with forward slashes.
+    table, split : str
+        What it holds.
+    rows, bytes : int
+        How much.
+    sha256 : str
+        Of the whole file, in hexadecimal.
+    """
+
+    path: str
+    table: str
+    split: str
+    rows: int
+    bytes: int
+    sha256: str
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What a finished dataset is.
+
+    Attributes
+    ----------
+    seed : int
+        Seed of the whole dataset.
+    config : mapping
+        The configuration it was generated with, as plain JSON.
+    config_sha256 : str
+        Of that configuration, see `config_hash`.
+    versions : mapping of str to str
+        Of this package, Python and the packages that make the bytes.
+    files : tuple of FileInfo
+        All shards, in the order of tables, splits and numbers.
+    questions : mapping
+        Number of questions by split and kind.
+    refused : mapping of str to int
+        Number of candidates that generation refused, by reason.
+    """
+
+    seed: int
+    config: dict[str, Any]
+    config_sha256: str
+    versions: dict[str, str]
+    files: tuple[FileInfo, ...]
+    questions: dict[str, dict[str, int]]
+    refused: dict[str, int]
+    format_version: int = FORMAT_VERSION
+
+    def splits(self, table: str) -> list[str]:
+        """Splits that a table has, in the order of its files."""
+        return list(dict.fromkeys(file.split for file in self.files if file.table == table))
+
+    def files_of(self, table: str, split: str | None = None) -> list[FileInfo]:
+        """Files of a table, of one split if given, in order."""
+        return [file for file in self.files if file.table == table and split in (None, file.split)]
+
+    def rows(self, table: str, split: str | None = None) -> int:
+        """Number of rows of a table, of one split if given."""
+        return sum(file.rows for file in self.files_of(table, split))
+
+    def to_json(self) -> str:
+        """The manifest as indented JSON; equal manifests give equal text."""
+        return json.dumps(asdict(self), indent=1, ensure_ascii=False) + "\n"
+
+
+def config_hash(config: Mapping[str, Any]) -> str:
+    """sha256 of a configuration, whatever the order of its keys.
+
+    >>> config_hash({"scenes": 1, "seed": 0}) == config_hash({"seed": 0, "scenes": 1})
+    True
+    """
+    return hashlib.sha256(json.dumps(config, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+
+
+def make_manifest(
+    files: tuple[FileInfo, ...],
+    *,
+    seed: int,
+    config: Mapping[str, Any],
+    questions: Mapping[str, Mapping[str, int]],
+    refused: Mapping[str, int],
+) -> Manifest:
+    """A manifest with the hash of the configuration and the versions of this environment."""
+    versions = {"remqa-data": __version__, "python": platform.python_version()}
+    versions |= {package: metadata.version(package) for package in VERSIONED}
+    counts = {split: dict(sorted(kinds.items())) for split, kinds in questions.items()}
+    return Manifest(seed, dict(config), config_hash(config), versions, files, counts, dict(sorted(refused.items())))
+
+
+def write_manifest(root: str | os.PathLike[str], manifest: Manifest) -> None:
+    """Write the manifest, which makes the folder a finished dataset."""
+    with storage_at(root).publish(MANIFEST) as temporary:
+        temporary.write_text(manifest.to_json(), encoding="utf-8")
+
+
+def load_manifest(root: str | os.PathLike[str]) -> Manifest:
+    """Read the manifest of a finished dataset, which may lie in a bucket, see `storage_at`.
+
+    Raises
+    ------
+    DatasetError
+        If there is no such folder, it is not a finished dataset, or its manifest cannot be read.
+    """
+    storage = storage_at(root)
+    path = storage.where(MANIFEST)
+    try:
+        text = storage.read(MANIFEST)
+    except (FileNotFoundError, NotADirectoryError):
+        raise _no_dataset(storage) from None
+    try:
+        manifest = _ADAPTER.validate_json(text)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(str(part) for part in first["loc"]) or "the whole text"
+        raise DatasetError(f"{path}: {field}: {first['msg']}; generate the dataset again") from None
+    if manifest.format_version != FORMAT_VERSION:
+        msg = (
+            f"{path}: format version {manifest.format_version}; this package reads {FORMAT_VERSION}; generate the dataset "
+            f"again, or install the remqa-data that made it ({manifest.versions.get('remqa-data')})"
+        )
+        raise DatasetError(msg)
+    return manifest
+
+
+def _no_dataset(storage: Storage) -> DatasetError:
+    where = storage.where()
+    if isinstance(storage, Folder) and not storage.path.is_dir():
+        return DatasetError(f"{where}: no such folder; generate a dataset with remqa-gen --out {where}")
+    return DatasetError(
+        f"{where} is not a finished dataset: it has no {MANIFEST}; go on with remqa-gen --resume, or start again"
+    )
+
+
+_ADAPTER = TypeAdapter(Manifest)

@@ -1,0 +1,1 @@
+"""The four tables: typed rows, Arrow schemas, images."""

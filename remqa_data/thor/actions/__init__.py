@@ -1,0 +1,1 @@
+"""AI2-THOR's actions, by what they act on."""

@@ -1,0 +1,205 @@
+"""Acting on objects as AI2-THOR's agent without an arm does: on what it sees within its visibility distance.
+
+An object is named by its id, or by a point of the frame: x to the right and y down, both from 0 to 1.
+"""
+
+from __future__ import annotations
+
+import math
+
+from remqa_data.catalog import object_type
+from remqa_data.errors import MisuseError
+from remqa_data.sim.agent.agent import MAX_PUSH_M, ActionResult
+from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
+from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.simulator import Stage
+
+NO_PLACE = "No valid positions to place object found"
+"""AI2-THOR's words, which its clients look for."""
+PUSH_S = 0.02
+"""A push in newtons acts for one physics step of AI2-THOR; then the object slides until friction stops it."""
+
+
+def open_object(
+    stage: Stage,
+    objectId: str | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    openness: float = 1.0,
+    forceAction: bool = False,
+    moveMagnitude: float | None = None,
+) -> ActionResult:
+    """Open an object. `moveMagnitude` is the old name of `openness`, with 0 for all the way."""
+    target = _target(stage, "OpenObject", objectId, x, y)
+    if isinstance(target, ActionResult):
+        return target
+    share = openness if moveMagnitude is None else moveMagnitude or 1.0
+    return _plain(stage.agent.open(target, share, forceAction))
+
+
+def close_object(
+    stage: Stage,
+    objectId: str | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    forceAction: bool = False,
+) -> ActionResult:
+    """Close an object."""
+    target = _target(stage, "CloseObject", objectId, x, y)
+    return target if isinstance(target, ActionResult) else _plain(stage.agent.close(target, forceAction))
+
+
+def pick_up_object(
+    stage: Stage,
+    objectId: str | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    forceAction: bool = False,
+    manualInteract: bool = False,
+) -> ActionResult:
+    """Take an object into the hand."""
+    target = _target(stage, "PickupObject", objectId, x, y)
+    return target if isinstance(target, ActionResult) else stage.agent.pick_up(target, forceAction)
+
+
+def put_object(
+    stage: Stage,
+    objectId: str | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    forceAction: bool = False,
+    placeStationary: bool = True,
+    receptacleObjectId: str | None = None,
+) -> ActionResult:
+    """Put what is held into or onto a receptacle, which `receptacleObjectId` names in old code."""
+    target = _target(stage, "PutObject", receptacleObjectId or objectId, x, y)
+    if isinstance(target, ActionResult):
+        return target
+    result = stage.agent.put(target, forceAction)
+    return ActionResult(False, NO_PLACE) if result.error.startswith("no free place") else _plain(result)
+
+
+def drop_object(stage: Stage, forceAction: bool = False) -> ActionResult:
+    """Let go of what is held."""
+    return _plain(stage.agent.drop())
+
+
+def push_object(
+    stage: Stage,
+    moveMagnitude: float,
+    objectId: str | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    forceAction: bool = False,
+) -> ActionResult:
+    """Push an object in the direction that the agent faces, with a force in newtons."""
+    return _push(stage, _target(stage, "PushObject", objectId, x, y), moveMagnitude, 0.0)
+
+
+def pull_object(
+    stage: Stage,
+    moveMagnitude: float,
+    objectId: str | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    forceAction: bool = False,
+) -> ActionResult:
+    """Push an object against the direction that the agent faces."""
+    return _push(stage, _target(stage, "PullObject", objectId, x, y), moveMagnitude, 180.0)
+
+
+def directional_push(
+    stage: Stage,
+    moveMagnitude: float,
+    pushAngle: float,
+    objectId: str | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    forceAction: bool = False,
+) -> ActionResult:
+    """Push an object at an angle clockwise from the direction that the agent faces, degrees."""
+    return _push(stage, _target(stage, "DirectionalPush", objectId, x, y), moveMagnitude, pushAngle)
+
+
+def toggle_object_on(
+    stage: Stage,
+    objectId: str | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    forceAction: bool = False,
+) -> ActionResult:
+    """Switch an object on."""
+    return _toggle(stage, _target(stage, "ToggleObjectOn", objectId, x, y), True, forceAction)
+
+
+def toggle_object_off(
+    stage: Stage,
+    objectId: str | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    forceAction: bool = False,
+) -> ActionResult:
+    """Switch an object off."""
+    return _toggle(stage, _target(stage, "ToggleObjectOff", objectId, x, y), False, forceAction)
+
+
+ACTIONS: dict[str, Action] = {
+    "CloseObject": close_object,
+    "DirectionalPush": directional_push,
+    "DropHandObject": drop_object,
+    "DropHeldObject": drop_object,
+    "OpenObject": open_object,
+    "PickupObject": pick_up_object,
+    "PullObject": pull_object,
+    "PushObject": push_object,
+    "PutObject": put_object,
+    "ToggleObjectOff": toggle_object_off,
+    "ToggleObjectOn": toggle_object_on,
+}
+
+
+def _target(stage: Stage, action: str, object_id: str | None, x: float | None, y: float | None) -> str | ActionResult:
+    """The id of the object that an action is about, or why there is none."""
+    if object_id is not None:
+        return object_id
+    if x is None or y is None:
+        raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
+    return stage.agent.object_at(x, y) or ActionResult(False, f"no object at ({x:g}, {y:g})")
+
+
+def _plain(result: ActionResult) -> ActionResult:
+    """A result without our own answer: AI2-THOR's actions on objects return nothing."""
+    return ActionResult(result.success, result.error)
+
+
+def _push(stage: Stage, target: str | ActionResult, newtons: float, angle_deg: float) -> ActionResult:
+    if isinstance(target, ActionResult):
+        return target
+    if newtons <= 0:
+        return ActionResult(False, f"moveMagnitude {newtons:g} is not a force: give newtons")
+    agent, world = stage.agent, stage.room.world
+    distance = _slide_m(newtons, object_type(world.type_of(target)).mass_kg or 1.0)
+    x, y, _ = world.state(target).position
+    away_deg = math.degrees(math.atan2(y - agent.y, x - agent.x))
+    return _plain(agent.push(target, distance, agent.yaw_deg - angle_deg - away_deg))
+
+
+def _slide_m(newtons: float, mass_kg: float) -> float:
+    """How far a push sends an object, metres; one that friction would swallow moves it a millimetre."""
+    speed = newtons * PUSH_S / mass_kg
+    return min(max(speed**2 / (2 * FRICTION * -GRAVITY_M_S2), 0.001), MAX_PUSH_M)
+
+
+def _toggle(stage: Stage, target: str | ActionResult, on: bool, force: bool) -> ActionResult:
+    if isinstance(target, ActionResult):
+        return target
+    toggled = stage.room.records.toggled
+    if not object_type(stage.room.world.type_of(target)).toggleable:
+        return ActionResult(False, f"{target} is not toggleable")
+    if (target in toggled) == on:
+        return ActionResult(False, f"{target} is already {'on' if on else 'off'}")
+    refusal = None if force else stage.agent.refusal(target)
+    if refusal is not None:
+        return refusal
+    (toggled.add if on else toggled.remove)(target)
+    return ActionResult(True)

@@ -1,0 +1,223 @@
+"""Actions on the simulation itself: scenes, settings, cameras, what the metadata list."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from remqa_data.errors import MisuseError
+from remqa_data.floorplans.load import scene_names
+from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.thor.state.cameras import ThirdPartyCamera
+from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, whole
+from remqa_data.thor.state.objects import box_metadata
+from remqa_data.thor.state.settings import FrameSize, Images, Settings
+from remqa_data.thor.state.simulator import SCENE_SUFFIX, Stage
+
+NO_EFFECT = frozenset(
+    {
+        "alwaysReturnVisibleRange",
+        "applyActionNoise",
+        "continuous",
+        "continuousMode",
+        "fastActionEmit",
+        "headless",
+        "makeAgentsVisible",
+        "massThreshold",
+        "maxDownwardLookAngle",
+        "maxUpwardLookAngle",
+        "quality",
+        "renderClassImage",
+        "renderImage",
+        "renderObjectImage",
+        "snapToGrid",
+        "synchronizeTransforms",
+        "useMassThreshold",
+        "visibilityScheme",
+    }
+)
+"""Initialization parameters of AI2-THOR that mean nothing here, or stand for another one; the rest draw a warning."""
+
+
+def get_scenes_in_build(stage: Stage) -> ActionResult:
+    """The names of all scenes."""
+    return ActionResult(True, value=[name + SCENE_SUFFIX for name in scene_names()])
+
+
+def reset(stage: Stage, sceneName: str) -> ActionResult:
+    """Load a scene."""
+    stage.load(sceneName)
+    return ActionResult(True)
+
+
+def initialize(
+    stage: Stage,
+    gridSize: float = 0.25,
+    visibilityDistance: float = 1.5,
+    rotateStepDegrees: float = 90.0,
+    fieldOfView: float = 90.0,
+    cameraNearPlane: float = 0.1,
+    cameraFarPlane: float = 20.0,
+    agentMode: str = "default",
+    agentCount: int = 1,
+    renderDepthImage: bool = False,
+    renderInstanceSegmentation: bool = False,
+    renderSemanticSegmentation: bool = False,
+    renderNormalsImage: bool = False,
+    renderFlowImage: bool = False,
+    **others: Any,
+) -> ActionResult:
+    """Set what holds until the next Initialize."""
+    if agentMode not in ("default", "arm"):
+        raise MisuseError(
+            "InvalidArgument", f"agentMode {agentMode!r} is not supported here: choose 'default' or 'arm'"
+        )
+    if agentCount != 1:
+        raise MisuseError("InvalidArgument", f"agentCount {agentCount} is not supported here: there is one agent")
+    if renderNormalsImage or renderFlowImage:
+        raise MisuseError("InvalidArgument", "renderNormalsImage and renderFlowImage are not supported here")
+    if not 0.0 < gridSize <= 5.0:
+        return ActionResult(False, f"gridSize {gridSize:g} is not in (0, 5]")
+    if not 0.0 < fieldOfView < 180.0:
+        return ActionResult(False, f"fieldOfView {fieldOfView:g} is not in (0, 180)")
+    if visibilityDistance <= 0.0 or not 0.0 < cameraNearPlane < cameraFarPlane:
+        return ActionResult(
+            False, "visibilityDistance, cameraNearPlane and cameraFarPlane must be positive and in order"
+        )
+    for name in sorted(set(others) - NO_EFFECT):
+        warnings.warn(f"initialization parameter {name} has no effect here", stacklevel=2)
+    stage.settings = Settings(
+        grid_size=gridSize,
+        visibility_distance=visibilityDistance,
+        rotate_step_degrees=rotateStepDegrees,
+        field_of_view=fieldOfView,
+        far_plane=cameraFarPlane,
+        agent_mode=agentMode,
+        images=Images(
+            depth=renderDepthImage,
+            instances=renderInstanceSegmentation,
+            types=renderSemanticSegmentation,
+        ),
+    )
+    stage.room.embody(stage.settings)
+    return ActionResult(True, value={"cameraNearPlane": cameraNearPlane, "cameraFarPlane": cameraFarPlane})
+
+
+def change_resolution(stage: Stage, x: int, y: int) -> ActionResult:
+    """Set the size of all pictures."""
+    stage.resize(FrameSize(x, y))
+    return ActionResult(True)
+
+
+def do_nothing(stage: Stage) -> ActionResult:
+    """Only take a picture."""
+    return ActionResult(True)
+
+
+def advance_physics(stage: Stage, timeStep: float = 0.02) -> ActionResult:
+    """Nothing is in motion between actions, so time has nothing to do."""
+    return ActionResult(True)
+
+
+def set_object_filter(stage: Stage, objectIds: list[str]) -> ActionResult:
+    """List only some objects in the metadata."""
+    stage.shown_objects = frozenset(objectIds)
+    return ActionResult(True)
+
+
+def reset_object_filter(stage: Stage) -> ActionResult:
+    """List all objects again."""
+    stage.shown_objects = None
+    return ActionResult(True)
+
+
+def get_scene_bounds(stage: Stage) -> ActionResult:
+    """The box of the room."""
+    return ActionResult(True, value=box_metadata(stage.room.box()))
+
+
+def get_map_view_camera_properties(stage: Stage) -> ActionResult:
+    """A camera under the ceiling that sees the whole floor plan."""
+    low, high = stage.room.box()
+    eye = np.array([*(low + high)[:2] / 2, high[2] - 0.05])
+    value = {
+        "position": to_thor(eye),
+        "rotation": {"x": 90.0, "y": 0.0, "z": 0.0},
+        "orthographicSize": float((high - low)[:2].max()) / 2,
+        "orthographic": True,
+    }
+    return ActionResult(True, value=value)
+
+
+def add_third_party_camera(
+    stage: Stage,
+    position: PartialVector,
+    rotation: PartialVector,
+    fieldOfView: float = 90.0,
+    orthographic: bool = False,
+    orthographicSize: float = 5.0,
+    skyboxColor: str | None = None,
+    nearClippingPlane: float | None = None,
+    farClippingPlane: float | None = None,
+    antiAliasing: str | None = None,
+) -> ActionResult:
+    """Add a camera; its pictures come with every event. Its skybox and clipping planes are not the caller's to choose."""
+    size = orthographicSize if orthographic else None
+    return _keep(stage, len(stage.cameras), ThirdPartyCamera(whole(position), whole(rotation), fieldOfView, size))
+
+
+def update_third_party_camera(
+    stage: Stage,
+    thirdPartyCameraId: int = 0,
+    position: PartialVector | None = None,
+    rotation: PartialVector | None = None,
+    fieldOfView: float | None = None,
+    skyboxColor: str | None = None,
+) -> ActionResult:
+    """Change a camera; what is not given stays as it is."""
+    if not 0 <= thirdPartyCameraId < len(stage.cameras):
+        return ActionResult(
+            False, f"there is no third party camera {thirdPartyCameraId}: {len(stage.cameras)} were added"
+        )
+    camera = stage.cameras[thirdPartyCameraId]
+    camera = replace(
+        camera,
+        position=_changed(camera.position, position),
+        rotation=_changed(camera.rotation, rotation),
+        field_of_view=camera.field_of_view if fieldOfView is None else fieldOfView,
+    )
+    return _keep(stage, thirdPartyCameraId, camera)
+
+
+ACTIONS: dict[str, Action] = {
+    "AddThirdPartyCamera": add_third_party_camera,
+    "AdvancePhysicsStep": advance_physics,
+    "ChangeResolution": change_resolution,
+    "Done": do_nothing,
+    "GetMapViewCameraProperties": get_map_view_camera_properties,
+    "GetSceneBounds": get_scene_bounds,
+    "GetScenesInBuild": get_scenes_in_build,
+    "Initialize": initialize,
+    "Pass": do_nothing,
+    "PausePhysicsAutoSim": do_nothing,
+    "Reset": reset,
+    "ResetObjectFilter": reset_object_filter,
+    "SetObjectFilter": set_object_filter,
+    "UnpausePhysicsAutoSim": do_nothing,
+    "UpdateThirdPartyCamera": update_third_party_camera,
+}
+
+
+def _keep(stage: Stage, index: int, camera: ThirdPartyCamera) -> ActionResult:
+    if problem := camera.problem():
+        return ActionResult(False, problem)
+    stage.cameras[index : index + 1] = [camera]
+    return ActionResult(True)
+
+
+def _changed(old: Vector, new: PartialVector | None) -> Vector:
+    return whole({**old, **(new or {})})

@@ -1,0 +1,214 @@
+"""Questions about the room: where the agent can be, how it gets there, from where an object can be acted on."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from itertools import product
+
+import networkx as nx
+import numpy as np
+
+from remqa_data.errors import MisuseError
+from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid
+from remqa_data.sim.navigation.ground import Ground
+from remqa_data.thor.state.agent import ThorAgent
+from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room
+from remqa_data.thor.state.simulator import AGENT_Y, Stage
+
+Plan = tuple[float, float]
+"""x and y in the room, metres."""
+
+ROTATIONS_DEG, HORIZONS_DEG, STANDINGS = (0.0, 90.0, 180.0, 270.0), (-30.0, 0.0, 30.0, 60.0), (True, False)
+MOST_STEPS = 10_000
+
+
+def get_reachable_positions(
+    stage: Stage,
+    gridSize: float | None = None,
+    maxStepCount: int | None = None,
+    directionsRelativeAgent: bool = False,
+) -> ActionResult:
+    """Where the agent can get to in whole steps from where it is, along the axes or along its own heading."""
+    step = stage.settings.grid_size if gridSize is None else gridSize
+    if not 0.0 < step <= 5.0:
+        return ActionResult(False, f"gridSize {step:g} is not in (0, 5]")
+    agent = stage.agent
+    heading = agent.yaw_deg if directionsRelativeAgent else 0.0
+    places = _flood(agent.ground, (agent.x, agent.y), step, heading, maxStepCount or MOST_STEPS)
+    if places is None:
+        return ActionResult(False, f"more than {maxStepCount or MOST_STEPS} positions can be reached")
+    return ActionResult(True, value=[to_thor((x, y, AGENT_Y)) for x, y in places])
+
+
+def get_interactable_poses(
+    stage: Stage,
+    objectId: str,
+    positions: list[PartialVector] | None = None,
+    rotations: list[float] | None = None,
+    horizons: list[float] | None = None,
+    standings: list[bool] | None = None,
+    maxDistance: float | None = None,
+    maxPoses: int | None = None,
+) -> ActionResult:
+    """Poses from which the agent sees an object within a distance, by default its visibility distance."""
+    agent = stage.agent
+    agent.world.type_of(objectId)  # names the nearest ids if there is no such object
+    if maxPoses is not None and maxPoses < 1:
+        return ActionResult(False, f"maxPoses {maxPoses} is not positive")
+    places = (
+        _flood(agent.ground, (agent.x, agent.y), stage.settings.grid_size, 0.0, MOST_STEPS) or []
+        if positions is None
+        else [to_room(whole(position))[:2] for position in positions]
+    )
+    pose = (agent.x, agent.y), agent.yaw_deg, agent.horizon_deg, agent.is_standing
+    found = []
+    for (x, y), rotation, horizon, standing in product(
+        places, rotations or ROTATIONS_DEG, horizons or HORIZONS_DEG, standings or STANDINGS
+    ):
+        agent.place((x, y), yaw_to_room(rotation), horizon, standing)
+        if agent.sees(objectId, maxDistance):
+            answer = {"x": x, "y": AGENT_Y, "z": y, "rotation": rotation, "standing": standing, "horizon": horizon}
+            found.append(answer)
+            if len(found) == maxPoses:
+                break
+    agent.place(*pose)
+    return ActionResult(True, value=found)
+
+
+def get_shortest_path(
+    stage: Stage,
+    objectId: str | None = None,
+    objectType: str | None = None,
+    position: PartialVector | None = None,
+    rotation: PartialVector | None = None,
+    allowedError: float | None = None,
+) -> ActionResult:
+    """The corners of the shortest way from a position (by default the agent's) to the place nearest to an object."""
+    world = stage.room.world
+    if objectId is None:
+        if objectType is None:
+            raise MisuseError(
+                "MissingArguments", "action: GetShortestPath is missing the following arguments: objectId"
+            )
+        ids = [name for name in world.ids if world.type_of(name) == objectType]
+        if len(ids) != 1:
+            return ActionResult(False, f"there are {len(ids)} objects of type {objectType}: give an objectId")
+        objectId = ids[0]
+    world.type_of(objectId)  # names the nearest ids if there is no such object
+    low, high = world.box(objectId)[:, :2]
+    middle = (low + high) / 2
+
+    def distance(place: Plan) -> tuple[float, float]:
+        return math.dist(place, np.clip(place, low, high)), math.dist(place, middle)
+
+    grid = stage.agent.grid
+    goal = min(grid.cells, key=lambda cell: distance(grid.position(cell)))
+    return _way(stage, position, grid.position(goal))
+
+
+def get_shortest_path_to_point(
+    stage: Stage,
+    target: PartialVector | None = None,
+    position: PartialVector | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    z: float | None = None,
+    allowedError: float | None = None,
+) -> ActionResult:
+    """The corners of the shortest way from a position to a target, a vector or x and z."""
+    if target is not None:
+        x, z = target.get("x"), target.get("z")
+    if x is None or z is None:
+        missing = "target" if x is None and z is None else "x" if x is None else "z"
+        message = f"action: GetShortestPathToPoint is missing the following arguments: {missing}"
+        raise MisuseError("MissingArguments", message)
+    return _way(stage, position, (x, z))
+
+
+def get_object_in_frame(stage: Stage, x: float, y: float, checkVisible: bool = False) -> ActionResult:
+    """The id of the object at a point of the frame."""
+    object_id = stage.agent.object_at(x, y)
+    if object_id is None or (checkVisible and not stage.agent.is_near(object_id)):
+        return ActionResult(False, f"no object at ({x:g}, {y:g})")
+    return ActionResult(True, value=object_id)
+
+
+def get_visible_objects(stage: Stage, maxDistance: float | None = None) -> ActionResult:
+    """The ids of the objects that the agent sees within a distance, by default its visibility distance."""
+    distance = stage.settings.visibility_distance if maxDistance is None else maxDistance
+    return ActionResult(True, value=stage.agent.visible_objects(distance))
+
+
+ACTIONS: dict[str, Action] = {
+    "GetInteractablePoses": get_interactable_poses,
+    "GetObjectInFrame": get_object_in_frame,
+    "GetReachablePositions": get_reachable_positions,
+    "GetShortestPath": get_shortest_path,
+    "GetShortestPathToPoint": get_shortest_path_to_point,
+    "GetVisibleObjects": get_visible_objects,
+}
+
+
+def _flood(ground: Ground, start: Plan, step_m: float, heading_deg: float, most: int) -> list[Plan] | None:
+    """Places that whole steps lead to, sorted by the steps; None if there are more than `most`."""
+    cos, sin = round(math.cos(math.radians(heading_deg)), 15), round(math.sin(math.radians(heading_deg)), 15)
+
+    def place(cell: Cell) -> Plan:
+        ahead, left = cell[0] * step_m, cell[1] * step_m
+        return start[0] + ahead * cos - left * sin, start[1] + ahead * sin + left * cos
+
+    seen, queue = {(0, 0)}, deque([(0, 0)])
+    while queue:
+        here = queue.popleft()
+        for there in _neighbours(here):
+            if there not in seen and ground.is_clear(place(here), place(there)):
+                seen.add(there)
+                queue.append(there)
+        if len(seen) > most:
+            return None
+    return [place(cell) for cell in sorted(seen)]
+
+
+def _neighbours(cell: Cell) -> Iterator[Cell]:
+    for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        yield cell[0] + step[0], cell[1] + step[1]
+
+
+def _way(stage: Stage, position: PartialVector | None, goal: Plan) -> ActionResult:
+    agent = stage.agent
+    start = (agent.x, agent.y) if position is None else to_room(whole(position))[:2]
+    way = _shortest_way(agent, start, goal)
+    if way is None:
+        return ActionResult(False, f"no path from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g}) (x, z)")
+    floor_z = agent.world.scene.floor_z
+    corners: list[Vector] = [to_thor((x, y, floor_z)) for x, y in way]
+    return ActionResult(True, value={"corners": corners})
+
+
+def _shortest_way(agent: ThorAgent, start: Plan, goal: Plan) -> list[Plan] | None:
+    """The shortest way over the grid with its corners pulled tight, or None."""
+    first, last = _cell_near(agent, start), _cell_near(agent, goal)
+    if first is None or last is None:
+        return None
+    cells = nx.shortest_path(agent.grid.graph, first, last)
+    places = [start, *(agent.grid.position(cell) for cell in cells), goal]
+    way, here = [start], 0
+    while here < len(places) - 1:
+        ahead = range(here + 1, len(places))
+        here = max((k for k in ahead if agent.ground.is_clear(places[here], places[k])), default=here + 1)
+        way.append(places[here])
+    return way
+
+
+def _cell_near(agent: ThorAgent, place: Plan) -> Cell | None:
+    """The nearest cell of the grid that can be walked to straight from a place."""
+    grid: ReachableGrid = agent.grid
+    near = sorted((math.dist(grid.position(cell), place), cell) for cell in grid.cells)
+    for distance, cell in near[:8]:
+        if distance < 1e-9 or agent.ground.is_clear(place, grid.position(cell)):
+            return cell
+    return None

@@ -1,0 +1,77 @@
+"""The `arm` of AI2-THOR's metadata, and what the hand touches."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remqa_data.catalog import object_type
+from remqa_data.geometry.rotations import quaternion_of, rotation_of
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.sim.arm import jaco
+from remqa_data.sim.physics.world import World
+from remqa_data.thor.state.frames import SWAP, to_thor
+from remqa_data.thor.state.objects import Metadata
+from remqa_data.thor.state.simulator import Room
+
+JOINTS = {"robot_arm_1_jnt": 0, "robot_arm_2_jnt": 2, "robot_arm_3_jnt": 3, "robot_arm_4_jnt": jaco.HAND}
+"""AI2-THOR's names of four joints (foot, shoulder, elbow, hand), and the links of our six-joint arm that stand there."""
+
+
+def arm_metadata(room: Room) -> Metadata:
+    """Joints, hand and what it touches."""
+    agent = room.agent
+    arm, base = agent.arm, agent.base
+    poses, hand = arm.link_poses(base), np.asarray(arm.hand(base))
+    touched = touched_objects(room.world, hand, arm.hand_radius_m)
+    root, parent, joints = poses[0], poses[0], []
+    for name, link in JOINTS.items():
+        pose = poses[link]
+        joints.append(
+            {
+                "name": name,
+                "position": to_thor(pose[:3, 3]),
+                "rootRelativePosition": to_thor(root[:3, :3].T @ (pose[:3, 3] - root[:3, 3])),
+                "rotation": _axis_angle(pose[:3, :3]),
+                "rootRelativeRotation": _axis_angle(root[:3, :3].T @ pose[:3, :3]),
+                "localRotation": _axis_angle(parent[:3, :3].T @ pose[:3, :3]),
+                "armBaseHeight": float(arm.shoulder(base)[2]),
+                "elbowOrientation": 0.0,
+            }
+        )
+        parent = pose
+    return {
+        "joints": joints,
+        "heldObjects": [] if room.world.held is None else [room.world.held],
+        "pickupableObjects": [name for name in touched if object_type(room.world.type_of(name)).pickupable],
+        "touchedNotHeldObjects": touched,
+        "handSphereCenter": to_thor(hand),
+        "handSphereRadius": float(arm.hand_radius_m),
+    }
+
+
+def touched_objects(world: World, centre: F64 | Vec3, radius_m: float) -> list[str]:
+    """Ids of the objects whose collision boxes a ball touches, nearest first; not of what is held."""
+    point = np.asarray(centre, dtype=np.float64)
+    gaps = {name: _gap(world, name, point) for name in world.ids if name != world.held}
+    return [name for name in sorted(gaps, key=lambda name: gaps[name]) if gaps[name] <= radius_m]
+
+
+def _gap(world: World, object_id: str, point: F64) -> float:
+    """Metres from a point to the nearest collision box of an object."""
+    gap = np.inf
+    for link, pose in zip(world.assets[object_id].links, world.link_poses(object_id), strict=True):
+        local = pose[:3, :3].T @ (point - pose[:3, 3])
+        for box in link.boxes:
+            inside = rotation_of(box.quaternion).T @ (local - np.asarray(box.centre))
+            outside = np.maximum(np.abs(inside) - np.asarray(box.size) / 2, 0.0)
+            gap = min(gap, float(np.linalg.norm(outside)))
+    return gap
+
+
+def _axis_angle(rotation: F64) -> Metadata:
+    """Axis (x, y, z) and angle (w, degrees) of a rotation of the room, in AI2-THOR's frame."""
+    x, y, z, w = quaternion_of(SWAP @ rotation @ SWAP)
+    angle = 2.0 * np.arccos(np.clip(w, -1.0, 1.0))
+    sine = np.sin(angle / 2.0)
+    axis = np.array([x, y, z]) / sine if sine > 1e-9 else np.array([1.0, 0.0, 0.0])
+    return dict(zip("xyzw", [*axis.tolist(), float(np.degrees(angle))], strict=True))

@@ -1,0 +1,100 @@
+"""From an action as it is sent to the function that executes it, with AI2-THOR's errors for what does not fit."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import ConfigDict, ValidationError, validate_call
+
+from remqa_data.errors import MisuseError, nearest_names
+from remqa_data.sim.agent.agent import ActionResult
+
+Action = Callable[..., ActionResult]
+"""Executes an action on a stage; its parameters are AI2-THOR's, by name."""
+
+WITH_EVERY_ACTION = frozenset(
+    {
+        "action",
+        "sequenceId",
+        "agentId",
+        "renderImage",
+        "renderDepthImage",
+        "renderInstanceSegmentation",
+        "renderSemanticSegmentation",
+        "renderObjectImage",
+        "renderClassImage",
+        "disableRendering",
+        "fixedDeltaTime",
+        "physicsSimulationParams",
+        "restrictMovement",
+        "returnToStart",
+        "speed",
+        "visibilityDistance",
+    }
+)
+"""What AI2-THOR's Python side may add to any action, which pictures it asks for, and how an arm or agent moves: here it
+is there at once. An action that has such a parameter gets it; from the others it is kept away."""
+
+
+@dataclass(frozen=True)
+class CheckedAction:
+    """An action that checks the types of its arguments, and the names of its parameters."""
+
+    execute: Action
+    parameters: frozenset[str]
+
+
+def checked(actions: Mapping[str, Action]) -> dict[str, CheckedAction]:
+    """Actions with a check of their arguments, by name."""
+    config = ConfigDict(strict=True, allow_inf_nan=False, arbitrary_types_allowed=True)
+    return {
+        name: CheckedAction(validate_call(config=config)(action), frozenset(inspect.signature(action).parameters))
+        for name, action in actions.items()
+    }
+
+
+def call(actions: Mapping[str, CheckedAction], stage: object, request: Mapping[str, Any]) -> ActionResult:
+    """Execute what a request asks for.
+
+    Parameters
+    ----------
+    actions : mapping
+        By name, as `checked` returns them.
+    stage : Stage
+        The first argument of every action.
+    request : mapping
+        "action" and its arguments.
+
+    Raises
+    ------
+    MisuseError
+        If there is no such action, an argument is missing, unknown, or of the wrong type.
+    """
+    name = request.get("action")
+    if not isinstance(name, str) or name not in actions:
+        near = nearest_names(str(name), actions)
+        hint = f"; did you mean {' or '.join(near)}?" if near else ""
+        raise MisuseError("InvalidAction", f"Invalid action: {name}{hint}")
+    action = actions[name]
+    ignored = WITH_EVERY_ACTION - action.parameters
+    try:
+        return action.execute(stage, **{key: value for key, value in request.items() if key not in ignored})
+    except ValidationError as error:
+        raise _misuse(name, error) from None
+
+
+def _misuse(name: str, error: ValidationError) -> MisuseError:
+    problems = error.errors(include_url=False)
+    missing = [str(p["loc"][0]) for p in problems if p["type"].startswith("missing_argument")]
+    missing += [str(p["loc"][0]) for p in problems if p["type"] == "missing_keyword_only_argument"]
+    if missing:
+        return MisuseError(
+            "MissingArguments", f"action: {name} is missing the following arguments: {','.join(missing)}"
+        )
+    first = problems[0]
+    why = "unknown" if first["type"] == "unexpected_keyword_argument" else first["msg"]
+    where = ".".join(str(part) for part in first["loc"])
+    return MisuseError("InvalidArgument", f"action: {name} has an invalid argument: {where} ({why})")

@@ -1,0 +1,172 @@
+"""From the state of a stage to what AI2-THOR sends after an action: metadata and pictures."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from remqa_data.geometry.types import Vec3
+from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.view import Observation
+from remqa_data.thor.state.arm_metadata import arm_metadata
+from remqa_data.thor.state.frames import to_thor, yaw_to_thor
+from remqa_data.thor.state.images import Palette, as_bytes, depth_bytes
+from remqa_data.thor.state.objects import Metadata, box_metadata
+from remqa_data.thor.state.settings import Images
+from remqa_data.thor.state.simulator import Room, Stage
+
+Files = dict[str, list[bytes]]
+
+HAND_AHEAD_M, HAND_BELOW_M = 0.38, 0.16
+"""Where AI2-THOR's agent without an arm holds things: before and below its camera."""
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What AI2-THOR's Python side makes an event of."""
+
+    metadata: Metadata
+    files: Files
+
+
+def reply(stage: Stage, action: str, result: ActionResult, code: str | None, images: Images) -> Reply:
+    """The state after an action.
+
+    Parameters
+    ----------
+    stage : Stage
+        The state.
+    action : str
+        Name of the action.
+    result : ActionResult
+        What came of it.
+    code : str, optional
+        AI2-THOR's errorCode, of an action that could not be read.
+    images : Images
+        Which pictures to send.
+    """
+    metadata = _outcome(action, result, code) | {
+        "screenWidth": stage.frame.width,
+        "screenHeight": stage.frame.height,
+        "sceneName": stage.scene_name,
+    }
+    files: Files = defaultdict(list)
+    if not stage.has_room:
+        files["image"].append(bytes(3 * stage.frame.width * stage.frame.height))
+        return Reply(metadata, files)
+    room, camera = stage.room, stage.agent.camera()
+    if images.none:
+        objects = room.view.instances(camera)
+    else:
+        seen = room.view.render(camera)
+        objects = seen.objects
+        _add(files, _AGENT_FILES, seen, images, room.palette, stage.settings.far_plane)
+        for third in stage.cameras:
+            drawn = room.view.render(third.camera(stage.frame))
+            _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, stage.settings.far_plane)
+    visible = frozenset(room.agent.seen_in(objects, stage.settings.visibility_distance))
+    hand = room.agent.arm.hand(room.agent.base) if stage.settings.has_arm else _hand(camera)
+    metadata["objects"] = room.records.listing(room.agent_position(), visible, hand, stage.shown_objects)
+    metadata["sceneBounds"] = box_metadata(room.box())
+    metadata["colors"] = room.palette.metadata() if images.colors else None
+    metadata["thirdPartyCameras"] = [camera.metadata(index) for index, camera in enumerate(stage.cameras)]
+    metadata["arm"] = arm_metadata(room) if stage.settings.has_arm else None
+    return Reply(metadata | _agent(room, camera, hand), files)
+
+
+_AGENT_FILES = ("image", "image_depth", "image_ids", "image_classes")
+_THIRD_PARTY_FILES = (
+    "image-thirdParty-camera",
+    "image_thirdParty_depth",
+    "image_thirdParty_image_ids",
+    "image_thirdParty_classes",
+)
+
+
+def _add(files: Files, names: Sequence[str], seen: Observation, images: Images, palette: Palette, far_m: float) -> None:
+    color, depth, instances, types = names
+    if images.color:
+        files[color].append(as_bytes(seen.rgb))
+    if images.depth:
+        files[depth].append(depth_bytes(seen.depth, far_m))
+    if images.instances:
+        files[instances].append(as_bytes(palette.instances(seen.objects)))
+    if images.types:
+        files[types].append(as_bytes(palette.types(seen.objects)))
+
+
+def _outcome(action: str, result: ActionResult, code: str | None) -> Metadata:
+    """All keys of the metadata: what the action says, and what has a meaning in no room of ours."""
+    is_blocked = " is blocking Agent" in result.error
+    return {
+        "objects": [],
+        "isSceneAtRest": True,
+        "agent": None,
+        "heldObjectPose": None,
+        "arm": None,
+        "fov": 90.0,
+        "cameraPosition": None,
+        "cameraOrthSize": -1.0,
+        "thirdPartyCameras": [],
+        "collided": is_blocked,
+        "collidedObjects": [result.error.split(" is blocking")[0]] if is_blocked else [],
+        "inventoryObjects": [],
+        "sceneName": "",
+        "lastAction": action,
+        "errorMessage": result.error,
+        "errorCode": code,
+        "lastActionSuccess": result.success,
+        "screenWidth": 0,
+        "screenHeight": 0,
+        "agentId": 0,
+        "colors": None,
+        "depthFormat": "Meters",
+        "flatSurfacesOnGrid": [],
+        "distances": [],
+        "normals": [],
+        "isOpenableGrid": [],
+        "segmentedObjectIds": [],
+        "objectIdsInBox": [],
+        "actionIntReturn": 0,
+        "actionFloatReturn": 0.0,
+        "actionStringsReturn": [],
+        "actionFloatsReturn": [],
+        "actionVector3sReturn": [],
+        "visibleRange": None,
+        "currentTime": 0.0,
+        "sceneBounds": None,
+        "actionReturn": result.value,
+    }
+
+
+def _agent(room: Room, camera: Camera, hand: Vec3) -> Metadata:
+    agent, world = room.agent, room.world
+    rotation = {"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0}
+    held = [] if world.held is None else [{"objectId": world.held, "objectType": world.type_of(world.held)}]
+    return {
+        "agent": {
+            "name": "agent",
+            "position": to_thor(room.agent_position()),
+            "rotation": rotation,
+            "cameraHorizon": agent.horizon_deg,
+            "isStanding": agent.is_standing,
+            "inHighFrictionArea": False,
+        },
+        "cameraPosition": to_thor(camera.position),
+        "fov": camera.fov_deg,
+        "inventoryObjects": held,
+        "heldObjectPose": {
+            "localPosition": {"x": 0.0, "y": -HAND_BELOW_M, "z": HAND_AHEAD_M},
+            "localRotation": {"x": 0.0, "y": 0.0, "z": 0.0},
+            "position": to_thor(hand),
+            "rotation": dict(rotation),
+        },
+    }
+
+
+def _hand(camera: Camera) -> Vec3:
+    _, up, forward = camera.rotation()
+    x, y, z = (camera.position + HAND_AHEAD_M * forward - HAND_BELOW_M * up).tolist()
+    return x, y, z

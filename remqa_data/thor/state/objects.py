@@ -1,0 +1,231 @@
+"""The `objects` of AI2-THOR's metadata.
+
+What never changes of an object is written down once; poses and boxes only when an object has moved. Each event gets
+records and positions of its own, so that an agent may keep events and change these; boxes are shared.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+
+from remqa_data.catalog import object_type
+from remqa_data.floorplans.load import recorded_pivots
+from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.scene import Scene
+from remqa_data.sim.physics.state import ObjectState
+from remqa_data.sim.physics.support import supports
+from remqa_data.sim.physics.world import World
+from remqa_data.thor.state.frames import corners_to_thor, euler_to_thor, to_thor
+
+Metadata = dict[str, Any]
+"""A part of an event's metadata: what AI2-THOR would send as JSON."""
+
+
+class ObjectRecords:
+    """The metadata of all objects of a world.
+
+    Parameters
+    ----------
+    world : World
+        Whose objects; later changes of it are followed.
+
+    Attributes
+    ----------
+    toggled : set of str
+        Ids of the objects that are switched on. Nothing in the world depends on it.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.toggled: set[str] = set()
+        self._world = world
+        self._pivots = _pivots(world.scene)
+        self._static = {object_id: _static(world, object_id) for object_id in world.ids}
+        self._shown: dict[str, ObjectState] = {}
+        self._held: str | None = None
+        self._boxes: dict[str, F64] = {}
+        self._moving: dict[str, Metadata] = {}
+        self._holding: dict[str, Metadata] = {}
+        self._positions = np.zeros((len(world.ids), 3))
+
+    def position(self, object_id: str) -> Vec3:
+        """Where AI2-THOR says an object is, metres in the room: its pivot, such as a door's hinge."""
+        state = self._world.state(object_id)
+        offset = self._pivots.get(object_id)
+        if offset is None:
+            return state.position
+        x, y, z = (rotation_of(state.quaternion) @ offset + np.asarray(state.position)).tolist()
+        return x, y, z
+
+    def listing(
+        self, agent: Vec3, visible: Collection[str], hand: Vec3, only: Collection[str] | None
+    ) -> list[Metadata]:
+        """The metadata of all objects now.
+
+        Parameters
+        ----------
+        agent : tuple of float
+            Where AI2-THOR says the agent is, metres in the room; distances are measured from there.
+        visible : collection of str
+            Ids of the objects that the agent sees within its visibility distance.
+        hand : tuple of float
+            Where a held object is, metres in the room.
+        only : collection of str, optional
+            Ids of the objects to list, by default all.
+        """
+        self._follow()
+        distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
+        listed = []
+        for object_id, distance in zip(self._world.ids, distances, strict=True):
+            if only is not None and object_id not in only:
+                continue
+            record = {**self._static[object_id], **self._moving[object_id], **self._holding[object_id]}
+            record["position"] = dict(record["position"])
+            record["rotation"] = dict(record["rotation"])
+            record["visible"] = record["isInteractable"] = object_id in visible
+            record["isToggled"] = object_id in self.toggled
+            record["distance"] = distance
+            if object_id == self._held:
+                self._put_into_hand(record, agent, hand)
+            listed.append(record)
+        return listed
+
+    def _follow(self) -> None:
+        """Bring the records up to the world's state; states are replaced, never changed, so identity tells."""
+        world = self._world
+        moved = [name for name in world.ids if world.state(name) is not self._shown.get(name)]
+        if not moved and world.held == self._held and self._shown:
+            return
+        for object_id in moved:
+            self._shown[object_id] = world.state(object_id)
+            self._boxes[object_id] = world.box(object_id)
+            self._moving[object_id] = self._pose_and_boxes(object_id)
+            self._positions[world.ids.index(object_id)] = self.position(object_id)
+        self._held = world.held
+        self._holding = _holding(world, self._boxes)
+
+    def _pose_and_boxes(self, object_id: str) -> Metadata:
+        state, kind = self._world.state(object_id), object_type(self._world.type_of(object_id))
+        oriented = None
+        if kind.pickupable or kind.moveable:
+            oriented = {"cornerPoints": corners_to_thor(_oriented_corners(self._world, object_id))}
+        return {
+            "position": to_thor(self.position(object_id)),
+            "rotation": euler_to_thor(state.quaternion),
+            "openness": float(state.openness),
+            "isOpen": state.openness > 0,
+            "axisAlignedBoundingBox": box_metadata(self._boxes[object_id]),
+            "objectOrientedBoundingBox": oriented,
+        }
+
+    def _put_into_hand(self, record: Metadata, agent: Vec3, hand: Vec3) -> None:
+        """A held object is nowhere in the world, and in no picture; its metadata say that it is in the hand."""
+        offset = np.asarray(hand) - self._boxes[record["objectId"]].mean(axis=0)
+        position = np.asarray(self.position(record["objectId"])) + offset
+        record["isPickedUp"] = True
+        record["position"] = to_thor(position)
+        record["distance"] = float(np.linalg.norm(position - np.asarray(agent)))
+        record["axisAlignedBoundingBox"] = box_metadata(self._boxes[record["objectId"]] + offset)
+        corners = _oriented_corners(self._world, record["objectId"]) + offset
+        record["objectOrientedBoundingBox"] = {"cornerPoints": corners_to_thor(corners)}
+
+
+def box_metadata(box: F64) -> Metadata:
+    """AI2-THOR's description of an axis-aligned box, given as its (2, 3) corners in the room, metres."""
+    low, high = box
+    return {
+        "cornerPoints": corners_to_thor(np.where(_CORNERS > 0, high, low)),
+        "center": to_thor((low + high) / 2),
+        "size": to_thor(high - low),
+    }
+
+
+def _static(world: World, object_id: str) -> Metadata:
+    """What does not change, and the states that this simulation has not: nothing breaks, cooks, spills or gets dirty."""
+    type_name = world.type_of(object_id)
+    kind, asset = object_type(type_name), world.assets[object_id]
+    is_loose = kind.pickupable or kind.moveable
+    return {
+        "name": f"{type_name}_{zlib.crc32(object_id.encode()):08x}",
+        "position": {},
+        "rotation": {},
+        "visible": False,
+        "isInteractable": False,
+        "receptacle": kind.receptacle,
+        "toggleable": kind.toggleable,
+        "isToggled": False,
+        "breakable": kind.breakable,
+        "isBroken": False,
+        "canFillWithLiquid": kind.fillable,
+        "isFilledWithLiquid": False,
+        "fillLiquid": None,
+        "dirtyable": kind.dirtyable,
+        "isDirty": False,
+        "canBeUsedUp": kind.used_up,
+        "isUsedUp": False,
+        "cookable": kind.cookable,
+        "isCooked": False,
+        "temperature": "RoomTemp",
+        "isHeatSource": False,
+        "isColdSource": False,
+        "sliceable": kind.sliceable,
+        "isSliced": False,
+        "openable": asset.is_openable,
+        "isOpen": False,
+        "openness": 0.0,
+        "pickupable": kind.pickupable,
+        "isPickedUp": False,
+        "moveable": kind.moveable,
+        "mass": kind.mass_kg if is_loose and kind.mass_kg else 0.0,
+        "salientMaterials": list(kind.materials) if is_loose else None,
+        "receptacleObjectIds": None,
+        "distance": 0.0,
+        "objectType": type_name,
+        "objectId": object_id,
+        "assetId": f"{type_name}_{asset.spec.variant}",
+        "parentReceptacles": None,
+        "controlledObjects": None,
+        "isMoving": False,
+        "axisAlignedBoundingBox": {},
+        "objectOrientedBoundingBox": None,
+    }
+
+
+def _holding(world: World, boxes: Mapping[str, F64]) -> dict[str, Metadata]:
+    """What holds each object, and what each receptacle holds."""
+    parents: dict[str, list[str]] = {object_id: [] for object_id in world.ids}
+    contents: dict[str, list[str]] = {object_id: [] for object_id in world.ids}
+    for object_id, support in supports(world, boxes).items():
+        parents[object_id].append(support.id)
+        contents[support.id].append(object_id)
+    return {
+        object_id: {
+            "parentReceptacles": parents[object_id] or None,
+            "receptacleObjectIds": contents[object_id] if object_type(world.type_of(object_id)).receptacle else None,
+        }
+        for object_id in world.ids
+    }
+
+
+def _pivots(scene: Scene) -> dict[str, F64]:
+    """Where each object's recorded pivot is, in its asset's frame."""
+    recorded = recorded_pivots(scene.name)
+    return {
+        o.id: rotation_of(o.quaternion).T @ (recorded[o.id] - np.asarray(o.position))
+        for o in scene.objects
+        if o.id in recorded
+    }
+
+
+def _oriented_corners(world: World, object_id: str) -> F64:
+    """(8, 3) corners of an object's closed box as it is turned, metres."""
+    half = np.asarray(world.assets[object_id].spec.size) / 2
+    pose = world.state(object_id).matrix()
+    return np.asarray(_CORNERS * half @ pose[:3, :3].T + pose[:3, 3])
+
+
+_CORNERS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])

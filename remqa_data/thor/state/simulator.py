@@ -1,0 +1,166 @@
+"""What AI2-THOR's actions act on: a room, the agent in it, the cameras and the settings."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remqa_data.errors import MisuseError
+from remqa_data.floorplans.load import load_scene
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
+from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose, pixels_per_object
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.view import WorldView
+from remqa_data.thor.state.agent import ThorAgent
+from remqa_data.thor.state.cameras import ThirdPartyCamera
+from remqa_data.thor.state.images import Palette
+from remqa_data.thor.state.objects import ObjectRecords
+from remqa_data.thor.state.settings import FrameSize, Settings
+
+AGENT_Y = 0.900999
+"""AI2-THOR describes its agent by its middle, which is at this height in every room."""
+SCENE_SUFFIX = "_physics"
+
+
+class Room:
+    """A loaded floor plan, at rest, with an agent at its start.
+
+    Parameters
+    ----------
+    scene : str
+        Such as "FloorPlan1".
+    settings : Settings
+        Of the agent.
+    frame : FrameSize
+        Of the agent's pictures.
+
+    Attributes
+    ----------
+    world, view, agent, records, palette
+        The simulated room, its renderer, the agent in it, the objects' metadata and their colours.
+    """
+
+    def __init__(self, scene: str, settings: Settings, frame: FrameSize) -> None:
+        self.scene = scene
+        self.world = World(load_scene(scene))
+        self.world.settle()
+        self.view = WorldView(self.world)
+        self.palette = Palette(self.world.ids, [self.world.type_of(object_id) for object_id in self.world.ids])
+        self._at_rest = self.world.save()
+        self._start = _start_pose(self.view, reachable_grid(self.world))
+        self.restart(settings, frame)
+
+    def restart(self, settings: Settings, frame: FrameSize) -> None:
+        """Put everything back to where it was when the room was loaded."""
+        if self.world.held is not None:
+            self.view.hide(self.world.held, False)
+        self.world.restore(self._at_rest)
+        self.records = ObjectRecords(self.world)
+        position, yaw_deg = self._start
+        self.agent = ThorAgent(self.world, self.view, position, yaw_deg, settings=settings, frame=frame)
+
+    def embody(self, settings: Settings) -> None:
+        """Give the agent other settings, where it is."""
+        old = self.agent
+        pose = {"horizon_deg": old.horizon_deg, "is_standing": old.is_standing}
+        self.agent = ThorAgent(
+            self.world, self.view, (old.x, old.y), old.yaw_deg, settings=settings, frame=old.frame, **pose
+        )
+
+    def agent_position(self) -> Vec3:
+        """Where AI2-THOR says the agent is, metres in the room."""
+        return self.agent.x, self.agent.y, AGENT_Y
+
+    def box(self) -> F64:
+        """(2, 3) corners of the room inside its walls, metres."""
+        scene = self.world.scene
+        x0, y0, x1, y1 = scene.bounds
+        return np.array([(x0, y0, scene.floor_z), (x1, y1, scene.floor_z + scene.height)])
+
+
+class Stage:
+    """The state between actions.
+
+    Parameters
+    ----------
+    frame : FrameSize
+        Of every picture.
+
+    Attributes
+    ----------
+    settings : Settings
+        What Initialize has set.
+    scene_name : str
+        As AI2-THOR calls it.
+    cameras : list of ThirdPartyCamera
+        In the order in which they were added.
+    shown_objects : frozenset of str or None
+        What SetObjectFilter restricts the metadata to; None for all objects.
+    """
+
+    def __init__(self, frame: FrameSize) -> None:
+        self.frame = frame
+        self.settings = Settings()
+        self.scene_name = ""
+        self.cameras: list[ThirdPartyCamera] = []
+        self.shown_objects: frozenset[str] | None = None
+        self._room: Room | None = None
+
+    @property
+    def has_room(self) -> bool:
+        """Whether a scene has been loaded."""
+        return self._room is not None
+
+    @property
+    def room(self) -> Room:
+        """The room.
+
+        Raises
+        ------
+        MisuseError
+            If no scene has been loaded.
+        """
+        if self._room is None:
+            raise MisuseError("InvalidAction", "no scene is loaded: Reset first")
+        return self._room
+
+    @property
+    def agent(self) -> ThorAgent:
+        """The agent in the room."""
+        return self.room.agent
+
+    def load(self, scene_name: str) -> None:
+        """Load a scene by its name in AI2-THOR, or the same scene again."""
+        scene = scene_name.removesuffix(SCENE_SUFFIX)
+        if self._room is not None and self._room.scene == scene:
+            self._room.restart(self.settings, self.frame)
+        else:
+            room = Room(scene, self.settings, self.frame)
+            self.close()
+            self._room = room
+        self.scene_name = scene_name
+        self.cameras, self.shown_objects = [], None
+
+    def resize(self, frame: FrameSize) -> None:
+        """Change the size of all pictures."""
+        self.frame = frame
+        if self._room is not None:
+            self._room.agent.frame = frame
+
+    def close(self) -> None:
+        """Give the simulator's memory back."""
+        if self._room is not None:
+            self._room.world.close()
+            self._room = None
+
+
+def _start_pose(view: WorldView, grid: ReachableGrid) -> tuple[tuple[float, float], float]:
+    """The middle of the floor that can be reached, and the heading from which most objects are seen there."""
+    positions = grid.positions()
+    nearest = int(np.linalg.norm(positions - positions.mean(axis=0), axis=1).argmin())
+    cell = grid.cells[nearest]
+
+    def seen(heading: int) -> int:
+        return int((pixels_per_object(view, AgentPose(cell, heading).camera(grid)) >= MIN_PIXELS).sum())
+
+    return grid.position(cell), float(max(HEADINGS_DEG, key=seen))

@@ -1,0 +1,342 @@
+"""The Gymnasium environment: Gymnasium's own checker, and episodes of rooms and of a generated dataset."""
+
+import gc
+import math
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from remqa_data.env import ENV_ID, RemqaEnv
+from remqa_data.env.actions import DISCRETE, PARAMETRISED, Command, command
+from remqa_data.env.oracle import oracle_commands
+from remqa_data.env.recorder import Recorder
+from remqa_data.env.video import write_film
+from remqa_data.errors import ActionError, DatasetError, UnknownNameError
+from remqa_data.evaluation.scoring.ground_truth import load_truth
+from remqa_data.evaluation.scoring.scoring import score
+from remqa_data.evaluation.submission.reader import open_submission
+from remqa_data.generators.config import load_config
+from remqa_data.generators.pipeline import generate
+from remqa_data.sim.agent.actions import Action, parse_action
+from remqa_data.sim.arm.arm import HOME
+from remqa_data.storage.shards import read_table
+
+ROOM = "FloorPlan406"
+SMALL = {"scenes": [ROOM], "width": 64, "height": 48}
+AHEAD, LEFT, DONE = DISCRETE.index("MoveAhead"), DISCRETE.index("RotateLeft"), DISCRETE.index("Done")
+
+
+@pytest.fixture
+def env() -> Iterator[RemqaEnv]:
+    made = RemqaEnv(**SMALL, max_steps=5)
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Four questions about one room."""
+    config = load_config(Path(__file__).parents[2] / "configs" / "tiny.yaml")
+    counts = {"EXISTENCE": 2, "COUNTING": 0, "SPATIAL": 2}
+    questions = config.questions.model_copy(
+        update={
+            "train": config.questions.train.model_copy(update=counts),
+            "test": config.questions.test.model_copy(update=counts),
+        }
+    )
+    root = tmp_path_factory.mktemp("dataset")
+    generate(root, config.model_copy(update={"scenes": ("FloorPlan212", "FloorPlan27"), "questions": questions}))
+    return root
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("mode", ["discrete", "parametrised"])
+@pytest.mark.parametrize("privileged", [False, True])
+def test_gymnasiums_checker_has_nothing_to_say(mode: str, privileged: bool) -> None:
+    env = gymnasium.make(ENV_ID, action_mode=mode, privileged=privileged, render_mode="rgb_array", **SMALL)
+    check_env(env.unwrapped)
+    env.close()
+
+
+def test_the_same_seed_gives_the_same_episode_bit_for_bit(env: RemqaEnv) -> None:
+    other = RemqaEnv(**SMALL, max_steps=5)
+    for seed in (3, 4):
+        pairs = [(env.reset(seed=seed), other.reset(seed=seed))]
+        for action in (AHEAD, LEFT, AHEAD):
+            pairs.append((env.step(action), other.step(action)))
+        for a, b in pairs:
+            for key, value in a[0].items():
+                assert np.array_equal(value, b[0][key])
+            assert a[-1] == b[-1]
+    other.close()
+
+
+def test_a_room_is_as_it_was_when_it_is_played_again(env: RemqaEnv) -> None:
+    first, _ = env.reset(seed=1)
+    agent = env.agent
+    door = next(name for name in agent.world.ids if agent.world.assets[name].is_openable)
+    agent.open(door, force=True)
+    cup = next(n for n in agent.world.ids if agent.world.type_of(n) in ("SoapBar", "ToiletPaper", "SoapBottle"))
+    agent.pick_up(cup, force=True)
+    agent.set_arm_base(0.9)
+    again, _ = env.reset(seed=1)
+    assert env.agent.arm.state == HOME
+    for key, value in first.items():
+        assert np.array_equal(value, again[key])
+
+
+def test_an_episode_ends_with_done_or_after_the_last_step(env: RemqaEnv) -> None:
+    env.reset(seed=0)
+    assert env.step(DONE)[2:4] == (True, False)
+    with pytest.raises(ActionError, match="call reset"):
+        env.step(AHEAD)
+    env.reset(seed=0)
+    assert [env.step(LEFT)[2:4] for _ in range(5)] == [(False, False)] * 4 + [(False, True)]
+
+
+def test_what_the_room_refuses_is_in_info_and_costs_a_step(env: RemqaEnv) -> None:
+    env.reset(seed=0)
+    info = env.step("MoveAhead 5.0")[-1]
+    assert not info["success"]
+    assert "is blocking Agent from moving" in info["error"]
+    assert env.steps == 1
+
+
+@pytest.mark.parametrize(
+    ("action", "error"),
+    [
+        (len(DISCRETE), ActionError),
+        (-1, ActionError),
+        (1.5, ActionError),
+        (None, ActionError),
+        ({"action": 0}, ActionError),
+        ("Jump", ActionError),
+        ("Answer", ActionError),
+        ("MoveAhead nan", ActionError),
+        ("OpenObject Fridge|1", UnknownNameError),
+        ("Teleport 0 0 90", ActionError),
+        (Command(Action("OpenObject")), ActionError),
+    ],
+)
+def test_misuse_is_an_exception_and_the_episode_goes_on(env: RemqaEnv, action: Any, error: type[Exception]) -> None:
+    env.reset(seed=0)
+    with pytest.raises(error):
+        env.step(action)
+    assert env.step(LEFT)[-1]["success"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        ({}, ActionError),
+        ({"scenes": []}, DatasetError),
+        ({"root": "nowhere", "scenes": [ROOM]}, ActionError),
+        ({"root": "nowhere"}, DatasetError),
+        ({"scenes": [ROOM], "action_mode": "continuous"}, ActionError),
+        ({"scenes": [ROOM], "render_mode": "human"}, ActionError),
+        ({"scenes": [ROOM], "width": 0}, ActionError),
+    ],
+)
+def test_an_environment_that_cannot_be_made_says_why(arguments: dict[str, Any], error: type[Exception]) -> None:
+    with pytest.raises(error):
+        RemqaEnv(**arguments)
+
+
+def test_reset_knows_its_episodes_and_its_option(env: RemqaEnv) -> None:
+    with pytest.raises(ActionError, match="call reset"):
+        env.step(LEFT)
+    with pytest.raises(UnknownNameError, match=ROOM):
+        env.reset(options={"episode": ROOM[:-1]})
+    with pytest.raises(ActionError, match="option 'episode'"):
+        env.reset(options={"scene": ROOM})
+
+
+def test_a_privileged_agent_is_marked_and_sees_instances() -> None:
+    env = RemqaEnv(**SMALL, privileged=True)
+    seen, info = env.reset(seed=0)
+    assert info["privileged"]
+    shown = np.unique(seen["instances"])
+    assert 0 < shown.max() <= len(info["object_ids"])
+    x, y = env.agent.grid.position(env.agent.grid.cells[0])
+    assert env.step(f"Teleport {x} {y} 90.0")[-1]["success"]
+    env.close()
+
+
+def test_amounts_of_the_parametrised_space_are_metres_and_half_turns(env: RemqaEnv) -> None:
+    env.reset(seed=0)
+    agent = env.agent
+    agent.place((0.0, 0.0), 90.0)
+
+    def read(name: str, *amounts: float) -> Action | None:
+        entries = {
+            "action": np.int64(PARAMETRISED.index(name)),
+            "point": np.full(2, 0.5, dtype=np.float32),
+            "amounts": np.pad(np.array(amounts, dtype=np.float32), (0, 3 - len(amounts))),
+            "box": np.zeros(4, dtype=np.float32),
+            "answer": np.int64(0),
+        }
+        return command(entries, "parametrised", agent).action
+
+    assert read("MoveAhead") == parse_action("MoveAhead 0.25")
+    assert read("MoveAhead", 0.5) == parse_action("MoveAhead 0.5")
+    assert read("RotateLeft", 0.25) == parse_action("RotateLeft 45")
+    assert read("MoveBack", -1.0) == parse_action("MoveBack 0")
+    hand = read("MoveArm", 0.25, 0.125, 0.5)  # half a metre ahead, a quarter to the left, one metre up, facing +y
+    assert hand is not None
+    assert hand.numbers == pytest.approx((-0.25, 0.5, 1.0 + agent.world.scene.floor_z))
+
+
+def test_the_agent_is_seen_from_outside() -> None:
+    env = RemqaEnv(**SMALL, render_mode="rgb_array")
+    env.reset(seed=0)
+    before = env.render()
+    env.step(LEFT)
+    after = env.render()
+    assert before is not None
+    assert before.shape == (48, 64, 3)
+    assert not np.array_equal(before, after)
+    env.close()
+
+
+@pytest.mark.slow
+def test_two_environments_in_processes_of_their_own_are_like_one() -> None:
+    envs = gymnasium.make_vec(ENV_ID, num_envs=2, vectorization_mode="async", **SMALL)
+    seen, _ = envs.reset(seed=5)
+    alone = RemqaEnv(**SMALL)
+    first, _ = alone.reset(seed=5)
+    assert np.array_equal(seen["rgb"][0], first["rgb"])
+    assert seen["question"] == ("", "")
+    seen, *_ = envs.step(np.array([LEFT, AHEAD]))
+    assert np.array_equal(seen["depth"][0], alone.step(LEFT)[0]["depth"])
+    envs.close()
+    alone.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "vector",
+    [
+        gymnasium.vector.SyncVectorEnv,
+        gymnasium.vector.AsyncVectorEnv,
+        partial(gymnasium.vector.AsyncVectorEnv, copy=False),
+        partial(gymnasium.vector.AsyncVectorEnv, shared_memory=False),
+        partial(gymnasium.vector.AsyncVectorEnv, context="spawn"),
+    ],
+)
+def test_vector_environments_ask_the_questions_that_are_played(dataset: Path, vector: Any) -> None:
+    table = read_table(dataset, "questions", "train", ["question_id", "question"])
+    asked = dict(zip(*(table[name].to_pylist() for name in table.column_names), strict=True))
+    assert len(set(asked.values())) > 1
+    envs = vector([partial(RemqaEnv, dataset, "train", width=8, height=8, max_steps=1)] * 2)
+    heard = set()
+    for seed in range(3):
+        seen, info = envs.reset(seed=seed)
+        assert list(seen["question"]) == [asked[name] for name in info["episode"]]
+        heard |= set(seen["question"])
+        before = seen
+        seen, *_ = envs.step(np.array([LEFT, LEFT]))
+        assert list(seen["question"]) == [asked[name] for name in info["episode"]]
+        seen, *_, info = envs.step(np.array([LEFT, LEFT]))  # which begins the next episode
+        assert list(seen["question"]) == [asked[name] for name in info["episode"]]
+        heard |= set(seen["question"])
+    assert len(heard) > 1
+    assert isinstance(before["question"], tuple) or not envs.copy
+    envs.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hands", ["reach", "arm"])
+def test_the_oracle_is_perfect_and_its_recording_too(dataset: Path, tmp_path: Path, hands: str) -> None:
+    path = tmp_path / "oracle.jsonl"
+    env = Recorder(gymnasium.make(ENV_ID, root=dataset, split="test", hands=hands, width=32, height=32), path, "oracle")
+    remqa = env.unwrapped
+    assert isinstance(remqa, RemqaEnv)
+    ended = []
+    for question_id in remqa.episode_ids:
+        seen, _ = env.reset(options={"episode": question_id})
+        task = remqa.episode.task
+        assert task is not None
+        assert seen["question"] == task.question
+        for step in oracle_commands(task):
+            _, reward, terminated, _, info = env.step(step)
+            assert info["success"], info["error"]
+        assert terminated
+        assert reward == 1.0
+        ended.append(info)
+    env.close()
+    scores = score(open_submission(path), load_truth(dataset, "remqa", "test"))
+    assert len(ended) == 4
+    for name, values in scores.measures.items():
+        assert [info[name] for info in ended] == values.tolist() == [True] * 4
+    assert [info["SPL"] for info in ended] == [1.0] * 4
+
+
+@pytest.mark.slow
+def test_an_agent_that_errs_is_scored_alike_by_the_environment_and_the_evaluator(dataset: Path, tmp_path: Path) -> None:
+    path = tmp_path / "random.jsonl"
+    env = Recorder(gymnasium.make(ENV_ID, root=dataset, split="train", hands="reach", width=32, height=32), path)
+    remqa = env.unwrapped
+    assert isinstance(remqa, RemqaEnv)
+    rng = np.random.default_rng(0)
+    walking = ["MoveAhead", "MoveBack", "MoveLeft", "RotateLeft", "RotateRight", "LookDown", "LookUp", "Crouch"]
+    ended = []
+    for question_id in remqa.episode_ids:
+        env.reset(options={"episode": question_id})
+        task = remqa.episode.task
+        assert task is not None
+        for step in oracle_commands(task)[: int(rng.integers(1, 9))]:
+            env.step(step)
+        for word in rng.choice(walking, 6):
+            env.step(str(word))
+        ended.append(env.step(Command(answer=task.answer, box=(0.1, 0.1, 0.9, 0.9)))[-1])
+    env.close()
+    scores = score(open_submission(path), load_truth(dataset, "remqa", "train"))
+    for name, values in scores.measures.items():
+        assert [info[name] for info in ended] == values.tolist()
+    assert all(math.isfinite(info["distance_to_goal_m"]) for info in ended)
+
+
+def test_an_environment_that_is_dropped_gives_its_simulator_back() -> None:
+    clients = set()
+    for _ in range(3):
+        env = RemqaEnv(**SMALL)
+        env.reset(seed=0)
+        clients.add(env.agent.world.client)
+        del env
+        gc.collect()
+    assert len(clients) == 1
+
+
+@pytest.mark.slow
+def test_only_honest_episodes_of_a_dataset_are_recorded(dataset: Path, tmp_path: Path) -> None:
+    with pytest.raises(ActionError, match="root="):
+        Recorder(RemqaEnv(**SMALL), tmp_path / "a.jsonl")
+    with pytest.raises(ActionError, match="privileged"):
+        Recorder(RemqaEnv(dataset, "test", privileged=True), tmp_path / "a.jsonl")
+    env = Recorder(RemqaEnv(dataset, "test", action_mode="parametrised"), tmp_path / "a.jsonl")
+    env.reset(seed=0)
+    env.step("MoveAhead 0.1")
+    with pytest.raises(ActionError, match="whole steps"):
+        env.step("Answer yes")
+
+
+@pytest.mark.slow
+def test_a_question_becomes_a_film(dataset: Path, tmp_path: Path) -> None:
+    import cv2
+
+    env = RemqaEnv(dataset, "test")
+    path = tmp_path / "episode.mp4"
+    frames = write_film(dataset, env.episode_ids[0], path)
+    film = cv2.VideoCapture(str(path))
+    read = 0
+    while film.read()[0]:
+        read += 1
+    assert read == frames > 10
+    with pytest.raises(UnknownNameError):
+        write_film(dataset, "nothing", path)

@@ -1,0 +1,145 @@
+"""The report in a real browser: nothing is loaded, rows sort and filter, hostile texts are texts."""
+
+import shutil
+from collections.abc import Iterator
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from remqa_data.evaluation.cli import app
+from tests.helpers.submissions import written
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+HOSTILE = '<img src=x onerror="window.hacked=1"><script>window.hacked=1</script></script>"\'&{{7*7}}'
+
+
+def report(data: Path, folder: Path, path: Path) -> Path:
+    done = CliRunner().invoke(app, [str(path), "--data", str(data), "-o", str(folder)])
+    assert done.exit_code == 0, done.output
+    return folder / "report.html"
+
+
+@pytest.fixture(scope="module")
+def hostile(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    rows = [{"question_id": f"Kitchen3-q{i}", "answer": HOSTILE if i == 4 else "yes"} for i in range(10)]
+    return report(data, folder, written(folder / "a.jsonl", "qa", rows, agent=HOSTILE))
+
+
+@pytest.fixture
+def page(hostile: Path) -> Iterator[tuple[Any, list[str]]]:
+    """The opened report, and what it has asked the network for or complained about."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    if BROWSER is None:
+        pytest.skip("no Chromium")
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        opened, events = browser.new_page(), []
+        opened.on("request", lambda r: events.append(r.url) if not r.url.startswith(("file:", "data:")) else None)
+        opened.on("console", lambda message: events.append(message.text))
+        opened.on("pageerror", lambda error: events.append(str(error)))
+        opened.on("dialog", lambda dialog: events.append(dialog.message))
+        opened.goto(hostile.as_uri())
+        yield opened, events
+        browser.close()
+
+
+def test_it_loads_without_network_or_complaints(page: tuple[Any, list[str]]) -> None:
+    opened, events = page
+    assert opened.locator("h2").first.text_content() == "Scores"
+    assert opened.locator("svg circle").count() > 5
+    images = opened.locator("figure img")
+    assert images.count() > 0
+    assert all(images.nth(i).evaluate("image => image.naturalWidth") > 0 for i in range(images.count()))
+    assert events == []
+
+
+def test_hostile_texts_show_as_texts(page: tuple[Any, list[str]]) -> None:
+    opened, events = page
+    assert opened.locator("p b").first.text_content() == HOSTILE
+    assert opened.locator(".failure dd", has_text="onerror").first.text_content() == HOSTILE
+    assert opened.evaluate("window.hacked") is None
+    assert opened.locator("script").count() == 1
+    assert events == []
+
+
+def test_injected_scripts_would_not_run(page: tuple[Any, list[str]]) -> None:
+    opened, events = page
+    opened.evaluate("document.body.insertAdjacentHTML('beforeend', '<img src=x onerror=\"window.hacked=1\">')")
+    opened.wait_for_timeout(300)
+    assert opened.evaluate("window.hacked") is None
+    assert any("Content Security Policy" in event for event in events)
+
+
+@pytest.mark.parametrize("width", [420, 1280])
+def test_it_fits_the_width_of_a_phone_and_of_a_desk(page: tuple[Any, list[str]], width: int) -> None:
+    opened, _ = page
+    opened.set_viewport_size({"width": width, "height": 900})
+    assert opened.evaluate("document.documentElement.scrollWidth") <= width
+    for name in ("svg", "figure", ".scroll"):
+        for box in (one.bounding_box() for one in opened.locator(name).all()):
+            assert box["x"] >= 0
+            assert box["x"] + box["width"] <= width
+
+
+def test_figures_do_not_overlap(page: tuple[Any, list[str]]) -> None:
+    opened, _ = page
+    for width in (420, 1280):
+        opened.set_viewport_size({"width": width, "height": 900})
+        boxes = [one.bounding_box() for one in opened.locator("svg, figure").all()]
+        assert len(boxes) > 5
+        for a, b in combinations(boxes, 2):
+            apart_x = a["x"] + a["width"] <= b["x"] or b["x"] + b["width"] <= a["x"]
+            assert apart_x or a["y"] + a["height"] <= b["y"] or b["y"] + b["height"] <= a["y"]
+
+
+def test_texts_of_plots_are_inside_them(page: tuple[Any, list[str]]) -> None:
+    opened, _ = page
+    for plot in opened.locator("svg").all():
+        around = plot.bounding_box()
+        for text in plot.locator("text").all():
+            box = text.bounding_box()
+            assert around["x"] <= box["x"] + 0.5
+            assert box["x"] + box["width"] <= around["x"] + around["width"] + 0.5
+            assert box["y"] + box["height"] <= around["y"] + around["height"] + 0.5
+
+
+def test_rows_sort_and_filter(page: tuple[Any, list[str]]) -> None:
+    opened, _ = page
+    ids = opened.locator("#samples tbody tr td:first-child")
+    stored = ids.all_text_contents()
+    heading = opened.locator("#samples th").first
+    heading.click()
+    assert ids.all_text_contents() == sorted(stored)
+    heading.click()
+    assert ids.all_text_contents() == sorted(stored, reverse=True)
+    opened.fill("#filter-samples", "counting 2")
+    shown = opened.locator("#samples tbody tr:visible")
+    assert 0 < shown.count() < len(stored)
+    assert all("COUNTING" in text for text in shown.all_text_contents())
+    opened.fill("#filter-failures", "q4")
+    assert opened.locator(".failure:visible").count() == 1
+
+
+def test_without_a_browser_the_text_is_escaped_too(hostile: Path) -> None:
+    text = hostile.read_text()
+    assert "<img src=x" not in text
+    assert "&lt;img src=x" in text
+    assert "49" not in text.split("onerror", 1)[1][:120]  # {{7*7}} is not a template
+    assert "http://" not in text
+    assert "https://" not in text
+
+
+@pytest.mark.slow
+def test_failures_of_walks_show_view_map_and_boxes(rooms: Path, tmp_path: Path) -> None:
+    for agent, track in (("random", "remqa"), ("random", "rec"), ("oracle", "nav")):
+        predictions = tmp_path / f"{track}.jsonl"
+        options = ["--data", str(rooms), "--track", track, "-o", str(predictions)]
+        assert CliRunner().invoke(app, [agent, *options]).exit_code == 0
+        text = report(rooms, tmp_path / track, predictions).read_text()
+        assert ("way from above" in text) == (track == "remqa")
+        assert ("<p>None.</p>" in text) == (agent == "oracle")
+        assert ("submitted red" in text) == (agent == "random")

@@ -1,0 +1,99 @@
+import io
+import json
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+from typer.testing import CliRunner
+
+from remqa_data.errors import ResultsError
+from remqa_data.evaluation.cli import app
+from remqa_data.evaluation.report.comparison import compare
+from remqa_data.evaluation.report.tables import in_words, print_results, rounded
+from remqa_data.evaluation.scoring.results import SCHEMA_PATH, load_results, schema_json, write_results
+from tests.helpers.submissions import results_of, written
+
+
+def answers(data: Path, path: Path, answer: str, agent: str = "a") -> Path:
+    rows = [{"question_id": f"Kitchen3-q{i}", "answer": answer} for i in range(10)]
+    return written(path, "qa", rows, agent=agent)
+
+
+def test_the_published_schema_is_the_one_of_the_code_and_holds(data: Path, tmp_path: Path) -> None:
+    jsonschema = pytest.importorskip("jsonschema")
+    assert SCHEMA_PATH.read_text() == schema_json() == CliRunner().invoke(app, ["schema"]).output
+    results = results_of(data, answers(data, tmp_path / "a.jsonl", "yes"))
+    write_results(tmp_path / "results.json", results)
+    text = (tmp_path / "results.json").read_text()
+    jsonschema.validate(json.loads(text), json.loads(schema_json()))
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(json.loads(text) | {"replayed": "maybe"}, json.loads(schema_json()))
+    assert load_results(tmp_path / "results.json") == results
+
+
+def test_the_same_submission_gives_the_same_bytes_whatever_the_row_order(data: Path, tmp_path: Path) -> None:
+    texts = []
+    for name, order in (("a", 1), ("b", -1)):
+        rows = [{"question_id": f"Kitchen3-q{i}", "answer": "yes"} for i in range(10)][::order]
+        results = results_of(data, written(tmp_path / f"{name}.jsonl", "qa", rows))
+        texts.append(results.model_copy(update={"submission": None}).model_dump_json())
+    assert texts[0] == texts[1]
+
+
+def test_score_writes_results_and_markdown(data: Path, tmp_path: Path) -> None:
+    path = answers(data, tmp_path / "a.jsonl", "yes", agent="a | b\n| c |")
+    out = tmp_path / "out"
+    done = CliRunner().invoke(app, [str(path), "--data", str(data), "--split", "test", "-o", str(out), "--no-report"])
+    assert done.exit_code == 0, done.output
+    assert {file.name for file in out.iterdir()} == {"results.json", "results.md"}
+    lines = (out / "results.md").read_text().splitlines()
+    assert lines[2].startswith("| Kind | questions |")
+    assert all(line.count("|") == lines[2].count("|") for line in lines[2:8])
+    assert len(lines) == 10  # an agent's name makes no lines of its own
+
+
+def test_tables_for_the_terminal_are_whole_in_80_columns(data: Path, tmp_path: Path) -> None:
+    written(tmp_path / "qa.jsonl", "qa", [])
+    written(tmp_path / "rec.jsonl", "rec", [])
+    for name in ("qa", "rec"):
+        results = results_of(data, tmp_path / f"{name}.jsonl")
+        console = Console(width=80, file=io.StringIO())
+        print_results(console, results)
+        text = console.file.getvalue()
+        assert "…" not in text
+        assert all(in_words(measure) in text for measure in results.measures)
+
+
+def test_1_000_is_said_of_1_alone() -> None:
+    assert [rounded(share) for share in (1, 0.9999, 0.9991, 0.9984, 0.25, 0)] == [
+        "1.000",
+        "0.999",
+        "0.999",
+        "0.998",
+        "0.250",
+        "0.000",
+    ]
+
+
+def test_comparing_needs_the_same_questions(data: Path, tmp_path: Path) -> None:
+    for name, answer in (("yes", "yes"), ("no", "no")):
+        write_results(tmp_path / name, results_of(data, answers(data, tmp_path / f"{name}.jsonl", answer)))
+    (one,) = compare(tmp_path / "yes", tmp_path / "no")
+    assert (one.first, one.second, one.difference.value) == pytest.approx((0.4, 0.3, -0.1))
+    shown = CliRunner().invoke(app, ["compare", str(tmp_path / "yes"), str(tmp_path / "no")])
+    assert shown.exit_code == 0
+    assert "-0.100" in shown.output
+    other = json.loads((tmp_path / "no").read_text())
+    other["dataset"]["sha256"] = "0" * 64
+    (tmp_path / "other").write_text(json.dumps(other))
+    with pytest.raises(ResultsError, match="dataset"):
+        compare(tmp_path / "yes", tmp_path / "other")
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", "\x00", '{"format": "remqa-results", "version": 9}'])
+def test_what_is_no_results_file_is_one_line(tmp_path: Path, text: str) -> None:
+    (tmp_path / "a.json").write_text(text)
+    done = CliRunner().invoke(app, ["compare", str(tmp_path / "a.json"), str(tmp_path / "b.json")])
+    assert done.exit_code == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert "a.json" in done.stderr

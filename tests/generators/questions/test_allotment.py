@@ -1,0 +1,133 @@
+from collections import Counter
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from remqa_data.errors import QuotaError, UnknownNameError
+from remqa_data.floorplans.ithor.table import recorded_objects, scene_names
+from remqa_data.generators.questions.allotment import (
+    SceneCapacity,
+    allot,
+    capacities,
+    choose_scenes,
+    groups_needed,
+    split_of,
+)
+from remqa_data.generators.questions.groups import group_shapes
+from remqa_data.generators.questions.questions import KINDS
+
+PUBLISHED = {
+    "train": {"EXISTENCE": 1653, "COUNTING": 647, "SPATIAL": 1083},
+    "test": {"EXISTENCE": 324, "COUNTING": 143, "SPATIAL": 222},
+}
+NUMBERS = st.integers(2, 400)
+
+
+def room_for(name: str, groups: int) -> SceneCapacity:
+    return SceneCapacity(name, "kitchen", dict.fromkeys(KINDS, groups), dict.fromkeys(KINDS, groups))
+
+
+def check(quotas, totals, rooms) -> None:
+    """Everything that `allot` promises."""
+    for split, by_kind in totals.items():
+        for kind, total in by_kind.items():
+            answers: Counter[str] = Counter()
+            for quota in quotas:
+                if quota.split == split:
+                    answers.update(quota.answers[kind])
+            assert sum(answers.values()) == total
+            assert not answers or max(answers.values()) - min(answers.values()) <= 1
+    for split in totals:
+        of_split = [(q, room) for q, room in zip(quotas, rooms, strict=True) if q.split == split]
+        for kind in KINDS:
+            needed = [groups_needed(quota.answers[kind]) for quota, _ in of_split]
+            if any(n > room.groups[kind] for n, (_, room) in zip(needed, of_split, strict=True)):
+                assert all(n >= room.groups[kind] for n, (_, room) in zip(needed, of_split, strict=True))
+    for quota, room in zip(quotas, rooms, strict=True):
+        assert (quota.scene, quota.room_type) == (room.scene, room.room_type)
+        for kind in KINDS:
+            assert groups_needed(quota.answers[kind]) <= room.most[kind]
+            shapes = group_shapes(quota.answers[kind], 1 if kind == "COUNTING" else 2, quota.scene)
+            assert len(shapes) == groups_needed(quota.answers[kind])
+
+
+def test_the_published_totals() -> None:
+    rooms = capacities(scene_names())
+    quotas = allot(rooms, PUBLISHED)
+    check(quotas, PUBLISHED, rooms)
+    assert sum(quota.total(kind) for quota in quotas for kind in KINDS) == 4072
+
+
+def test_a_room_without_anything_to_open_owes_only_spatial_questions() -> None:
+    assert not any(o.type in {"Cabinet", "Drawer", "Fridge", "Box", "Toilet"} for o in recorded_objects("FloorPlan320"))
+    (quota,) = [q for q in allot(capacities(scene_names()), PUBLISHED) if q.scene == "FloorPlan320"]
+    assert (quota.total("EXISTENCE"), quota.total("COUNTING")) == (0, 0)
+    assert quota.total("SPATIAL") > 0
+
+
+@settings(deadline=None)
+@given(st.integers(1, 120), st.data())
+def test_exact_and_balanced_for_any_rooms_and_totals(count, data) -> None:
+    rooms = []
+    for name in choose_scenes(count):
+        easy = {kind: data.draw(st.integers(0, 8)) for kind in KINDS}
+        most = {kind: n + data.draw(st.integers(0, 4)) for kind, n in easy.items()}
+        rooms.append(SceneCapacity(name, "kitchen", easy, most))
+    totals = {}
+    for split in ("train", "test"):
+        own = [room for room in rooms if split_of(room.scene) == split]
+        room_for = {kind: 4 * sum(room.most[kind] for room in own) for kind in KINDS}
+        totals[split] = {kind: data.draw(st.integers(0, n)) for kind, n in room_for.items()}
+    assume(all(n != 1 for by_kind in totals.values() for n in by_kind.values()))
+    check(allot(rooms, totals), totals, rooms)
+
+
+@given(st.lists(st.integers(0, 3), min_size=4, max_size=4), NUMBERS)
+def test_totals_that_do_not_fit_name_split_kind_and_rooms(groups, extra) -> None:
+    names = ("FloorPlan1", "FloorPlan2", "FloorPlan3", "FloorPlan4")
+    rooms = [room_for(name, n) for name, n in zip(names, groups, strict=True)]
+    with pytest.raises(QuotaError, match=r"train: COUNTING: .* questions need .*FloorPlan1"):
+        allot(rooms, {"train": {"COUNTING": 4 * sum(groups) + extra}})
+
+
+def test_one_sample_cannot_be_balanced() -> None:
+    with pytest.raises(QuotaError, match="train: SPATIAL: 1 samples"):
+        allot(capacities(["FloorPlan1"]), {"train": {"SPATIAL": 1}})
+
+
+def test_five_test_rooms_of_each_type() -> None:
+    tests = [name for name in scene_names() if split_of(name) == "test"]
+    assert tests == [f"FloorPlan{base + n}" for base in (0, 200, 300, 400) for n in range(26, 31)]
+    with pytest.raises(UnknownNameError, match="FloorPlan1"):
+        split_of("FloorPlan1x")
+
+
+@pytest.mark.parametrize("count", range(1, 121))
+def test_some_rooms_are_spread_over_types_and_splits(count) -> None:
+    names = choose_scenes(count)
+    assert len(set(names)) == count
+    assert set(names) <= set(scene_names())
+    types = Counter((int(name.removeprefix("FloorPlan")) - 1) // 100 for name in names)
+    assert max(types.values()) - min((types[t] for t in (0, 2, 3, 4)), default=0) <= 1
+    tests = sum(split_of(name) == "test" for name in names)
+    assert abs(tests - count / 6) <= 1
+    assert tests > 0 or count == 1
+
+
+def test_more_rooms_than_there_are() -> None:
+    with pytest.raises(QuotaError, match="ask for 1 to 120"):
+        choose_scenes(121)
+
+
+def test_the_table_of_capacities_has_all_rooms() -> None:
+    rooms = capacities(scene_names())
+    assert [room.room_type for room in rooms[::30]] == ["kitchen", "living_room", "bedroom", "bathroom"]
+    with pytest.raises(UnknownNameError, match="FloorPlan430"):
+        capacities(["FloorPlan431"])
+
+
+def test_rooms_get_what_they_have_room_for_and_none_is_left_out() -> None:
+    rooms = [room_for("FloorPlan1", 9), room_for("FloorPlan2", 6), room_for("FloorPlan3", 1)]
+    quotas = allot(rooms, {"train": {"EXISTENCE": 24}})
+    assert [quota.total("EXISTENCE") for quota in quotas] == [12, 8, 4]

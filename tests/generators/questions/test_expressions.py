@@ -1,0 +1,159 @@
+import json
+from collections.abc import Iterator
+
+import pytest
+
+from remqa_data.errors import UnknownNameError
+from remqa_data.floorplans.ithor.scenes import load_scene
+from remqa_data.generators.questions.expressions import Expressions, all_expressions, expressions_for
+from remqa_data.language.referring import program_of, resolve
+from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.sim.metadata import ObjectMetadata, object_metadata
+from remqa_data.sim.physics.world import World
+from tests.helpers.room_records import kitchen, kitchen_graph, thing
+
+
+@pytest.fixture(scope="module", params=["FloorPlan1", "FloorPlan219", "FloorPlan303", "FloorPlan408"])
+def room(request) -> Iterator[SceneGraph]:
+    with World(load_scene(request.param)) as world:
+        yield SceneGraph.from_objects(object_metadata(world).values())
+
+
+def texts(graph: SceneGraph, target: str, *kinds: str) -> list[str]:
+    return [e.text for e in expressions_for(graph, target) if not kinds or e.kind in kinds]
+
+
+def test_the_bare_noun_comes_first_where_it_is_enough() -> None:
+    assert texts(kitchen_graph(), "Fridge|1")[0] == "the fridge"
+    assert not texts(kitchen_graph(), "Fridge|1", "superlative", "attribute")
+
+
+def test_relations_tell_apart_what_the_noun_does_not() -> None:
+    graph = kitchen_graph()
+    assert texts(graph, "Cabinet|1", "bare", "relation")[0] == "the cabinet below the sink"
+    assert texts(graph, "Cabinet|3", "bare", "relation") == ["the cabinet above the sink"]
+    first = expressions_for(graph, "Cabinet|3")[0]
+    assert (first.target_id, first.target_type, first.relation, first.anchor_id) == (
+        "Cabinet|3",
+        "Cabinet",
+        "above",
+        "Sink|1",
+    )
+
+
+def test_superlatives_and_attributes_are_marked_as_the_extension() -> None:
+    graph = kitchen_graph()
+    assert "the middle drawer next to the fridge" in texts(graph, "Drawer|2", "superlative")
+    assert texts(graph, "Drawer|2", "bare", "relation", "attribute") == []
+    assert texts(graph, "Mug|1") == ["the red mug", "the red mug on the countertop"]
+    assert {e.kind for e in expressions_for(graph, "Mug|1")} == {"attribute"}
+
+
+def test_no_landmark_of_the_same_type_nor_tiny_nor_inside_something_closed() -> None:
+    for expression in all_expressions(kitchen_graph()):
+        assert expression.anchor_id not in {"Apple|1", "CreditCard|1", "Bowl|1"}
+        if expression.anchor_id is not None:
+            assert expression.anchor_id.split("|")[0] != expression.target_type
+
+
+def test_furniture_is_not_pointed_out_by_what_can_be_carried_away() -> None:
+    table = [
+        thing("SideTable|1", (0, 0, 0), (0.5, 0.5, 0.5), "Floor|1"),
+        thing("SideTable|2", (3, 0, 0), (0.5, 0.5, 0.5), "Floor|1"),
+        thing("Box|1", (0.5, 0, 0), (0.4, 0.4, 0.4), "Floor|1"),
+        thing("Floor|1", (0, 0, -0.1), (9, 9, 0.1)),
+    ]
+    graph = SceneGraph.from_objects(table)
+    assert "the box next to the side table" in texts(graph, "Box|1")
+    assert texts(graph, "SideTable|1") == []
+
+
+def drawers_beside_a_fridge(gap_m: float) -> SceneGraph:
+    """A drawer that touches a fridge, and one on its other side at a distance."""
+    return SceneGraph.from_objects(
+        [
+            thing("Fridge|1", (0, 0, 0), (0.8, 0.7, 1.8), "Floor|1"),
+            thing("Drawer|1", (-0.65, 0, 0.6), (0.5, 0.5, 0.2)),
+            thing("Drawer|2", (0.65 + gap_m, 0, 0.6), (0.5, 0.5, 0.2)),
+        ]
+    )
+
+
+def test_a_near_miss_makes_a_phrase_ambiguous() -> None:
+    # Drawers and a fridge are next to each other up to 0.35 m; loosened by half, up to 0.53 m.
+    assert "the drawer next to the fridge" not in texts(drawers_beside_a_fridge(0.3), "Drawer|1")
+    assert "the drawer next to the fridge" not in texts(drawers_beside_a_fridge(0.45), "Drawer|1")
+    assert "the drawer next to the fridge" in texts(drawers_beside_a_fridge(0.6), "Drawer|1")
+
+
+def test_several_landmarks_of_one_type_will_do_if_they_lead_to_one_object() -> None:
+    chairs = [thing(f"Chair|{i}", (2.0 * i, 0, 0), (0.5, 0.5, 0.9), "Floor|1") for i in range(3)]
+    cans = [thing(f"GarbageCan|{i}", (5.0 * i, 0.55, 0), (0.3, 0.3, 0.5), "Floor|1") for i in range(2)]
+    assert "the garbage can next to the chair" in texts(SceneGraph.from_objects([*chairs, *cans]), "GarbageCan|0")
+    both = [*chairs, cans[0], thing("GarbageCan|1", (4.0, 0.55, 0), (0.3, 0.3, 0.5), "Floor|1")]
+    assert "the garbage can next to the chair" not in texts(SceneGraph.from_objects(both), "GarbageCan|0")
+
+
+def test_left_and_right_in_a_real_kitchen() -> None:
+    # FloorPlan1: the microwave hangs between two cabinets on the wall at -y; who looks at it has +x on the left.
+    with World(load_scene("FloorPlan1")) as world:
+        graph = SceneGraph.from_objects(object_metadata(world).values())
+    (left,) = resolve("the left cabinet next to the microwave", graph)
+    (right,) = resolve("the right cabinet next to the microwave", graph)
+    (microwave,) = resolve("the microwave", graph)
+    assert graph.node(left).box[0] > graph.node(microwave).box[0] > graph.node(right).box[0]
+    assert "the left cabinet next to the microwave" in texts(graph, left)
+
+
+def by_hand(graph: SceneGraph, kind: str, relation: str, anchor_type: str) -> set[str]:
+    """Sources of all edges of a kind: what a relation expression must have been counted over, without programs."""
+    typed = {name: record.type for name, record in graph.objects.items()}
+    return {
+        e.source
+        for e in graph.edges
+        if typed[e.source] == kind and typed[e.target] == anchor_type and e.relation == relation
+    }
+
+
+def test_every_expression_of_a_room_picks_out_its_target(room: SceneGraph) -> None:
+    everything = all_expressions(room)
+    assert {"bare", "relation", "superlative"} <= {e.kind for e in everything}
+    for e in everything:
+        assert resolve(e.program, room) == [e.target_id]
+        assert resolve(json.loads(json.dumps(e.program)), room) == [e.target_id]
+        assert program_of(e.text) == e.program
+        if e.kind == "relation":
+            assert e.anchor_id is not None
+            assert e.relation is not None
+            anchor = room.node(e.anchor_id)
+            assert by_hand(room, e.target_type, e.relation, anchor.type) == {e.target_id}
+            assert room.relation(e.target_id, e.anchor_id) == e.relation
+        if e.kind == "bare":
+            assert [r.type for r in room.objects.values()].count(e.target_type) == 1
+    assert len({(e.target_id, e.text) for e in everything}) == len(everything)
+    assert len({e.text: e.target_id for e in everything}) == len({e.text for e in everything})
+
+
+def test_expressions_do_not_depend_on_the_order_of_the_nodes(room: SceneGraph) -> None:
+    backwards = SceneGraph.from_objects(reversed(room.objects.values()))
+    one, two = Expressions(room), Expressions(backwards)
+    for target in room.objects:
+        assert one.of(target) == two.of(target)
+
+
+def test_some_types_can_be_asked_for(room: SceneGraph) -> None:
+    some = all_expressions(room, types={"Drawer", "Cabinet"})
+    assert {e.target_type for e in some} <= {"Drawer", "Cabinet"}
+    assert some == [e for e in all_expressions(room) if e.target_type in {"Drawer", "Cabinet"}]
+
+
+def test_floors_have_none_and_unknown_objects_are_named() -> None:
+    assert expressions_for(kitchen_graph(), "Floor|1") == []
+    with pytest.raises(UnknownNameError, match="unknown object"):
+        expressions_for(kitchen_graph(), "Fridge|9")
+
+
+def test_one_phrase_never_names_two_objects() -> None:
+    everything: list[ObjectMetadata] = kitchen()
+    found = all_expressions(SceneGraph.from_objects(everything))
+    assert len(found) == len({e.text for e in found})

@@ -1,0 +1,49 @@
+"""`remqa-gen` with rooms that are made up in no time, for tests that kill it: everything else is as it is.
+
+Run as a program. $CRASH_ROOM_S is how long a room takes; with $CRASH_ALWAYS, every worker dies in its first room; with
+$CRASH_STUCK, a room is minutes in a function that is not Python's, as a compiler is.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+
+from remqa_data import executors
+from remqa_data.executors import J, LocalExecutor, R
+from remqa_data.generators import cli
+from remqa_data.generators.pipeline import RoomJob, make_part
+from remqa_data.storage.parts import Part
+from tests.helpers.dataset_rows import scene_rows
+
+
+class MadeUpRooms(LocalExecutor):
+    """Does all jobs as they are, but for rooms."""
+
+    def run(self, work: Callable[[J], R], jobs: Sequence[J]) -> Iterator[tuple[J, R]]:
+        return super().run(made_up_part if work is make_part else work, jobs)  # type: ignore[arg-type]
+
+
+def made_up_part(job: RoomJob) -> Part:
+    if os.environ.get("CRASH_ALWAYS"):
+        os.kill(os.getpid(), signal.SIGKILL)
+    if os.environ.get("CRASH_STUCK"):
+        print("stuck", file=sys.stderr, flush=True)
+        hashlib.pbkdf2_hmac("sha256", b"", b"", 10**9)
+    time.sleep(float(os.environ.get("CRASH_ROOM_S", "0.05")))
+    rows = scene_rows(job.room.scene, job.room.quota.split)
+    report = {"questions": len(rows["questions"]), "frames": len(rows["frames"]), "refused": {"made up": 1}}
+    return job.parts.write(job.room.scene, rows, report)
+
+
+def main() -> None:
+    executors.make_executor = lambda name, workers, address: MadeUpRooms(workers)
+    cli.main()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,178 @@
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import psutil
+import pytest
+
+from remqa_data.assets.core.model import AssetSpec
+from remqa_data.assets.looks.materials import OAK
+from remqa_data.errors import ActionError, UnknownNameError
+from remqa_data.floorplans.ithor.scenes import load_scene
+from remqa_data.scene import Scene, SceneObject, StructureBox
+from remqa_data.sim.physics.world import World
+
+
+def room(*objects: SceneObject) -> Scene:
+    floor = StructureBox("floor", (-3, -3, -0.1, 3, 3, 0), OAK)
+    return Scene("Test", "kitchen", (-3, -3, 3, 3), 0.0, 2.5, ((0, 0, 2.4),), (floor,), objects)
+
+
+def mug(object_id: str = "Mug|1", position=(0.0, 0.0, 0.3), is_fixed: bool = False) -> SceneObject:
+    return SceneObject(object_id, AssetSpec("Mug", (0.12, 0.09, 0.1)), position, is_fixed=is_fixed)
+
+
+DRAWER = SceneObject("Drawer|1", AssetSpec("Drawer", (0.5, 0.4, 0.2)), (0.0, 0.0, 0.5))
+
+
+@pytest.fixture(scope="module")
+def kitchen() -> Scene:
+    return load_scene("FloorPlan1")
+
+
+def test_a_mug_falls_to_the_floor_and_stands_on_it() -> None:
+    with World(room(mug())) as world:
+        world.settle()
+        assert world.box("Mug|1")[0, 2] == pytest.approx(0.0, abs=0.003)
+        assert np.allclose(world.state("Mug|1").position[:2], 0, atol=0.01)
+
+
+def test_fixed_things_hang_where_they_are() -> None:
+    with World(room(mug(is_fixed=True))) as world:
+        world.settle(60)
+        assert world.state("Mug|1").position == (0.0, 0.0, 0.3)
+
+
+def test_a_drawer_carries_its_contents_without_slip() -> None:
+    with World(room(DRAWER, mug(position=(0.0, 0.05, 0.49)))) as world:
+        world.settle()
+        start = np.array(world.state("Mug|1").position)
+        assert world.contents("Drawer|1") == ["Mug|1"]
+        assert world.open("Drawer|1") == ["Mug|1"]
+        moved = np.array(world.state("Mug|1").position)
+        link = world.assets["Drawer|1"].links[1].joint
+        assert link is not None
+        assert np.allclose(moved - start, [0, -link.upper, 0], atol=1e-12)
+        world.close_object("Drawer|1")
+        assert np.allclose(world.state("Mug|1").position, start, atol=1e-12)
+
+
+def test_moving_a_container_takes_its_contents_along_and_turns_them() -> None:
+    with World(room(DRAWER, mug(position=(0.1, 0.05, 0.49)))) as world:
+        world.settle()
+        inside = np.array(world.state("Mug|1").position) - DRAWER.position
+        half = np.sqrt(0.5)
+        world.move("Drawer|1", (1.0, 1.0, 0.5), (0.0, 0.0, half, half))
+        expected = np.array([1.0 - inside[1], 1.0 + inside[0], 0.5 + inside[2]])
+        assert np.allclose(world.state("Mug|1").position, expected, atol=1e-9)
+
+
+def test_pick_up_and_put() -> None:
+    with World(room(mug(), mug("Mug|2", (1.0, 0.0, 0.2)))) as world:
+        world.settle()
+        world.pick_up("Mug|1")
+        with pytest.raises(ActionError, match=r"already holding Mug\|1"):
+            world.pick_up("Mug|2")
+        before = world.state("Mug|1")
+        world.settle(60)
+        assert world.state("Mug|1") == before
+        assert world.put((0.5, 0.5, 0.2)) == "Mug|1"
+        world.settle()
+        assert world.box("Mug|1")[0, 2] == pytest.approx(0.0, abs=0.003)
+        with pytest.raises(ActionError, match="nothing is held"):
+            world.put((0, 0, 1))
+
+
+def test_a_hanging_thing_becomes_loose_when_it_is_picked_up() -> None:
+    with World(room(mug(is_fixed=True))) as world:
+        world.pick_up("Mug|1")
+        world.put((0.0, 0.0, 0.5))
+        world.settle()
+        assert world.box("Mug|1")[0, 2] == pytest.approx(0.0, abs=0.003)
+
+
+def test_refusals_say_why() -> None:
+    with World(room(DRAWER, mug())) as world:
+        with pytest.raises(ActionError, match=r"Mug\|1 is not openable"):
+            world.open("Mug|1")
+        with pytest.raises(ActionError, match="not between 0 and 1"):
+            world.open("Drawer|1", 1.5)
+        with pytest.raises(ActionError, match=r"Drawer\|1 is not pickupable"):
+            world.pick_up("Drawer|1")
+        with pytest.raises(UnknownNameError, match=r"did you mean 'Mug\|1'"):
+            world.state("Mug|11")
+
+
+def test_overlapping_measures_distance_and_depth() -> None:
+    with World(room(mug(position=(0, 0, 0.06)), mug("Mug|2", (0.5, 0.0, 0.06)))) as world:
+        near = dict(world.overlapping("Mug|1", 0.02))
+        assert set(near) == {"structure"}
+        assert near["structure"] == pytest.approx(0.01, abs=2e-3)
+        world.move_alone("Mug|2", (0.05, 0.0, 0.06))
+        assert dict(world.overlapping("Mug|1"))["Mug|2"] < 0
+
+
+def states(world: World) -> dict[str, object]:
+    return world.save().states
+
+
+def test_save_and_restore_are_exact_and_so_is_what_follows(kitchen: Scene) -> None:
+    with World(kitchen) as world:
+        world.settle(60)
+        saved = world.save()
+        drawer = next(i for i in world.ids if world.type_of(i) == "Drawer")
+        apple = next(i for i in world.ids if world.type_of(i) == "Apple")
+        world.open(drawer)
+        world.pick_up(apple)
+        world.settle(30)
+        world.restore(saved)
+        assert world.save() == saved
+        world.settle(60)
+        first = states(world)
+        world.restore(saved)
+        world.settle(60)
+        assert states(world) == first
+
+
+def test_a_stored_scene_gives_the_same_world_bit_for_bit(kitchen: Scene) -> None:
+    with World(kitchen) as world, World(Scene.from_json(kitchen.to_json())) as again:
+        world.settle(40)
+        again.settle(40)
+        assert states(world) == states(again)
+        stored = Scene.from_json(world.to_scene().to_json())
+        world.settle(40)
+        with World(stored) as later:
+            later.settle(40)
+            assert states(later) == states(world)
+
+
+def test_another_process_gets_the_same_bits() -> None:
+    code = (
+        "import hashlib\n"
+        "from remqa_data.floorplans.ithor.scenes import load_scene\n"
+        "from remqa_data.sim.physics.world import World\n"
+        "world = World(load_scene('FloorPlan401')); world.settle(60)\n"
+        "print(hashlib.sha256(world.to_scene().to_json()).hexdigest())"
+    )
+    run = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True) for _ in range(2)]
+    digests = {result.stdout.split()[-1] for result in run}
+    assert len(digests) == 1
+    assert len(digests.pop()) == 64
+
+
+def test_unknown_asset_type_is_an_error_before_anything_loads() -> None:
+    broken = replace(mug(), asset=AssetSpec("Mugg", (0.1, 0.1, 0.1)))
+    with pytest.raises(UnknownNameError, match="did you mean 'Mug'"):
+        World(room(broken))
+
+
+@pytest.mark.slow
+def test_500_loads_keep_memory_flat(kitchen: Scene) -> None:
+    process = psutil.Process()
+    for _ in range(10):
+        World(kitchen).close()
+    before = process.memory_info().rss
+    for _ in range(500):
+        World(kitchen).close()
+    assert process.memory_info().rss - before < 100e6

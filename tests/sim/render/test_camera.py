@@ -1,0 +1,67 @@
+"""Expected values are worked out by hand from the conventions in remqa_data.sim.render.camera."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from remqa_data.sim.render.camera import Camera, TopDownCamera
+
+
+def test_point_straight_ahead_is_in_the_middle_at_its_distance():
+    camera = Camera((1.0, 2.0, 1.5), yaw_deg=90)
+    np.testing.assert_allclose(camera.project([(1.0, 5.0, 1.5)]), [(150, 150, 3)], atol=1e-9)
+
+
+def test_right_of_the_camera_is_right_in_the_image_and_up_is_up():
+    camera = Camera((0.0, 0.0, 0.0), yaw_deg=0)
+    # Looking along +x, right is -y. 90 degrees over 300 pixels: one metre at two metres' depth is 75 pixels.
+    np.testing.assert_allclose(camera.project([(2.0, -1.0, 0.5)]), [(225, 112.5, 2)], atol=1e-9)
+
+
+def test_positive_horizon_looks_down():
+    camera = Camera((0.0, 0.0, 1.0), yaw_deg=0, horizon_deg=45)
+    np.testing.assert_allclose(camera.project([(1.0, 0.0, 0.0)]), [(150, 150, np.sqrt(2))], atol=1e-9)
+
+
+def test_field_of_view_is_vertical():
+    camera = Camera((0.0, 0.0, 0.0), yaw_deg=0, fov_deg=60, width=400, height=200)
+    top = camera.project([(1.0, 0.0, np.tan(np.radians(30)))])
+    np.testing.assert_allclose(top, [(200, 0, 1)], atol=1e-9)
+
+
+@pytest.mark.parametrize("yaw", [0, 37, 180, 271])
+@pytest.mark.parametrize("horizon", [-30, 0, 60])
+def test_axes_are_a_right_handed_frame(yaw, horizon):
+    right, up, forward = Camera((0, 0, 0), yaw, horizon).rotation()
+    np.testing.assert_allclose(np.cross(right, forward), up, atol=1e-12)
+    assert right[2] == 0.0
+
+
+def test_look_at_puts_the_target_in_the_middle():
+    camera = Camera.look_at((1.0, 1.0, 1.6), (3.0, 0.2, 0.4), width=320, height=240)
+    x, y, depth = camera.project([(3.0, 0.2, 0.4)])[0]
+    assert (x, y) == pytest.approx((160, 120))
+    assert depth == pytest.approx(np.linalg.norm([2.0, -0.8, -1.2]))
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [
+        Camera((0.3, -1.0, 1.5), 210, 30, 75, width=64, height=48),
+        TopDownCamera((1.0, 2.0), 2.5, 4.0, width=64, height=48),
+    ],
+    ids=["pinhole", "map"],
+)
+def test_unproject_undoes_project(camera):
+    depth = np.random.default_rng(0).uniform(0.5, 4.0, (48, 64))
+    pixels = camera.project(camera.unproject(depth).reshape(-1, 3)).reshape(48, 64, 3)
+    np.testing.assert_allclose(pixels[..., 0], np.tile(np.arange(64) + 0.5, (48, 1)), atol=1e-9)
+    np.testing.assert_allclose(pixels[..., 1], np.tile(np.arange(48) + 0.5, (64, 1)).T, atol=1e-9)
+    np.testing.assert_allclose(pixels[..., 2], depth, atol=1e-9)
+
+
+def test_map_has_x_to_the_right_and_y_up():
+    camera = TopDownCamera((2.0, 1.0), height_m=2.4, extent_m=6.0)
+    # 300 pixels over 6 metres: 50 pixels a metre.
+    np.testing.assert_allclose(camera.project([(3.0, 2.0, 0.4)]), [(200, 100, 2.0)], atol=1e-9)

@@ -1,0 +1,255 @@
+"""Whatever breaks while a dataset is written: it ends in the dataset that it should be, or in an error that says why.
+
+All runs are `remqa-gen` in processes of their own, with rooms that are made up (see `crash_run`).
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+
+from remqa_data.errors import DatasetError
+from remqa_data.storage.manifest import MANIFEST, load_manifest
+from tests.helpers import kill_runs
+from tests.helpers.damaged_files import damage, files_of
+
+pytestmark = pytest.mark.slow
+
+PROGRAM = Path(__file__).with_name("crash_run.py")
+SCENES = 24
+PATIENCE_S = 120.0
+
+
+def start(out: Path, *options: str, workers: int = 2, **environment: str) -> subprocess.Popen[str]:
+    arguments = [sys.executable, str(PROGRAM), "--scenes", str(SCENES), "--out", str(out), "--workers", str(workers)]
+    return subprocess.Popen(
+        [*arguments, *options],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        env={**os.environ, **environment},
+    )
+
+
+def run(out: Path, *options: str, workers: int = 1, **environment: str) -> tuple[int, str]:
+    """Exit code, and all that was printed."""
+    process = start(out, *options, workers=workers, **environment)
+    text, _ = process.communicate(timeout=PATIENCE_S)
+    return process.returncode, text
+
+
+def last_line(text: str) -> str:
+    return text.strip().splitlines()[-1]
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.01)
+
+
+def parts_in(out: Path) -> list[Path]:
+    return sorted(out.glob(".parts/*/*/part.json"))
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A dataset that nothing happened to."""
+    out = tmp_path_factory.mktemp("whole") / "out"
+    code, text = run(out, CRASH_ROOM_S="0")
+    assert code == 0, text
+    return out
+
+
+@pytest.fixture
+def dataset(whole: Path, tmp_path: Path) -> Path:
+    """A copy of it, to be broken."""
+    return Path(shutil.copytree(whole, tmp_path / "out"))
+
+
+@pytest.fixture
+def killed(tmp_path: Path) -> Path:
+    """What is left of a run of which the driver was killed."""
+    out = tmp_path / "out"
+    process = start(out)
+    wait_until(lambda: len(parts_in(out)) >= 5)
+    workers = psutil.Process(process.pid).children(recursive=True)
+    process.kill()
+    process.communicate()
+    psutil.wait_procs(workers, timeout=PATIENCE_S)
+    return out
+
+
+# ---- killed
+
+
+def test_a_killed_worker_is_replaced(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    process = start(out)
+    wait_until(lambda: len(parts_in(out)) >= 3)
+    workers = [child for child in psutil.Process(process.pid).children() if "spawn_main" in " ".join(child.cmdline())]
+    assert len(workers) == 2
+    workers[0].kill()
+    text, _ = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 0, text
+    assert files_of(out) == files_of(whole)
+
+
+def test_workers_that_always_die_end_the_run_with_one_line(tmp_path: Path) -> None:
+    code, text = run(tmp_path / "out", workers=2, CRASH_ALWAYS="1")
+    assert code == 2
+    assert "worker processes died 3 times with 24 jobs to do" in last_line(text)
+    assert "Traceback" not in text
+
+
+def test_workers_end_when_the_driver_is_killed(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    process = start(out, CRASH_ROOM_S="0.5")
+    wait_until(lambda: len(parts_in(out)) >= 1)
+    children = psutil.Process(process.pid).children(recursive=True)
+    assert len(children) >= 2
+    process.kill()
+    process.communicate()
+    _, alive = psutil.wait_procs(children, timeout=PATIENCE_S)
+    assert not alive
+
+
+def test_a_killed_run_does_not_look_finished_and_goes_on_where_it_was(whole: Path, killed: Path) -> None:
+    with pytest.raises(DatasetError, match=r"not a finished dataset.*--resume"):
+        load_manifest(killed)
+    done = {path: path.stat().st_mtime_ns for path in parts_in(killed)}
+    process = start(killed, "--resume", CRASH_ROOM_S="0.2")
+    wait_until(lambda: len(parts_in(killed)) > len(done))
+    assert {path: path.stat().st_mtime_ns for path in done} == done
+    process.communicate(timeout=PATIENCE_S)
+    assert files_of(killed) == files_of(whole)
+
+
+def test_a_killed_run_is_not_gone_on_with_unasked(killed: Path) -> None:
+    code, text = run(killed)
+    assert code == 2
+    assert "is not empty; use --resume" in last_line(text)
+    code, text = run(killed, "--resume", "--seed", "1")
+    assert code == 2
+    assert "scenes of another run" in last_line(text)
+
+
+def test_a_run_that_was_killed_after_the_manifest_is_tidied(dataset: Path, whole: Path) -> None:
+    left = dataset / ".parts" / "0123456789abcdef" / "FloorPlan1" / "part.json"
+    left.parent.mkdir(parents=True)
+    left.touch()
+    assert run(dataset, "--resume")[0] == 0
+    assert files_of(dataset) == files_of(whole)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_whenever_it_is_killed_the_bytes_are_the_same(whole: Path, tmp_path: Path, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    out = tmp_path / "out"
+    for _ in range(2):
+        process = kill_runs.start(out)
+        kill_runs.kill_once(process, rng.uniform(1.0, 6.0), rng)
+        process.wait()
+    assert kill_runs.start(out).wait() == 0
+    assert files_of(out) == files_of(whole)
+
+
+# ---- broken
+
+
+@pytest.mark.parametrize("how", ["torn", "flipped", "missing"])
+def test_a_damaged_shard_is_told_and_replaced_on_request(dataset: Path, whole: Path, how: str) -> None:
+    path = dataset / "frames" / "train-00002-of-00005.parquet"
+    damage(path, how)
+    code, text = run(dataset, "--resume")
+    assert code == 2
+    assert f"damaged shard: {path}" in last_line(text)
+    assert "--overwrite" in last_line(text)
+    assert run(dataset, "--overwrite", CRASH_ROOM_S="0")[0] == 0
+    assert files_of(dataset) == files_of(whole)
+
+
+@pytest.mark.parametrize("how", ["torn", "flipped", "missing"])
+def test_a_damaged_part_is_told_and_made_again(killed: Path, whole: Path, how: str) -> None:
+    path = parts_in(killed)[0].with_name("frames.train.parquet")
+    damage(path, how)
+    code, text = run(killed, "--resume", CRASH_ROOM_S="0")
+    assert code == 2
+    assert f"{path} is not as it was written; go on with remqa-gen --resume" in last_line(text)
+    assert not (killed / MANIFEST).exists()
+    assert run(killed, "--resume")[0] == 0
+    assert files_of(killed) == files_of(whole)
+
+
+# ---- two at once
+
+
+@pytest.mark.parametrize("option", ["--resume", "--overwrite"])
+def test_two_runs_into_one_folder(whole: Path, tmp_path: Path, option: str) -> None:
+    out = tmp_path / "out"
+    first = start(out)
+    wait_until(lambda: len(parts_in(out)) >= 1)
+    code, text = run(out, option)
+    assert code == 2
+    assert "another run is writing here" in last_line(text)
+    text, _ = first.communicate(timeout=PATIENCE_S)
+    assert first.returncode == 0, text
+    assert files_of(out) == files_of(whole)
+
+
+# ---- no room, no right
+
+in_a_namespace = pytest.mark.skipif(
+    shutil.which("unshare") is None or subprocess.run(["unshare", "-rm", "true"], check=False).returncode != 0,
+    reason="needs a mount namespace of its own",
+)
+
+
+def run_shell(script: str, **environment: str) -> str:
+    """Run a script that may mount what it likes; what it printed."""
+    program = f"{sys.executable} {PROGRAM} --scenes {SCENES} --workers 2"
+    command = ["unshare", "-rm", "sh", "-c", script]
+    environment = {**os.environ, "REMQA_GEN": program, **environment}
+    done = subprocess.run(command, text=True, capture_output=True, env=environment, timeout=PATIENCE_S, check=False)
+    return done.stdout + done.stderr
+
+
+@in_a_namespace
+@pytest.mark.parametrize("size_kb", [400, 1500])
+def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_room(whole: Path, tmp_path: Path, size_kb: int) -> None:
+    disk, copy = tmp_path / "disk", tmp_path / "copy"
+    disk.mkdir()
+    text = run_shell(
+        f"mount -t tmpfs -o size={size_kb}k none {disk} && $REMQA_GEN --out {disk}/out; echo exit code $?; "
+        f"ls {disk}/out; mount -o remount,size=100m {disk}; $REMQA_GEN --out {disk}/out --resume >/dev/null 2>&1; "
+        f"echo exit code $?; cp -r {disk}/out {copy}",
+        CRASH_ROOM_S="0",
+    )
+    assert "No space left on device" in text
+    assert "Traceback" not in text
+    assert text.count("exit code 2") == text.count("exit code 0") == 1, text
+    assert MANIFEST not in text
+    assert files_of(copy) == files_of(whole)
+
+
+@in_a_namespace
+def test_a_read_only_folder_is_told(dataset: Path, tmp_path: Path) -> None:
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    text = run_shell(
+        f"for folder in {empty} {dataset}; do mount --bind $folder $folder && mount -o remount,ro,bind $folder; done; "
+        f"$REMQA_GEN --out {empty}; echo exit code $?; $REMQA_GEN --out {dataset} --overwrite; echo exit code $?; "
+        f"$REMQA_GEN --out {dataset} --resume >/dev/null && echo finished already"
+    )
+    assert text.count("Read-only file system") == 2, text
+    assert text.count("exit code 2") == 2
+    assert "Traceback" not in text
+    assert "finished already" in text
