@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from remqa_data.cli import OneLineErrors
+from remqa_data.command_line import OneLineErrors
 from remqa_data.errors import SubmissionError
 from remqa_data.evaluation.submission.reference import Agent
 from remqa_data.evaluation.submission.tracks import Track

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from remqa_data.cli import OneLineErrors
+from remqa_data.command_line import OneLineErrors
 from remqa_data.generators.config import Config
 from remqa_data.published import MEAN_WORDS
 

@@ -5,9 +5,9 @@ Importing this package is cheap: the simulator, the renderer and the data librar
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from remqa_data.lazy import lazy_names
 from remqa_data.version import __version__
 
 if TYPE_CHECKING:
@@ -16,17 +16,14 @@ if TYPE_CHECKING:
 
 __all__ = ["ExpressionDataset", "FrameDataset", "RemqaDataset", "Vocabulary", "__version__", "collate"]
 
-_HOMES = {
-    "ExpressionDataset": "remqa_data.datasets.torch_datasets",
-    "FrameDataset": "remqa_data.datasets.torch_datasets",
-    "RemqaDataset": "remqa_data.datasets.torch_datasets",
-    "collate": "remqa_data.datasets.torch_datasets",
-    "Vocabulary": "remqa_data.datasets.vocabulary",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Load what is asked for, and torch with it, only then."""
-    if name in _HOMES:
-        return getattr(import_module(_HOMES[name]), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "ExpressionDataset": "remqa_data.datasets.torch_datasets",
+        "FrameDataset": "remqa_data.datasets.torch_datasets",
+        "RemqaDataset": "remqa_data.datasets.torch_datasets",
+        "collate": "remqa_data.datasets.torch_datasets",
+        "Vocabulary": "remqa_data.datasets.vocabulary",
+    },
+)
+"""torch loads with the first of these that is asked for."""

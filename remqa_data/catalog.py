@@ -119,6 +119,11 @@ class ObjectType(BaseModel):
         return "receptacle" in self.can
 
     @property
+    def is_container(self) -> bool:
+        """It opens, and things can be in it: what one has to open to look inside."""
+        return self.openable and self.receptacle
+
+    @property
     def toggleable(self) -> bool:
         """It can be switched on and off."""
         return "toggleable" in self.can

@@ -7,10 +7,6 @@ whatever keeps all of them is read, drawn and simulated within seconds and 2 GB.
 
 from __future__ import annotations
 
-import math
-
-from remqa_data.tables.fields import Column
-
 MOST_TEXT_BYTES = 4096
 """Of an id, a question, an expression, a program [400]: they are looked for, split into words, and shown."""
 MOST_SCENE_JSON_BYTES = 1 << 20
@@ -44,27 +40,3 @@ MOST_TRIANGLES = 1_000_000
 
 MOST_SEED = 2**63 - 1
 """It is stored as an int64."""
-
-_RANGES: dict[str | None, tuple[float, float]] = {
-    "m": (-MOST_FAR_M, MOST_FAR_M),
-    "deg": (-720.0, 720.0),
-    "px": (0, MOST_IMAGE_PX**2),
-    "grid": (-4 * MOST_FAR_M, 4 * MOST_FAR_M),
-    "voxels": (-(2**15), 2**15 - 1),
-}
-
-
-def number_range(column: Column, *, is_whole: bool) -> tuple[float, float]:
-    """Least and greatest number that a column may hold: its own, else that of its unit or frame.
-
-    Whole numbers without a unit count something, so they are not negative; other numbers without one are shares.
-
-    >>> number_range(Column("Height.", "m"), is_whole=False)
-    (-1000.0, 1000.0)
-    >>> number_range(Column("How far open."), is_whole=False)
-    (0.0, 1.0)
-    """
-    if column.within is not None:
-        return column.within
-    usual = (0, math.inf) if is_whole else (0.0, 1.0)
-    return _RANGES.get(column.unit) or _RANGES.get(column.frame) or usual

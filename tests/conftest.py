@@ -1,12 +1,9 @@
-"""Lets tests import the helpers of this folder, such as `dataset_rows`, and gives them a small dataset."""
+"""Gives tests a small dataset."""
 
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 from remqa_data.storage.manifest import Manifest
 from tests.helpers.dataset_rows import write_dataset

@@ -15,6 +15,7 @@ import numpy as np
 
 from remqa_data.assets import AssetSpec, build, variant_count
 from remqa_data.assets.core.sizes import typical_size
+from remqa_data.catalog import object_type
 from remqa_data.errors import ArrangementError
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import Trouble, blockers, in_sight_troubles, troubles
@@ -183,8 +184,9 @@ def _parking(number: int) -> Vec3:
 
 def _closed(scene: Scene) -> Scene:
     """The room with everything closed that things can be hidden in."""
-    types = hiding_rules().open_types
-    return scene.with_objects(tuple(replace(o, openness=0.0) if o.type in types else o for o in scene.objects))
+    return scene.with_objects(
+        tuple(replace(o, openness=0.0) if object_type(o.type).is_container else o for o in scene.objects)
+    )
 
 
 def _by_place(hidden: Wished) -> dict[Key, tuple[HidingPlace, tuple[str, ...]]]:

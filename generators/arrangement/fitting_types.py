@@ -1,30 +1,20 @@
-"""Where each type of thing is kept: from the recorded rooms, by kind of room; the numbers are in placements.csv."""
+"""Which types of things can be hidden in a place, and how many pixels they would show there."""
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterable
-from functools import lru_cache
-from importlib import resources
 
 import numpy as np
 
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.catalog import object_type, question_types
+from remqa_data.floorplans.ithor.placements import probability
 from remqa_data.generators.arrangement.fill_ratios import filled_shares
 from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
-
-SOURCE = "placements.csv"
-
-
-def probability(type_: str, receptacle_type: str, room_type: str) -> float:
-    """Share of a type's things in a kind of room that were recorded in or on a type of receptacle; 0 if none was."""
-    return _priors().get((type_, receptacle_type, room_type), 0.0)
 
 
 def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) -> list[tuple[str, float]]:
@@ -92,16 +82,3 @@ def _fits(area: Area, place: HidingPlace, type_: str, size: Vec3) -> int:
     if visible_pixels(place, area, type_, smallest) < rules.pixel_margin * MIN_PIXELS:
         return 0
     return area.capacity(size, rules.gap_m)
-
-
-def receptacle_weights(type_: str, room_type: str, present: Iterable[str]) -> dict[str, float]:
-    """How likely a type's thing is on each of some types of receptacles, those with none left out."""
-    weights = {name: probability(type_, name, room_type) for name in present}
-    return {name: weight for name, weight in weights.items() if weight > 0}
-
-
-@lru_cache(maxsize=1)
-def _priors() -> dict[tuple[str, str, str], float]:
-    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
-    rows = csv.DictReader(text.splitlines())
-    return {(row["object_type"], row["receptacle_type"], row["room"]): float(row["probability"]) for row in rows}

@@ -93,7 +93,7 @@ def hiding_places(scene: Scene) -> list[HidingPlace]:
         grid = reachable_grid(world)
         held_by = supports(world, {object_id: world.box(object_id) for object_id in world.ids})
         for object_id in world.ids:
-            if world.type_of(object_id) in rules.open_types:
+            if object_type(world.type_of(object_id)).is_container:
                 world.open(object_id, 0.0)
         view = WorldView(world)
         _hide_loose_things(view)
@@ -138,7 +138,7 @@ class _Finder:
     def behind_door(self, object_id: str) -> HidingPlace | None:
         world, rules = self.world, self.rules
         type_ = world.type_of(object_id)
-        if type_ not in rules.open_types or not world.assets[object_id].is_openable:
+        if not object_type(type_).is_container or not world.assets[object_id].is_openable:
             return None
         areas = _inner_areas(world, object_id, rules)
         if not areas:

@@ -16,7 +16,6 @@ class HidingRules(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    open_types: frozenset[str]
     pickup_types: frozenset[str]
     move_types: frozenset[str]
     round_types: frozenset[str]

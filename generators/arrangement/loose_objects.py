@@ -10,7 +10,7 @@ import numpy as np
 
 from remqa_data.assets.core.model import Space
 from remqa_data.catalog import object_type
-from remqa_data.generators.arrangement.fitting_types import receptacle_weights
+from remqa_data.floorplans.ithor.placements import receptacle_weights
 from remqa_data.geometry.rotations import quaternion_of, rotation_of
 from remqa_data.geometry.types import F64, Box
 from remqa_data.sim.physics.world import World

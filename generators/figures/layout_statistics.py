@@ -1,6 +1,6 @@
-"""Recorded and sampled rooms side by side: `python -m remqa_data.generators.figures.layout_statistics` writes it into docs/LAYOUTS.md.
+"""Recorded and sampled rooms side by side.
 
-Takes about five minutes.
+`python -m remqa_data.generators.figures.layout_statistics` writes it into docs/LAYOUTS.md; takes about five minutes.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ def _by_type(scenes: Iterable[Scene]) -> dict[str, list[RoomFigures]]:
 
 
 if __name__ == "__main__":
-    page = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[1] / "docs" / "LAYOUTS.md"
+    page = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[2] / "docs" / "LAYOUTS.md"
     recorded_rooms = _by_type(map(load_scene, scene_names()))
     sampled_rooms = _by_type(sampled_scene(index, SEED) for index in range(SAMPLED_ROOMS))
     write_table(page, side_by_side(recorded_rooms, sampled_rooms))

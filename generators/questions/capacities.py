@@ -1,7 +1,8 @@
-"""What each room can take, measured: `python -m remqa_data.generators.questions.capacities` writes `templates/capacities.csv` anew.
+"""What each room can take, measured.
 
-That takes a few minutes, so it is done when rooms, hiding places or `templates/questions.yaml` have changed, and the table
-ships with the package: quotas can then be dealt out without loading a single room.
+`python -m remqa_data.generators.questions.capacities` writes `templates/capacities.csv` anew. That takes a few minutes, so it
+is done when rooms, hiding places or `templates/questions.yaml` have changed, and the table ships with the package: quotas can
+then be dealt out without loading a single room.
 """
 
 from __future__ import annotations
@@ -88,5 +89,5 @@ def write_capacities(rooms: Iterable[SceneCapacity], path: Path) -> None:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "templates" / SOURCE
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[2] / "templates" / SOURCE
     write_capacities(map(measured_capacity, scene_names()), target)

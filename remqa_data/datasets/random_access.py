@@ -1,8 +1,9 @@
 """Any row of a split, at any time, from memory-mapped shards: what the PyTorch datasets read with.
 
 Columns without images are small and are read once, when they are first asked for. Images lie in a shard as they are (see
-`remqa_data.storage.shards`). The first time that a process wants one, its row group is read and its checksums are checked; where
-the images were found is remembered, and from then on they are taken from there, without a copy. Nothing here needs torch.
+`remqa_data.storage.shards`). The first time that a process wants one, its row group is read and its checksums are checked;
+where the images were found is remembered, and from then on they are taken from there, without a copy. Nothing here needs
+torch.
 """
 
 from __future__ import annotations

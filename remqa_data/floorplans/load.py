@@ -1,20 +1,18 @@
-"""The recorded floor plans, for those parts of the library that play in rooms which no dataset holds.
-
-Floor plans are read by `remqa_data.generators`, which the library does not need otherwise: it is imported here, and only
-when a floor plan is asked for.
-"""
+"""Rooms by their names: recorded floor plans and sampled rooms."""
 
 from __future__ import annotations
 
 from remqa_data.errors import UnknownNameError
+from remqa_data.floorplans.ithor import scenes as ithor
+from remqa_data.floorplans.ithor.table import recorded_objects
+from remqa_data.floorplans.sampled import scenes as sampled
+from remqa_data.floorplans.sampled.naming import is_sampled, sampled_index
 from remqa_data.geometry.types import F64
 from remqa_data.scene import Scene
 
 
 def scene_names() -> tuple[str, ...]:
     """The names of all floor plans, such as "FloorPlan1"."""
-    from remqa_data.floorplans.ithor import scenes as ithor
-
     return ithor.scene_names()
 
 
@@ -26,10 +24,6 @@ def load_scene(name: str) -> Scene:
     UnknownNameError
         If there is no such floor plan; names the nearest.
     """
-    from remqa_data.floorplans.ithor import scenes as ithor
-    from remqa_data.floorplans.sampled import scenes as sampled
-    from remqa_data.floorplans.sampled.naming import is_sampled, sampled_index
-
     if is_sampled(name):
         return sampled.sampled_scene(sampled_index(name), seed=0)
     return ithor.load_scene(name)
@@ -37,8 +31,6 @@ def load_scene(name: str) -> Scene:
 
 def recorded_pivots(name: str) -> dict[str, F64]:
     """AI2-THOR's `position` of each object in a floor plan, metres in the room; none for a room that was not recorded."""
-    from remqa_data.floorplans.ithor.table import recorded_objects
-
     try:
         return {row.id: row.pivot for row in recorded_objects(name)}
     except UnknownNameError:

@@ -61,8 +61,8 @@ class ObjectMetadata:
     is_picked_up : bool
         Whether the agent holds it; then it is nowhere in the room, whatever `box` says.
     support : str or None
-        Id of the receptacle that holds it, see `remqa_data.sim.physics.support`; the floor's id for what stands on the floor; None
-        for what rests on nothing that is an object.
+        Id of the receptacle that holds it, see `remqa_data.sim.physics.support`; the floor's id for what stands on the
+        floor; None for what rests on nothing that is an object.
     support_kind : {"in", "on"} or None
         How the receptacle holds it: "in" what encloses it or has walls around it, else "on".
     facing_deg : float or None

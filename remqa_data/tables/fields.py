@@ -37,7 +37,7 @@ class Column:
     columns : tuple of str
         For an (n, k) array: the names of its k columns; it is stored as a list of structs.
     within : tuple of float, optional
-        Least and greatest number, where they are not the usual ones of its unit (`limits.number_range`).
+        Least and greatest number, where they are not the usual ones of its unit (`row_checks.number_range`).
     most : int, optional
         Bytes of a text or items of a list, where they are not the usual ones of `remqa_data.limits`.
     """

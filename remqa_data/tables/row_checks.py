@@ -6,6 +6,7 @@ the right length, finite numbers, known words), and that they keep to `remqa_dat
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -147,9 +148,34 @@ def _leaf_problem(node: Leaf, column: Column, array: pa.Array, path: str) -> _Fo
 
 
 def _number_problem(node: Leaf, column: Column, array: pa.Array, path: str) -> _Found | None:
-    low, high = limits.number_range(column, is_whole=pa.types.is_integer(node.type))
+    low, high = number_range(column, is_whole=pa.types.is_integer(node.type))
     numbers = array.to_numpy(zero_copy_only=False)
     if low <= numbers.min() and numbers.max() <= high:  # neither holds where there is a nan
         return None
     wrong = numbers[~((numbers >= low) & (numbers <= high))]
     return path, f"{np.asarray(wrong)[0]:g}; expected {low:g} to {high:g}"
+
+
+_RANGES: dict[str | None, tuple[float, float]] = {
+    "m": (-limits.MOST_FAR_M, limits.MOST_FAR_M),
+    "deg": (-720.0, 720.0),
+    "px": (0, limits.MOST_IMAGE_PX**2),
+    "grid": (-4 * limits.MOST_FAR_M, 4 * limits.MOST_FAR_M),
+    "voxels": (-(2**15), 2**15 - 1),
+}
+
+
+def number_range(column: Column, *, is_whole: bool) -> tuple[float, float]:
+    """Least and greatest number that a column may hold: its own, else that of its unit or frame.
+
+    Whole numbers without a unit count something, so they are not negative; other numbers without one are shares.
+
+    >>> number_range(Column("Height.", "m"), is_whole=False)
+    (-1000.0, 1000.0)
+    >>> number_range(Column("How far open."), is_whole=False)
+    (0.0, 1.0)
+    """
+    if column.within is not None:
+        return column.within
+    usual = (0, math.inf) if is_whole else (0.0, 1.0)
+    return _RANGES.get(column.unit) or _RANGES.get(column.frame) or usual

@@ -259,7 +259,8 @@ def test_the_package_needs_torch_only_for_the_datasets() -> None:
     import subprocess
     import sys
 
-    code = "import sys, remqa_data.storage.shards, remqa_data.datasets.vocabulary, remqa_data.datasets.sample_types; sys.exit('torch' in sys.modules)"
+    modules = "remqa_data.storage.shards, remqa_data.datasets.vocabulary, remqa_data.datasets.sample_types"
+    code = f"import sys, {modules}; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

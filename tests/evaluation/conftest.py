@@ -1,11 +1,8 @@
 """Small datasets: one of made-up questions that cannot be replayed, and one of two real rooms."""
 
-import sys
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 from tests.helpers.dataset_rows import write_dataset
 

@@ -1,8 +1,8 @@
 """Kills `remqa-gen` again and again, and looks whether the dataset is the same in the end.
 
-`python tests/helpers/kill_runs.py --kills 50` starts so many runs of 24 rooms, kills each once at a random moment, now its driver
-and now a worker, goes on with it, and compares all bytes with those of a run that nothing happened to. Rooms are made up
-in no time (see `crash_run`); with `--rooms real` they are bathrooms with few questions, and 50 kills take half an hour.
+`python -m tests.helpers.kill_runs --kills 50` starts so many runs of 24 rooms, kills each once at a random moment, now its
+driver and now a worker, goes on with it, and compares all bytes with those of a run that nothing happened to. Rooms are made
+up in no time (see `crash_run`); with `--rooms real` they are bathrooms with few questions, and 50 kills take half an hour.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tests.helpers.damaged_files import files_of
 
 HERE = Path(__file__).parent
 PROGRAMS = {
-    "made up": [str(HERE / "crash_run.py")],
+    "made up": ["-m", "tests.helpers.crash_run"],
     "real": ["-c", "from remqa_data.generators.cli import main; main()", "--config", str(HERE / "kill_runs.yaml")],
 }
 WORKERS = 2

@@ -22,18 +22,20 @@ from tests.helpers.damaged_files import damage, files_of
 
 pytestmark = pytest.mark.slow
 
-PROGRAM = Path(__file__).with_name("crash_run.py")
+ROOT = Path(__file__).parents[2]
+PROGRAM = "tests.helpers.crash_run"
 SCENES = 24
 PATIENCE_S = 120.0
 
 
 def start(out: Path, *options: str, workers: int = 2, **environment: str) -> subprocess.Popen[str]:
-    arguments = [sys.executable, str(PROGRAM), "--scenes", str(SCENES), "--out", str(out), "--workers", str(workers)]
+    arguments = [sys.executable, "-m", PROGRAM, "--scenes", str(SCENES), "--out", str(out), "--workers", str(workers)]
     return subprocess.Popen(
         [*arguments, *options],
         text=True,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
+        cwd=ROOT,
         env={**os.environ, **environment},
     )
 

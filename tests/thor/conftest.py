@@ -1,16 +1,12 @@
-"""Lets the tests of this folder import its helpers, and share loaded rooms; nothing runs without the extra `thor`."""
+"""Rooms that the tests of this folder share; nothing runs without the extra `thor`."""
 
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 pytest.importorskip("ai2thor")
 
 from remqa_data.thor import Controller
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 
 @pytest.fixture(scope="session")

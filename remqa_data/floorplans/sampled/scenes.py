@@ -15,6 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from remqa_data.catalog import object_type
 from remqa_data.errors import ArrangementError
 from remqa_data.floorplans.ithor.plan import RoomShell
 from remqa_data.floorplans.ithor.scenes import furnished
@@ -32,7 +33,6 @@ from remqa_data.floorplans.sampled.statistics import (
     flags_by_type,
     recorded_rooms,
 )
-from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.geometry.types import Rect
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import cells_in_reach, reachable_grid
@@ -138,7 +138,7 @@ def out_of_reach(scene: Scene) -> list[str]:
     with World(scene) as world:
         world.settle()
         grid, view = reachable_grid(world), WorldView(world)
-        openable = [name for name in world.ids if world.type_of(name) in hiding_rules().open_types]
+        openable = [name for name in world.ids if object_type(world.type_of(name)).is_container]
         return [name for name in openable if not cells_in_reach(grid, front_points(view, name))]
 
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from remqa_data.floorplans.ithor.placements import receptacle_weights
 from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
 from remqa_data.floorplans.sampled.canvas import Canvas
 from remqa_data.floorplans.sampled.furniture_sets import UNEVEN
 from remqa_data.floorplans.sampled.statistics import RecordedRooms
-from remqa_data.generators.arrangement.fitting_types import receptacle_weights
 from remqa_data.geometry.types import F64
 
 TRIES = 40

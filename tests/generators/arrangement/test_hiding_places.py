@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from remqa_data.catalog import object_type
+from remqa_data.floorplans.ithor.placements import probability
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.generators.arrangement.areas import Area, largest_rectangle
-from remqa_data.generators.arrangement.fitting_types import fitting_types, probability
+from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import goal_camera, manipulated
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places, surface_points
 from remqa_data.sim.navigation.grid import ARM_REACH_M, reach_distance, reachable_grid

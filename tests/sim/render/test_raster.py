@@ -266,9 +266,7 @@ def test_wide_and_odd_frames_are_drawn_to_the_border():
 
 
 DIGEST = """
-import hashlib, sys
-sys.path.insert(0, {folder!r})
-from test_raster import digest
+from tests.sim.render.test_raster import digest
 print(digest())
 """
 
@@ -281,6 +279,6 @@ def digest():
 
 
 def test_another_process_draws_the_same_bytes():
-    code = DIGEST.format(folder=str(Path(__file__).parent))
-    other = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    command = [sys.executable, "-c", DIGEST]
+    other = subprocess.run(command, capture_output=True, text=True, check=True, cwd=Path(__file__).parents[3])
     assert other.stdout.strip() == digest()

@@ -1,0 +1,117 @@
+"""The floors of docs/ARCHITECTURE.md are those of the code: every room is on one, and every import points down."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "remqa_data"
+UPSTAIRS = ("generators", "evaluation", "agents", "templates")
+MOST_MODULES = 16
+"""In one folder, with its `__init__`."""
+
+
+def floors() -> list[list[str]]:
+    """The rooms of each floor, from the top."""
+    block = (ROOT / "docs" / "ARCHITECTURE.md").read_text(encoding="utf-8").split("```")[1]
+    return [line.split("   ")[0].split() for line in block.strip().splitlines()]
+
+
+def modules() -> dict[str, Path]:
+    """All modules of the package by dotted name, without `remqa_data.`."""
+    found = {}
+    for top in (PACKAGE, *(ROOT / folder for folder in UPSTAIRS)):
+        for path in sorted(top.rglob("*.py")):
+            parts = path.relative_to(PACKAGE if top == PACKAGE else ROOT).with_suffix("").parts
+            if top == PACKAGE and parts[0] in UPSTAIRS:
+                continue
+            name = ".".join(parts).removesuffix("__init__").rstrip(".")
+            found[name] = path
+    return found
+
+
+def room_of(module: str, all_modules: dict[str, Path]) -> str:
+    """The package in which a module lies; modules at the root are rooms of their own."""
+    is_package = all_modules[module].name == "__init__.py"
+    return module if is_package or "." not in module else module.rpartition(".")[0]
+
+
+def imported_names(path: Path, root: Path = ROOT) -> Iterator[str]:
+    """The absolute names of everything that a file imports, at any depth and also lazily."""
+    parts = path.relative_to(root).with_suffix("").parts[:-1]
+    package = parts if parts[:1] == ("remqa_data",) else ("remqa_data", *parts)
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else ()
+            start = ".".join([*base, *([node.module] if node.module else [])])
+            yield from (f"{start}.{alias.name}" for alias in node.names)
+
+
+def imported_modules(path: Path, all_modules: dict[str, Path]) -> Iterator[str]:
+    """The modules of the package that a file imports."""
+    for name in imported_names(path):
+        inner = name.removeprefix("remqa_data.")
+        if inner == name:
+            continue
+        while inner and inner not in all_modules:
+            inner = inner.rpartition(".")[0]
+        if inner:
+            yield inner
+
+
+def arrows() -> set[tuple[str, str]]:
+    """Pairs of rooms of which the first imports the second."""
+    known = modules()
+    pairs = (
+        (room_of(name, known), room_of(other, known))
+        for name, path in known.items()
+        if name  # the package itself offers names from everywhere
+        for other in imported_modules(path, known)
+    )
+    return {(upper, lower) for upper, lower in pairs if upper != lower}
+
+
+def test_every_room_is_on_exactly_one_floor():
+    named = [room for floor in floors() for room in floor]
+    known = modules()
+    rooms = {room_of(name, known) for name in known if name} - {"assets.types"}
+    assert sorted(named) == sorted(set(named))
+    assert set(named) == rooms
+
+
+def test_imports_point_down_the_floors():
+    level = {room: number for number, floor in enumerate(floors()) for room in floor}
+    found = arrows()
+    assert len(found) > 100
+    assert sorted((upper, lower) for upper, lower in found if level[upper] > level[lower]) == []
+
+
+def test_the_check_of_imports_sees_every_way_of_importing(tmp_path):
+    path = tmp_path / "remqa_data" / "sim" / "world.py"
+    path.parent.mkdir(parents=True)
+    for line in (
+        "import remqa_data.generators",
+        "from remqa_data import generators",
+        "from .. import generators",
+        "def lazy():\n    from remqa_data import generators",
+    ):
+        path.write_text(line)
+        assert list(imported_names(path, tmp_path)) == ["remqa_data.generators"], line
+    path.write_text("from ..generators import cli")
+    assert list(imported_names(path, tmp_path)) == ["remqa_data.generators.cli"]
+
+
+def test_rooms_of_one_floor_do_not_import_each_other():
+    level = {room: number for number, floor in enumerate(floors()) for room in floor}
+    found = arrows()
+    assert [(a, b) for a, b in found if level[a] == level[b] and (b, a) in found] == []
+
+
+def test_no_folder_holds_more_modules_than_one_can_survey():
+    folders: dict[Path, int] = {}
+    for path in modules().values():
+        folders[path.parent] = folders.get(path.parent, 0) + 1
+    assert len(folders) > 30
+    assert {str(folder.relative_to(ROOT)): count for folder, count in folders.items() if count > MOST_MODULES} == {}
