@@ -33,10 +33,12 @@ def test_the_code_in_the_readme_runs(tmp_path, monkeypatch) -> None:
     assert (names["seen"].objects == fridge).mean() > 0.2
 
 
-def test_names_that_an_older_readme_used_still_work() -> None:
+def test_names_that_an_older_readme_or_card_used_still_work() -> None:
+    from remqa_data import RemqaDataset, dataset
     from remqa_data.floorplans import load_scene
     from remqa_data.generators.floorplans import ithor
     from remqa_data.sim import Camera, World, WorldView, camera, view, world
 
+    assert dataset.RemqaDataset is RemqaDataset
     assert (camera.Camera, view.WorldView, world.World) == (Camera, WorldView, World)
     assert ithor.load_scene("FloorPlan1").name == load_scene("FloorPlan1").name

@@ -128,7 +128,7 @@ def _snippet(manifest: Manifest) -> list[str]:
     split = next(iter(manifest.splits(DEFAULT_TABLE)), "train")
     return [
         "import pandas, datasets",
-        "from remqa_data.datasets.torch_datasets import RemqaDataset",
+        "from remqa_data.dataset import RemqaDataset",
         "",
         f'pandas.read_parquet("{DEFAULT_TABLE}", columns=["question", "answer"])',
         f'datasets.load_dataset(".", "{DEFAULT_TABLE}", split="{split}")  # images are decoded',
