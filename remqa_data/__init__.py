@@ -5,6 +5,7 @@ Importing this package is cheap: the simulator, the renderer and the data librar
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from remqa_data.lazy import lazy_names
@@ -15,6 +16,13 @@ if TYPE_CHECKING:
     from remqa_data.datasets.vocabulary import Vocabulary
 
 __all__ = ["ExpressionDataset", "FrameDataset", "RemqaDataset", "Vocabulary", "__version__", "collate"]
+
+if find_spec("remqa_data.templates") is None:
+    msg = (
+        "remqa_data.templates is not there: this checkout has no symbolic links. Run `pip install .` (or `pip install "
+        "--editable .`) in it, which needs none, or `git config core.symlinks true && git checkout -- remqa_data`"
+    )
+    raise ImportError(msg)
 
 __getattr__ = lazy_names(
     __name__,

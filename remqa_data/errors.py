@@ -249,6 +249,16 @@ class MissingExtraError(RemqaError, ImportError):
         super().__init__(f"{package} is not installed; run: pip install 'remqa-data[{extra}]'")
 
 
+class OpenCVError(RemqaError, ImportError):
+    """OpenCV cannot be loaded: not there, or replaced by a build that needs the libraries of a screen."""
+
+    def __init__(self, error: object) -> None:
+        super().__init__(
+            f"OpenCV cannot be loaded ({one_line(error)}); run: pip uninstall --yes opencv-python && "
+            "pip install --force-reinstall --no-deps opencv-python-headless"
+        )
+
+
 def nearest_names(name: str, known: Iterable[str], count: int = 3) -> list[str]:
     """The known names most like `name`, best first, ignoring case.
 

@@ -1,12 +1,19 @@
-"""Gives tests a small dataset."""
+"""Gives tests a small dataset, and hypothesis its profile."""
 
+import os
 import shutil
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from remqa_data.storage.manifest import Manifest
 from tests.helpers.dataset_rows import write_dataset
+
+# In CI the same examples every time: a red run says something about the change, and is repeated at will.
+settings.register_profile("ci", derandomize=True, print_blob=True)
+if os.environ.get("CI"):
+    settings.load_profile("ci")
 
 
 @pytest.fixture(scope="module")

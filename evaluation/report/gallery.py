@@ -6,7 +6,6 @@ import base64
 from contextlib import closing
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from remqa_data.datasets.random_access import SplitReader
@@ -18,6 +17,7 @@ from remqa_data.evaluation.scoring.scoring import attempt_of
 from remqa_data.evaluation.submission.reader import Submission
 from remqa_data.evaluation.submission.tracks import Track, id_column
 from remqa_data.geometry.types import F64, U8
+from remqa_data.opencv import cv2
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.render.camera import TopDownCamera
 from remqa_data.storage.shards import read_table

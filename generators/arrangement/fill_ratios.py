@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-import cv2
 import numpy as np
 
 from remqa_data.assets import AssetSpec, build, variant_count
 from remqa_data.assets.core.sizes import typical_size
+from remqa_data.opencv import cv2
 
 RASTER_PX = 64
 MAX_VARIANTS = 3

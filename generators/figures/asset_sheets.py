@@ -10,13 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from remqa_data.assets import TYPES, Asset, AssetSpec, build, variant_count
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.files import atomic_path
 from remqa_data.geometry.types import U8, Vec3
+from remqa_data.opencv import cv2
 
 TILE_PX = 240
 FRONT_YAW_DEG, DOWN_DEG, FOV_DEG = 62.0, 24.0, 30.0

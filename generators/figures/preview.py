@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from remqa_data.files import atomic_path
 from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.types import U8
+from remqa_data.opencv import cv2
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M, ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import pixels_per_object

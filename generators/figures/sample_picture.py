@@ -5,13 +5,13 @@ from __future__ import annotations
 import textwrap
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from remqa_data.errors import UnknownNameError
 from remqa_data.files import atomic_path
 from remqa_data.generators.figures.preview import map_pixel, room_map
 from remqa_data.geometry.types import U8
+from remqa_data.opencv import cv2
 from remqa_data.scene import Scene
 from remqa_data.sim.metadata import AgentState
 from remqa_data.sim.navigation.grid import GRID_M, ReachableGrid, reachable_grid

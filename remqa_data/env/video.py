@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
 from remqa_data.env import RemqaEnv
@@ -18,6 +17,7 @@ from remqa_data.files import atomic_path
 from remqa_data.geometry.types import U8
 from remqa_data.mapping.map_picture import draw_plan
 from remqa_data.mapping.semantic_map import VoxelMap
+from remqa_data.opencv import cv2
 from remqa_data.sim.agent.actions import MANIPULATION
 from remqa_data.sim.arm.arm import ArmState
 from remqa_data.sim.navigation.grid import GRID_M, Cell

@@ -6,12 +6,12 @@ import colorsys
 from collections.abc import Sequence
 from itertools import pairwise
 
-import cv2
 import numpy as np
 
 from remqa_data.catalog import catalog
 from remqa_data.geometry.types import U8
 from remqa_data.mapping.semantic_map import STRUCTURE, UNKNOWN, SemanticPlan
+from remqa_data.opencv import cv2
 from remqa_data.sim.navigation.grid import GRID_M, Cell, ReachableGrid
 
 Color = tuple[int, int, int]

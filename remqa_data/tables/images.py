@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from remqa_data.errors import ImageFormatError
+from remqa_data.opencv import cv2
 
 RgbFormat = Literal["jpeg", "png"]
 

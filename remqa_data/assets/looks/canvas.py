@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from remqa_data.assets.looks.noise import SIZE_PX, fractal
 from remqa_data.geometry.types import U8
+from remqa_data.opencv import cv2
 
 Rng = np.random.Generator
 Color = tuple[int, int, int]

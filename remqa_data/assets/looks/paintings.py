@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 
 from remqa_data.assets.looks.canvas import (
@@ -23,6 +22,7 @@ from remqa_data.assets.looks.canvas import (
     ridge,
 )
 from remqa_data.geometry.types import U8
+from remqa_data.opencv import cv2
 
 
 def landscape(rng: Rng) -> U8:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 
 from remqa_data.assets.looks.canvas import INK, Rng, gradient, halved, plain, polygon, to_bytes, write
 from remqa_data.assets.looks.noise import SIZE_PX, X, Y, fractal, grey, smoothstep
 from remqa_data.geometry.types import U8
+from remqa_data.opencv import cv2
 
 
 def sky(rng: Rng) -> U8:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 
 from remqa_data.assets.looks.canvas import CREAM, INK, Rng, blend, gradient, halved, plain, polygon, write
 from remqa_data.geometry.types import U8
+from remqa_data.opencv import cv2
 
 
 def poster(index: int, rng: Rng) -> U8:

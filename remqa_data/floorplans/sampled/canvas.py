@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -13,6 +12,7 @@ from remqa_data.floorplans.ithor.plan import SIDES
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.floorplans.sampled.furniture_sets import Piece, Spot
 from remqa_data.geometry.types import F64, Rect
+from remqa_data.opencv import cv2
 from remqa_data.sim.navigation.grid import AGENT_RADIUS_M, GRID_M
 
 GAP_M = 0.012

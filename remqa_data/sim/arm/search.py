@@ -44,7 +44,8 @@ BATCH = 32
 MAX_GOALS = 24
 """So many points at which the tip of the hand is free are tried."""
 POSTURES_PER_BATCH = 3
-"""So many of the free postures of a batch are tried to get to, the shortest ways first."""
+"""So many of the free postures of a batch are tried to get to, the shortest ways first, where the column may slide and
+turn: there are many more batches then. Where it stays all are tried, for there are at most 216 of them."""
 
 
 class Goals(NamedTuple):
@@ -127,10 +128,11 @@ class Search:
         spared = np.zeros_like(self.spared[-1:]) if from_outside else self.spared[-1:]
         tip_is_free = depth(goals.points[:, None], BALL_RADII_M[-1:], self.boxes, spared) <= 0.0
         hopeful = [(goals.points[i], goals.axes[i]) for i in np.flatnonzero(tip_is_free)[:MAX_GOALS]]
+        tries = POSTURES_PER_BATCH if free_column else None
         batches = [self._free_batches(point, axis, free_column=free_column) for point, axis in hopeful]
         for point, columns, axes in _in_turns(batches):
             postures = postures_to(self.base, point, columns, axes, self.start)
-            for posture in postures[self._touches_nothing(postures)][:POSTURES_PER_BATCH]:
+            for posture in postures[self._touches_nothing(postures)][:tries]:
                 for waypoints in ways(self.base, self.start, posture):
                     if self._first_push(path([self.start, *waypoints])[::COARSE])[1] < 0:
                         way = self.along(*waypoints)

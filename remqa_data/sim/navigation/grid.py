@@ -12,7 +12,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain
 
-import cv2
 import networkx as nx
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +19,7 @@ import numpy.typing as npt
 from remqa_data.assets.core.model import Asset
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Rect, Vec3
+from remqa_data.opencv import cv2
 from remqa_data.scene import Scene
 from remqa_data.sim.physics.world import World
 

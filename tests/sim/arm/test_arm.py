@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from remqa_data.assets.core.model import AssetSpec
@@ -172,6 +172,9 @@ def _owned(obstacles: Obstacles) -> tuple[list[int], list[float]]:
 
 @settings(deadline=None, max_examples=25)
 @given(st.floats(0.3, 0.6), st.floats(-50, 50), st.floats(-0.3, 0.3))
+@example(0.5625, -28.0, -0.125)  # here and below the ways to the first postures lead through the agent's own column
+@example(0.45, -50.0, 0.2)
+@example(0.525, -26.0, -0.05)
 def test_the_hand_goes_where_it_should_in_an_empty_room(distance: float, turn_deg: float, rise: float) -> None:
     with World(room()) as world:
         arm = Arm(world)
