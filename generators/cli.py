@@ -65,10 +65,10 @@ def generate(
     resume: Annotated[bool, typer.Option("--resume", help="Go on with an interrupted run.")] = False,
 ) -> None:
     """Generate a dataset of rooms, walks and questions, every sample checked in the simulator."""
-    from remqa_data.executors import make_executor
     from remqa_data.generators.config import load_config, paper_config
     from remqa_data.generators.pipeline import check_place
     from remqa_data.generators.pipeline import generate as run
+    from remqa_data.processes.executors import make_executor
 
     settings = paper_config() if config is None else load_config(config)
     if layouts is not None:

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from remqa_data.errors import DamagedShardError, DatasetError
-from remqa_data.executors import Executor, LocalExecutor
 from remqa_data.generators.config import Config
 from remqa_data.generators.questions.allotment import SceneQuota, allot, capacities
 from remqa_data.generators.scene_job import make_room
 from remqa_data.generators.scene_plan import Job
+from remqa_data.processes.executors import Executor, LocalExecutor
 from remqa_data.storage.backend import Folder, Storage, storage_at
 from remqa_data.storage.card import write_card
 from remqa_data.storage.locks import LOCK, exclusive

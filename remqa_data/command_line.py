@@ -11,7 +11,7 @@ import typer
 from typer.core import TyperGroup
 
 from remqa_data.errors import RemqaError, one_line
-from remqa_data.interrupts import PromptInterrupts
+from remqa_data.processes.interrupts import PromptInterrupts
 
 
 class OneLineErrors(TyperGroup):

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.errors import DatasetError, RemqaError
-from remqa_data.executors import LocalExecutor
+from remqa_data.processes.executors import LocalExecutor
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, parse_action
 from remqa_data.sim.agent.embodiment import Embodiment

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from remqa_data.errors import RemqaError
-from remqa_data.executors import LocalExecutor
 from remqa_data.generators.audit.balance import AskedQuestion, asked_questions, balance_failures
 from remqa_data.generators.audit.truths import CheckedRoom, Failure
+from remqa_data.processes.executors import LocalExecutor
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import Shard, check_files, shard_paths
 from remqa_data.tables.rows import QuestionRow, SceneRow

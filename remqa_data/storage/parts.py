@@ -22,8 +22,8 @@ import pyarrow as pa
 from pydantic import TypeAdapter, ValidationError
 
 from remqa_data.errors import DamagedPartError, DatasetError
-from remqa_data.executors import Executor, LocalExecutor
 from remqa_data.files import is_leftover, sha256_of
+from remqa_data.processes.executors import Executor, LocalExecutor
 from remqa_data.storage.backend import Storage, storage_at
 from remqa_data.storage.manifest import MANIFEST, FileInfo, Manifest, config_hash, write_manifest
 from remqa_data.storage.shards import Shard, ShardWriter, file_info

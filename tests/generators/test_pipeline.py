@@ -7,10 +7,10 @@ import pytest
 from typer.testing import CliRunner
 
 from remqa_data.cli import app as data_app
-from remqa_data.executors import LocalExecutor
 from remqa_data.generators.cli import app
 from remqa_data.generators.config import Config, load_config, paper_config
 from remqa_data.generators.pipeline import generate
+from remqa_data.processes.executors import LocalExecutor
 from remqa_data.storage.manifest import Manifest
 from remqa_data.storage.shards import read_rows, read_table
 from remqa_data.tables.rows import FrameRow, QuestionRow

@@ -13,10 +13,10 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 
-from remqa_data import executors
-from remqa_data.executors import J, LocalExecutor, R
 from remqa_data.generators import cli
 from remqa_data.generators.pipeline import RoomJob, make_part
+from remqa_data.processes import executors
+from remqa_data.processes.executors import J, LocalExecutor, R
 from remqa_data.storage.parts import Part
 from tests.helpers.dataset_rows import scene_rows
 

@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 
 from remqa_data.errors import ArrangementError, ClusterError, ConfigError, UnknownNameError, WorkersLostError
-from remqa_data.executors import Executor, LocalExecutor, RayExecutor, make_executor
 from remqa_data.generators.config import load_config
 from remqa_data.generators.pipeline import generate
+from remqa_data.processes.executors import Executor, LocalExecutor, RayExecutor, make_executor
 from remqa_data.storage.manifest import load_manifest
 from tests.helpers import executor_jobs as jobs
 
-CONFIGS = Path(__file__).parents[1] / "configs"
+CONFIGS = Path(__file__).parents[2] / "configs"
 pytestmark = pytest.mark.slow
 
 
@@ -25,7 +25,7 @@ def cluster() -> Iterator[Any]:
     from ray.cluster_utils import Cluster
 
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]))
+        monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))
         monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")
         cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0})
         for _ in range(2):

@@ -14,7 +14,7 @@ from typing import Any, Protocol, TypeVar
 
 from remqa_data.errors import ClusterError, ConfigError, one_line
 from remqa_data.extras import require
-from remqa_data.workers import run_in_processes
+from remqa_data.processes.workers import run_in_processes
 
 EXECUTORS = ("local", "ray")
 RAY_QUEUE = 2000
