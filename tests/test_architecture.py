@@ -8,7 +8,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "remqa_data"
 UPSTAIRS = ("generators", "evaluation", "agents", "templates")
 MOST_MODULES = 16
-"""In one folder, with its `__init__`."""
+"""In one folder, besides its `__init__`."""
 
 
 def floors() -> list[list[str]]:
@@ -112,6 +112,7 @@ def test_rooms_of_one_floor_do_not_import_each_other():
 def test_no_folder_holds_more_modules_than_one_can_survey():
     folders: dict[Path, int] = {}
     for path in modules().values():
-        folders[path.parent] = folders.get(path.parent, 0) + 1
+        if path.name != "__init__.py":
+            folders[path.parent] = folders.get(path.parent, 0) + 1
     assert len(folders) > 30
     assert {str(folder.relative_to(ROOT)): count for folder, count in folders.items() if count > MOST_MODULES} == {}
