@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from remqa_data.command_line import OneLineErrors
 from remqa_data.errors import SubmissionError
-from remqa_data.evaluation.submission.reference import Agent
 from remqa_data.evaluation.submission.tracks import Track
+
+if TYPE_CHECKING:
+    from remqa_data.evaluation.submission.reference import Agent
 
 SCORE = "score"
 
@@ -74,8 +76,11 @@ def score(
     from remqa_data.evaluation.scoring.results import make_results, write_results
     from remqa_data.evaluation.scoring.scoring import score as run
     from remqa_data.evaluation.submission.reader import open_submission
+    from remqa_data.extras import require
     from remqa_data.files import atomic_path
 
+    if report:
+        require("jinja2", "report", "or leave the report out with --no-report")
     submission = open_submission(predictions)
     header = submission.header
     if split is not None and split != header.split:
@@ -92,13 +97,13 @@ def score(
             submission, truth, replay=not no_replay, workers=workers or os.cpu_count() or 1, progress=on_replayed
         )
     results = make_results(submission, truth, scores, replay=not no_replay, seed=seed)
+    write_results(out / "results.json", results)  # first, so that nothing after it can lose what was replayed
+    with atomic_path(out / "results.md") as temporary:
+        temporary.write_text(markdown(results), encoding="utf-8")
     if report:
         from remqa_data.evaluation.report.html import write_report
 
         write_report(out / "report.html", results, submission, truth)
-    with atomic_path(out / "results.md") as temporary:
-        temporary.write_text(markdown(results), encoding="utf-8")
-    write_results(out / "results.json", results)
     print_results(Console(), results)
     typer.echo(f"{out}: results.json, results.md{', report.html' * report}")
 

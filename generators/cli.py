@@ -6,13 +6,15 @@ import os
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from remqa_data.command_line import OneLineErrors
-from remqa_data.generators.config import Config
 from remqa_data.published import MEAN_WORDS
+
+if TYPE_CHECKING:
+    from remqa_data.generators.config import Config
 
 
 class Resumable(OneLineErrors):

@@ -8,14 +8,16 @@ hash of all files with compiled functions.
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import TypeVar, cast
 
 from numba import njit
-from numba.core import config
+from numba.core import config, event
+
+from remqa_data.kernels.cache import kernel_cache
+from remqa_data.kernels.progress import Compiling, tell
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -49,6 +51,7 @@ def relaxed(function: Function) -> Function:
 
 
 def _compile(function: Function, *, reorder: bool) -> Function:
+    _teller.known += 1
     usual: str = config.CACHE_DIR  # type: ignore[attr-defined]
     config.CACHE_DIR = _cache_folder(usual)  # type: ignore[attr-defined]
     try:
@@ -60,9 +63,26 @@ def _compile(function: Function, *, reorder: bool) -> Function:
 
 @cache
 def _cache_folder(usual: str) -> str:
-    """Where machine code is kept: in NUMBA_CACHE_DIR if set, else beside this file; "" leaves it to Numba."""
     here = Path(__file__).parent
-    if not usual and not os.access(here, os.W_OK):
-        return ""
     digest = hashlib.sha256(b"".join((here / f"{module}.py").read_bytes() for module in _SOURCES)).hexdigest()
-    return str((Path(usual) if usual else here / "__pycache__") / f"compiled-{digest[:12]}")
+    return str(kernel_cache(usual, here / "__pycache__") / f"compiled-{digest[:12]}")
+
+
+class _Teller(event.Listener):
+    """Tells which of our functions Numba compiles; it is silent about those that it finds in the cache."""
+
+    def __init__(self) -> None:
+        self.known, self.begun = 0, 0
+
+    def on_start(self, happened: event.Event) -> None:
+        function = happened.data["dispatcher"].py_func
+        if function.__module__.startswith("remqa_data."):
+            self.begun += 1
+            tell(Compiling(function.__name__, self.begun, max(self.begun, self.known)))
+
+    def on_end(self, happened: event.Event) -> None:
+        pass
+
+
+_teller = _Teller()
+event.register("numba:compile", _teller)  # type: ignore[no-untyped-call]

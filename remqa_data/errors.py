@@ -245,8 +245,9 @@ class ResultsError(RemqaError, ValueError):
 class MissingExtraError(RemqaError, ImportError):
     """An optional dependency is not installed; the text names the extra that brings it."""
 
-    def __init__(self, package: str, extra: str) -> None:
-        super().__init__(f"{package} is not installed; run: pip install 'remqa-data[{extra}]'")
+    def __init__(self, package: str, extra: str, instead: str = "") -> None:
+        hint = f", {instead}" if instead else ""
+        super().__init__(f"{package} is not installed; run: pip install 'remqa-data[{extra}]'{hint}")
 
 
 class OpenCVError(RemqaError, ImportError):

@@ -8,7 +8,7 @@ from types import ModuleType
 from remqa_data.errors import MissingExtraError
 
 
-def require(package: str, extra: str) -> ModuleType:
+def require(package: str, extra: str, instead: str = "") -> ModuleType:
     """Import an optional package, or say which extra brings it.
 
     Parameters
@@ -17,6 +17,8 @@ def require(package: str, extra: str) -> ModuleType:
         Import name, such as "torch", or "torch.utils.data" for a module inside it.
     extra : str
         The extra of `remqa-data` that installs it, such as "torch".
+    instead : str, optional
+        What else can be done, such as "or leave the report out with --no-report".
 
     Raises
     ------
@@ -34,5 +36,5 @@ def require(package: str, extra: str) -> ModuleType:
     except ModuleNotFoundError as error:
         if error.name != top:
             raise
-        raise MissingExtraError(top, extra) from error
+        raise MissingExtraError(top, extra, instead) from error
     return importlib.import_module(package)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.ndimage import find_objects
@@ -15,9 +16,11 @@ from scipy.ndimage import find_objects
 from remqa_data.geometry.types import F64, Box, Vec3
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixel_counts
 from remqa_data.sim.physics.support import SupportKind, supports
-from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.camera import Camera
-from remqa_data.sim.render.view import Observation
+
+if TYPE_CHECKING:
+    from remqa_data.sim.physics.world import World
+    from remqa_data.sim.render.camera import Camera
+    from remqa_data.sim.render.view import Observation
 
 Box2D = tuple[int, int, int, int]
 """[x1, y1, x2, y2) in pixels, half open."""

@@ -11,12 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from remqa_data.errors import ActionError, nearest_names
-from remqa_data.sim.agent.agent import MAX_PUSH_M, Agent
-from remqa_data.sim.agent.body import ActionResult
-from remqa_data.sim.agent.embodiment import Embodiment
+from remqa_data.sim.agent.embodiment import MAX_PUSH_M, Embodiment
+from remqa_data.sim.agent.results import ActionResult
+
+if TYPE_CHECKING:
+    from remqa_data.sim.agent.agent import Agent
 
 Target = str | tuple[float, float]
 """An object's id, or an image point as shares of the width and height from the top left corner."""
@@ -172,25 +174,29 @@ _NAVIGATION: dict[str, ActionSpec] = {
     "RotateRight": ActionSpec(False, (_TURN,), lambda agent, degrees: agent.rotate(-degrees)),
     "LookUp": ActionSpec(False, (_TILT,), lambda agent, degrees: agent.look(-degrees)),
     "LookDown": ActionSpec(False, (_TILT,), lambda agent, degrees: agent.look(degrees)),
-    "Crouch": ActionSpec(False, (), Agent.crouch),
-    "Stand": ActionSpec(False, (), Agent.stand),
+    "Crouch": ActionSpec(False, (), lambda agent: agent.crouch()),
+    "Stand": ActionSpec(False, (), lambda agent: agent.stand()),
     "Teleport": ActionSpec(
         False,
         (POSITION[0], POSITION[1], Amount("yaw_deg", -360.0, 360.0), Amount("horizon_deg", -90.0, 90.0, 0.0)),
-        Agent.teleport,
+        lambda agent, x, y, yaw_deg, horizon_deg: agent.teleport(x, y, yaw_deg, horizon_deg),
     ),
 }
 _MANIPULATION: dict[str, ActionSpec] = {
-    "OpenObject": ActionSpec(True, (Amount("openness", 0.0, 1.0, 1.0),), Agent.open),
-    "CloseObject": ActionSpec(True, (), Agent.close),
-    "PickupObject": ActionSpec(True, (), Agent.pick_up),
-    "PutObject": ActionSpec(True, (), Agent.put),
-    "DropHandObject": ActionSpec(False, (), Agent.drop),
+    "OpenObject": ActionSpec(
+        True, (Amount("openness", 0.0, 1.0, 1.0),), lambda agent, target, openness: agent.open(target, openness)
+    ),
+    "CloseObject": ActionSpec(True, (), lambda agent, target: agent.close(target)),
+    "PickupObject": ActionSpec(True, (), lambda agent, target: agent.pick_up(target)),
+    "PutObject": ActionSpec(True, (), lambda agent, target: agent.put(target)),
+    "DropHandObject": ActionSpec(False, (), lambda agent: agent.drop()),
     "MoveObject": ActionSpec(True, POSITION, lambda agent, target, x, y, z: agent.move_object(target, (x, y, z))),
-    "PushObject": ActionSpec(True, (_PUSH,), Agent.push),
-    "PullObject": ActionSpec(True, (_PUSH,), Agent.pull),
+    "PushObject": ActionSpec(True, (_PUSH,), lambda agent, target, metres: agent.push(target, metres)),
+    "PullObject": ActionSpec(True, (_PUSH,), lambda agent, target, metres: agent.pull(target, metres)),
     "MoveArm": ActionSpec(False, POSITION, lambda agent, x, y, z: agent.move_hand((x, y, z))),
-    "MoveArmBase": ActionSpec(False, (Amount("metres above the floor", 0.0, 3.0),), Agent.set_arm_base),
+    "MoveArmBase": ActionSpec(
+        False, (Amount("metres above the floor", 0.0, 3.0),), lambda agent, metres: agent.set_arm_base(metres)
+    ),
 }
 NAVIGATION, MANIPULATION = tuple(_NAVIGATION), tuple(_MANIPULATION)
 """Names of the actions that move the agent or its camera and nothing else, and of those that do something."""

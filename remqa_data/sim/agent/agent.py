@@ -16,23 +16,21 @@ from remqa_data.catalog import object_type
 from remqa_data.errors import ActionError
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent import handling
-from remqa_data.sim.agent.body import DONE, ActionResult, Body, direction
-from remqa_data.sim.agent.embodiment import Embodiment
+from remqa_data.sim.agent.body import Body, direction
+from remqa_data.sim.agent.embodiment import MAX_PUSH_M, Embodiment
+from remqa_data.sim.agent.results import DONE, ActionResult
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
 if TYPE_CHECKING:
     from remqa_data.sim.arm.arm import Arm, ArmBase, ArmMove
 
-__all__ = ["ActionResult", "Agent", "Embodiment", "Hands"]
+__all__ = ["MAX_PUSH_M", "ActionResult", "Agent", "Embodiment", "Hands"]
 
 Hands = Literal["arm", "reach", "near"]
 """What it takes to act on a thing. "arm": the arm finds a way on which its hand touches it. "reach": the agent sees it
 and it is nowhere farther from the shoulder than the arm is long. "near": the agent sees it within its visibility
 distance, as AI2-THOR's agent without an arm."""
-
-MAX_PUSH_M = 0.75
-"""How far one action moves a thing."""
 
 
 class Agent(Body):

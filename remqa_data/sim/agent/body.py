@@ -4,32 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from remqa_data.errors import ActionError
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.agent.embodiment import Embodiment
+from remqa_data.sim.agent.results import DONE, ActionResult
 from remqa_data.sim.navigation.grid import SHOULDER_HIGH_M, SHOULDER_LOW_M, ReachableGrid, reach_distance
 from remqa_data.sim.navigation.ground import Ground
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import WorldView
-
-
-@dataclass(frozen=True)
-class ActionResult:
-    """What came of an action: whether it was done, why not, and what it answers."""
-
-    success: bool
-    error: str = ""
-    value: Any = None
-
-
-DONE = ActionResult(True)
 
 
 class Body:

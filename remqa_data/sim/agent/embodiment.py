@@ -15,6 +15,9 @@ from remqa_data.sim.navigation.grid import (
     GRID_M,
 )
 
+MAX_PUSH_M = 0.75
+"""How far one action moves a thing."""
+
 
 @dataclass(frozen=True)
 class Embodiment:

@@ -10,7 +10,7 @@ from remqa_data.geometry.types import Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, Action, parse_action, perform
 from remqa_data.sim.agent.agent import Agent, Embodiment
-from remqa_data.sim.agent.body import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.grid import GRID_M, ReachableGrid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, AgentPose
 from remqa_data.sim.physics.world import World

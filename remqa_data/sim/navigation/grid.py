@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain
+from typing import TYPE_CHECKING
 
 import networkx as nx
 import numpy as np
@@ -21,7 +22,9 @@ from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Rect, Vec3
 from remqa_data.opencv import cv2
 from remqa_data.scene import Scene
-from remqa_data.sim.physics.world import World
+
+if TYPE_CHECKING:
+    from remqa_data.sim.physics.world import World
 
 GRID_M = 0.25
 AGENT_RADIUS_M = 0.20

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +19,9 @@ from remqa_data.sim.navigation.grid import (
     cells_in_reach,
 )
 from remqa_data.sim.render.camera import Camera
-from remqa_data.sim.render.view import WorldView
+
+if TYPE_CHECKING:
+    from remqa_data.sim.render.view import WorldView
 
 HEADINGS_DEG = (0, 90, 180, 270)
 HORIZONS_DEG = (-30, 0, 30, 60)

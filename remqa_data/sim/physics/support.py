@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,9 @@ import numpy.typing as npt
 from remqa_data.catalog import object_type
 from remqa_data.geometry.types import F64
 from remqa_data.relations import relation_rules
-from remqa_data.sim.physics.world import World
+
+if TYPE_CHECKING:
+    from remqa_data.sim.physics.world import World
 
 SupportKind = Literal["in", "on"]
 

@@ -1,5 +1,6 @@
 import io
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -97,3 +98,24 @@ def test_what_is_no_results_file_is_one_line(tmp_path: Path, text: str) -> None:
     assert done.exit_code == 2
     assert len(done.stderr.splitlines()) == 1
     assert "a.json" in done.stderr
+
+
+def test_a_missing_extra_is_told_before_anything_is_scored(data, tmp_path, monkeypatch) -> None:
+    path = written(tmp_path / "a.jsonl", "qa", [{"question_id": "Kitchen3-q0", "answer": "yes"}])
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    monkeypatch.setattr("remqa_data.evaluation.scoring.scoring.score", lambda *_, **__: pytest.fail("it was scored"))
+    done = CliRunner().invoke(app, [str(path), "--data", str(data), "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2
+    assert "jinja2 is not installed; run: pip install 'remqa-data[report]', or leave the report out with" in done.stderr
+
+
+def test_results_are_there_even_if_the_report_fails(data, tmp_path, monkeypatch) -> None:
+    path = written(tmp_path / "a.jsonl", "qa", [{"question_id": "Kitchen3-q0", "answer": "yes"}])
+
+    def fail(*_: object) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr("remqa_data.evaluation.report.html.write_report", fail)
+    done = CliRunner().invoke(app, [str(path), "--data", str(data), "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"results.json", "results.md"}
