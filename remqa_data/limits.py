@@ -31,12 +31,13 @@ MOST_FAR_M = 1000.0
 """From the origin to anything [15]: float32 still tells millimetres apart."""
 MOST_OUTSIDE_M = 10.0
 """From a room to what belongs to it, such as the thickness of its walls [0.7]."""
-LEAST_ASSET_M, MOST_ASSET_M = 1e-4, MOST_ROOM_M
+LEAST_ASSET_M, MOST_ASSET_M = 0.002, MOST_ROOM_M
 """A side of an object [0.0035 to 11]."""
+MOST_ASSETS_M = 300.0
+"""Longest sides of all objects of a room together [56]: some are drawn from more pieces the longer they are, at worst in
+0.1 s for each metre."""
 MOST_ASSET_PARTS = 64
 """Heights, pockets and rectangles that an object's shape is told by [15]: each becomes a part of it."""
-MOST_TRIANGLES = 1_000_000
-"""Of all objects of a room together [36,000 of which are drawn in 10 ms]."""
 
 MOST_SEED = 2**63 - 1
 """It is stored as an int64."""

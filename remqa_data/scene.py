@@ -13,9 +13,11 @@ from typing import Literal
 from pydantic import TypeAdapter, ValidationError
 
 from remqa_data.assets.core.model import AssetSpec, Material
-from remqa_data.errors import SceneFormatError, UnknownNameError
+from remqa_data.errors import SceneFormatError, UnknownNameError, one_line
 from remqa_data.files import atomic_path
 from remqa_data.geometry.types import Box, Rect, Vec3
+from remqa_data.limits import MOST_SCENE_JSON_BYTES
+from remqa_data.scene_checks import scene_problem
 
 Quaternion = tuple[float, float, float, float]
 StructureKind = Literal["wall", "ceiling", "floor", "fixture", "outside"]
@@ -124,21 +126,22 @@ class Scene:
         Raises
         ------
         SceneFormatError
-            Naming the place, the field and what is wrong with it.
+            Naming the place, the field and what is wrong with it; also if it does not keep `remqa_data.limits`.
         """
+        if len(text) > MOST_SCENE_JSON_BYTES:
+            raise SceneFormatError(f"{where}: {len(text):,} bytes; at most {MOST_SCENE_JSON_BYTES:,} are read")
         try:
             scene = _ADAPTER.validate_json(text)
         except ValidationError as error:
             first = error.errors()[0]
             field = ".".join(str(part) for part in first["loc"]) or "the whole text"
-            raise SceneFormatError(f"{where}: {field}: {first['msg']}") from None
+            raise SceneFormatError(f"{where}: {field}: {one_line(first['msg'])}") from None
         if scene.format_version != FORMAT_VERSION:
             msg = f"{where}: format version {scene.format_version}; this package reads {FORMAT_VERSION}"
             raise SceneFormatError(msg)
-        ids = [candidate.id for candidate in scene.objects]
-        if len(set(ids)) != len(ids):
-            twice = next(name for name in ids if ids.count(name) > 1)
-            raise SceneFormatError(f"{where}: objects: id {twice!r} occurs twice")
+        problem = scene_problem(scene)
+        if problem is not None:
+            raise SceneFormatError(f"{where}: {problem}")
         return scene
 
     def save(self, path: Path) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+import numpy as np
+
 from remqa_data.assets.core.builder import Builder
 from remqa_data.assets.core.kind import Kind
 from remqa_data.assets.core.model import Asset, AssetSpec
@@ -83,7 +85,7 @@ def build(spec: AssetSpec) -> Asset:
     UnknownNameError
         If the type is not known.
     AssetError
-        If the variant does not exist or the size is not positive.
+        If the variant does not exist, or nothing can be built of this size.
     """
     kind = _kind(spec.type)
     if not 0 <= spec.variant < kind.variants:
@@ -91,8 +93,17 @@ def build(spec: AssetSpec) -> Asset:
     if min(spec.size) <= 0:
         raise AssetError(f"{spec.type}: size {spec.size} m must be positive on each axis")
     builder = Builder(spec)
-    kind.draw(builder)
-    return builder.finish()
+    try:
+        kind.draw(builder)
+        asset = builder.finish()
+        is_whole = bool(np.isfinite(asset.bounds()).all())
+    except AssetError:
+        raise
+    except ValueError:  # pieces too thin to be there
+        is_whole = False
+    if not is_whole:
+        raise AssetError(f"{spec.type}: cannot be built in the size {spec.size} m")
+    return asset
 
 
 def variant_count(type_: str) -> int:

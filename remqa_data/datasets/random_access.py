@@ -87,9 +87,11 @@ class SplitReader:
         ------
         DamagedShardError
             Naming the file, row group and column.
+        ForgedRowError
+            If there is no image.
         """
         self._open()
-        place = bisect_right(self._starts, row) - 1
+        place = self._place(row)
         number, group = self._places[place]
         data = self._bytes[number]
         spans = [self._spans[name][row].tolist() if name in self._spans else (0, 0) for name in names]
@@ -102,8 +104,19 @@ class SplitReader:
             self._locate(name, first, column, number, group)
         return [memoryview(column[row - first].as_buffer()) for column in columns]
 
+    def where(self, row: int) -> tuple[Path, int]:
+        """The file that a row is in, and which of its rows it is."""
+        place = self._place(row)
+        number = self._places[place][0]
+        first = next(i for i, (of_place, _) in enumerate(self._places) if of_place == number)
+        return self.paths[number], row - self._starts[first]
+
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_process": -1, "_shards": [], "_bytes": [], "_spans": {}}
+
+    def _place(self, row: int) -> int:
+        """In which of all row groups a row is."""
+        return bisect_right(self._starts, row) - 1
 
     def _locate(self, name: str, first: int, images: pa.BinaryArray, number: int, group: int) -> None:
         """Remember where the images of a row group lie; a file that some other writer has compressed has them nowhere."""

@@ -15,7 +15,7 @@ import pyarrow as pa
 
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.datasets.sample_types import RAGGED, ExpressionSample, FrameSample, QuestionSample
-from remqa_data.errors import UnknownNameError
+from remqa_data.errors import ForgedRowError, ImageFormatError, UnknownNameError
 from remqa_data.extras import require
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
@@ -68,7 +68,10 @@ class _TableDataset(Dataset[Sample], Generic[Sample]):
         if self.images:
             reader, image_row = self._image_place(row)
             for name, data in zip(self.images, reader.images(image_row, self.images), strict=True):
-                sample[name] = _image(name, data)
+                try:
+                    sample[name] = _image(name, data)
+                except ImageFormatError as error:
+                    raise ForgedRowError(*reader.where(image_row), name, str(error)) from None
         typed = cast("Sample", sample)
         return typed if self.transform is None else cast("Sample", self.transform(typed))
 
@@ -104,6 +107,8 @@ class RemqaDataset(_TableDataset[QuestionSample]):
         If this is not a finished dataset, or has no such split.
     DamagedShardError
         When what is read is not as it was written: names the file, row group and column.
+    ForgedRowError
+        When a value that is read is none, not finite, or beyond `remqa_data.limits`: names the file, row and field.
     UnknownNameError
         For a kind, column or image that does not exist.
     """

@@ -13,7 +13,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.errors import ImageFormatError
+from remqa_data.errors import ImageFormatError, one_line
+from remqa_data.limits import MOST_IMAGE_PX
 from remqa_data.opencv import cv2
 
 RgbFormat = Literal["jpeg", "png"]
@@ -22,6 +23,13 @@ JPEG_QUALITY = 95
 PNG_COMPRESSION = 1
 """zlib level; higher ones gain little and cost time."""
 MAX_DEPTH_MM = 65535
+
+PNG_SIGNATURE, JPEG_SIGNATURE = b"\x89PNG\r\n\x1a\n", b"\xff\xd8"
+_MARKER = 0xFF
+_JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+"""Markers that tell the size: of frames, baseline and progressive; the three are tables."""
+_MOST_SEGMENTS = 1000
+"""Of a JPEG file before its frame; usual are five."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +153,41 @@ def _decoded_16_bit(data: bytes | memoryview) -> npt.NDArray[np.uint16]:
 
 
 def _decoded(data: bytes | memoryview, flags: int) -> npt.NDArray[Any]:
-    image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags) if len(data) else None
-    if image is None:
+    size = image_size(data)
+    if size is None:
         raise ImageFormatError(f"{len(data)} bytes that are not an image (a JPEG or PNG file was expected)")
+    if not (min(size) > 0 and max(size) <= MOST_IMAGE_PX):
+        raise ImageFormatError(f"an image of {size[0]} x {size[1]} pixels; at most {MOST_IMAGE_PX} each way")
+    try:
+        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
+    except cv2.error as error:
+        raise ImageFormatError(f"an image that OpenCV cannot decode: {one_line(error)}") from None
+    if image is None:
+        raise ImageFormatError(f"{len(data)} bytes that begin like an image and are none")
     return image
+
+
+def image_size(data: bytes | memoryview) -> tuple[int, int] | None:
+    """Width and height that a JPEG or PNG file claims, from its first bytes; None if it is neither.
+
+    Decoding asks for memory for so many pixels before it looks at any of them.
+    """
+    data = memoryview(data).cast("B")
+    if bytes(data[:8]) == PNG_SIGNATURE:
+        return (_number(data, 16, 4), _number(data, 20, 4)) if len(data) >= 24 else None
+    if bytes(data[:2]) != JPEG_SIGNATURE:
+        return None
+    place = 2
+    for _ in range(_MOST_SEGMENTS):
+        if place + 9 > len(data) or data[place] != _MARKER:
+            return None
+        if data[place + 1] in _JPEG_FRAMES:
+            return _number(data, place + 7, 2), _number(data, place + 5, 2)
+        place += (
+            1 if data[place + 1] == _MARKER else 2 + _number(data, place + 2, 2)
+        )  # a marker may begin with many 0xff
+    return None
+
+
+def _number(data: memoryview, place: int, count: int) -> int:
+    return int.from_bytes(data[place : place + count], "big")

@@ -1,0 +1,173 @@
+"""Everything that reads a dataset, and what comes of it when the dataset is forged: in how much time and memory."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import tempfile
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from remqa_data.errors import RemqaError
+
+CPU_S, WALL_S = 20, 120
+MEMORY_BYTES = 2 << 30
+
+
+def read_questions(root: Path) -> None:
+    from remqa_data.datasets.torch_datasets import RemqaDataset, collate
+
+    rows = RemqaDataset(root, "test")
+    collate([rows[i] for i in range(min(4, len(rows)))])
+
+
+def read_frames(root: Path) -> None:
+    from remqa_data.datasets.torch_datasets import FrameDataset, collate
+
+    rows = FrameDataset(root, "test")
+    collate([rows[i] for i in range(min(4, len(rows)))])
+
+
+def read_expressions(root: Path) -> None:
+    from remqa_data.datasets.torch_datasets import ExpressionDataset, collate
+
+    rows = ExpressionDataset(root, "test", images=("rgb", "depth", "instances"))
+    collate([rows[i] for i in range(min(4, len(rows)))])
+
+
+def read_rows_(root: Path) -> None:
+    from remqa_data.storage.manifest import load_manifest
+    from remqa_data.storage.shards import read_rows
+    from remqa_data.tables.schema import TABLES
+
+    for table, spec in TABLES.items():
+        for split in load_manifest(root).splits(table):
+            for _ in read_rows(root, spec.row_type, split):
+                pass
+
+
+def play_in_env(root: Path) -> None:
+    from remqa_data.env import RemqaEnv
+    from remqa_data.env.oracle import oracle_commands
+
+    env = RemqaEnv(root, "test", privileged=True, render_mode="rgb_array")
+    try:
+        env.reset(seed=0, options={"episode": env.episode_ids[0]})
+        assert env.episode.task is not None
+        for command in oracle_commands(env.episode.task)[-4:]:
+            env.step(command)
+        env.render()
+    finally:
+        env.close()
+
+
+def evaluate(root: Path, track: str = "remqa") -> None:
+    """As `remqa-eval` does: the oracle's submission, its scores, and the report."""
+    import numpy as np
+
+    from remqa_data.evaluation.report.html import write_report
+    from remqa_data.evaluation.scoring.ground_truth import load_truth
+    from remqa_data.evaluation.scoring.results import make_results
+    from remqa_data.evaluation.scoring.scoring import score
+    from remqa_data.evaluation.submission.reader import Header, open_submission, write_submission
+    from remqa_data.evaluation.submission.reference import reference_rows
+
+    path = root / "oracle.jsonl"
+    rows = reference_rows("oracle", root, track, "test", np.random.default_rng(0))  # type: ignore[arg-type]
+    write_submission(path, Header(track=track, split="test"), rows[:2])  # type: ignore[arg-type]
+    submission = open_submission(path)
+    truth = load_truth(root, track, "test")  # type: ignore[arg-type]
+    results = make_results(submission, truth, score(submission, truth))
+    write_report(root / "report.html", results, submission, truth)
+
+
+def evaluate_expressions(root: Path) -> None:
+    evaluate(root, "rec")
+
+
+def show(root: Path) -> None:
+    from remqa_data.generators.figures.sample_picture import write_sample_picture
+    from remqa_data.storage.shards import read_table
+
+    first = read_table(root, "questions", "test", ["question_id"])["question_id"][0].as_py()
+    write_sample_picture(root, first, root / "sample.png")
+
+
+def film(root: Path) -> None:
+    from remqa_data.env.video import write_film
+    from remqa_data.storage.shards import read_table
+
+    first = read_table(root, "questions", "test", ["question_id"])["question_id"][0].as_py()
+    write_film(root, first, root / "film.mp4")
+
+
+def check(root: Path) -> None:
+    from remqa_data.generators.audit.verify import verify
+
+    verify(root, sample=1)
+
+
+QUICK: dict[str, Callable[[Path], None]] = {
+    "rows": read_rows_,
+    "RemqaDataset": read_questions,
+    "FrameDataset": read_frames,
+    "ExpressionDataset": read_expressions,
+}
+"""Only reading."""
+SLOW: dict[str, Callable[[Path], None]] = {
+    "env": play_in_env,
+    "eval": evaluate,
+    "eval rec": evaluate_expressions,
+    "show": show,
+    "play": film,
+    "verify": check,
+}
+"""What simulates rooms."""
+READERS = QUICK | SLOW
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one reading: "whole", "refused" (an error on purpose), "raw" (any other) or "killed"."""
+
+    kind: str
+    said: str
+    cpu_s: float
+    peak_bytes: int
+
+    @property
+    def held(self) -> bool:
+        """Whether this is what is promised."""
+        return self.kind in ("whole", "refused") and self.cpu_s < CPU_S and self.peak_bytes < MEMORY_BYTES
+
+
+def attempt(reader: Callable[[Path], None], root: Path) -> Outcome:
+    """Read in a process of its own, which is stopped when it takes too long."""
+    answer = tempfile.TemporaryFile("w+")  # noqa: SIM115
+    child = os.fork()
+    if not child:
+        os._exit(_read(reader, root, answer.fileno()))
+    _, status, usage = os.wait4(child, 0)
+    answer.seek(0)
+    said = answer.read()
+    kinds = {0: "whole", 2: "refused", 3: "raw"}
+    kind = "killed" if os.WIFSIGNALED(status) else kinds[os.waitstatus_to_exitcode(status)]
+    return Outcome(kind, said, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
+
+
+def _read(reader: Callable[[Path], None], root: Path, answer: int) -> int:
+    resource.setrlimit(resource.RLIMIT_CPU, (CPU_S + 5, CPU_S + 5))
+    resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
+    signal.alarm(WALL_S)
+    try:
+        reader(root)
+    except (RemqaError, OSError) as error:
+        os.write(answer, str(error).encode("utf-8", "replace"))
+        return 2
+    except BaseException:
+        os.write(answer, traceback.format_exc().encode("utf-8", "replace"))
+        return 3
+    return 0
