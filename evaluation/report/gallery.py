@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from remqa_data.datasets.random_access import SplitReader
+from remqa_data.errors import UnknownNameError
 from remqa_data.evaluation.report.tables import in_words
 from remqa_data.evaluation.scoring.ground_truth import Truth
-from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, box_of, load_room, walk
+from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, box_of, load_room, place_of, walk
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.scoring.scoring import attempt_of
 from remqa_data.evaluation.submission.reader import Submission
@@ -120,6 +121,8 @@ class _Frames:
         }
 
     def image(self, name: str) -> U8:
+        if name not in self._places:
+            raise UnknownNameError("frame", name, self._places)
         number, row = self._places[name]
         return decode_rgb(memoryview(self._readers[number].images(row, ["rgb"])[0])).copy()
 
@@ -180,7 +183,7 @@ def _walked(truth: Truth, rows: dict[int, dict[str, object]]) -> dict[int, tuple
                 poses, _ = walk(replay, attempt)
                 seen = replay.observe()
                 view = seen.rgb.copy()
-                true = box_of(seen.objects, replay.world.ids.index(attempt.target_id))
+                true = box_of(seen.objects, place_of(replay, attempt.target_id))
                 _draw_boxes(view, true, rows[attempt.place].get("box"))
                 way = plan.draw(poses, truth.goals[attempt.place])
                 pictures[attempt.place] = (

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.errors import DatasetError, RemqaError
+from remqa_data.errors import DatasetError, RemqaError, UnknownNameError
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, parse_action
@@ -174,6 +174,19 @@ def box_of(objects: npt.NDArray[np.int32], index: int) -> Box2D | None:
     return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
 
 
+def place_of(replay: Replay, object_id: str) -> int:
+    """Which of the room's objects one is.
+
+    Raises
+    ------
+    UnknownNameError
+        If the room has no such object.
+    """
+    if object_id not in replay.world.ids:
+        raise UnknownNameError("object", object_id, replay.world.ids)
+    return replay.world.ids.index(object_id)
+
+
 def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[RoomJob]:
     columns = ["scene", "configuration", "scene_json", "embodiment"]
     jobs = []
@@ -195,7 +208,7 @@ def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[R
 def _replayed(replay: Replay, attempt: Attempt) -> Replayed:
     poses, refused = walk(replay, attempt)
     objects = replay.view.instances(replay.agent.camera())
-    box = box_of(objects, replay.world.ids.index(attempt.target_id))
+    box = box_of(objects, place_of(replay, attempt.target_id))
     is_manipulated = False
     if attempt.manipulation is not None:
         is_right = _meant(replay, attempt.manipulation) == attempt.wanted

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from remqa_data.errors import UnknownNameError
+from remqa_data.errors import DatasetError, UnknownNameError
 from remqa_data.files import atomic_path
 from remqa_data.generators.figures.preview import map_pixel, room_map
 from remqa_data.geometry.types import U8
@@ -35,6 +35,8 @@ def write_sample_picture(root: Path, question_id: str, path: Path) -> None:
     ------
     UnknownNameError
         If the dataset has no such question; names the nearest.
+    DatasetError
+        If the dataset has not the room that the question is about.
     """
     question, scene = find_question(root, question_id)
     with atomic_path(path) as temporary:
@@ -47,7 +49,11 @@ def find_question(root: Path, question_id: str) -> tuple[QuestionRow, SceneRow]:
     for split in splits:
         for question in read_rows(root, QuestionRow, split, question_id=question_id):
             scene, configuration = question.scene, question.configuration
-            return question, next(read_rows(root, SceneRow, split, scene=scene, configuration=configuration))
+            for room in read_rows(root, SceneRow, split, scene=scene, configuration=configuration):
+                return question, room
+            raise DatasetError(
+                f"{root}: {question_id} is about {scene}, configuration {configuration}, which is not there"
+            )
     ids = (read_table(root, "questions", split, ["question_id"])["question_id"] for split in splits)
     raise UnknownNameError("question", question_id, [name for column in ids for name in column.to_pylist()])
 
