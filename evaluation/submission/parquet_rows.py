@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mmap
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pyarrow.parquet as pq
 
 from remqa_data.errors import SubmissionError, one_line
 from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, MAX_ACTIONS, MAX_TEXT, arrow_schema
+from remqa_data.parquet_pages import PageError, unpacked
 
 METADATA_KEY = FORMAT.encode()
 PARQUET_BATCH_ROWS = 32_768
@@ -60,7 +62,8 @@ def parquet_batches(path: Path, names: tuple[str, ...], max_rows: int) -> Iterat
             is_ = f"is {found.field(name).type}" if found.names.count(name) == 1 else "is missing or there twice"
             wanted = f"expected {schema.field(name).type}" if name in names else f"the columns are {', '.join(names)}"
             raise SubmissionError(path, f"field {name[:80]}", f"the column {is_}; {wanted}")
-    _check_sizes(path, file.metadata)
+    with path.open("rb") as handle, mmap.mmap(handle.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        _check_sizes(path, file.metadata, data)
     leaves = [file.metadata.schema.column(i) for i in range(file.metadata.num_columns)]
     texts = [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY"]
     try:
@@ -87,18 +90,26 @@ def _opened(path: Path, dictionaries: Sequence[str] = ()) -> pq.ParquetFile:
         raise SubmissionError(path, "", reason) from None
 
 
-def _check_sizes(path: Path, metadata: pq.FileMetaData) -> None:
-    """Refuse a small file that would unpack to a very large table."""
-    groups = (metadata.row_group(i) for i in range(metadata.num_row_groups))
-    most = SPARE_BYTES + metadata.num_rows * MAX_ROW_BYTES
-    unpacked = 0
+def _check_sizes(path: Path, metadata: pq.FileMetaData, data: mmap.mmap) -> None:
+    """Refuse a small file that would unpack to a very large table, by what its pages say: its footer may lie."""
+    groups = [metadata.row_group(i) for i in range(metadata.num_row_groups)]
+    rows = sum(group.num_rows for group in groups)
+    if rows != metadata.num_rows:
+        raise SubmissionError(path, "", f"{metadata.num_rows:,} rows in all, but {rows:,} in its row groups")
+    most = SPARE_BYTES + rows * MAX_ROW_BYTES
+    total = 0
     for group in groups:
         for column in (group.column(i) for i in range(group.num_columns)):
-            unpacked += column.total_uncompressed_size
-            if column.num_values > group.num_rows * MAX_ROW_VALUES:
-                raise SubmissionError(path, f"field {column.path_in_schema}", "too many values for its rows")
-    if unpacked > most:
-        raise SubmissionError(path, "", f"unpacks to {unpacked:,} bytes; at most {most:,} are read")
+            where = f"field {column.path_in_schema}"
+            try:
+                found = unpacked(data, column)
+            except PageError as error:
+                raise SubmissionError(path, where, f"the data cannot be read: {error}") from None
+            total += found.bytes
+            if max(found.values, column.num_values) > group.num_rows * MAX_ROW_VALUES:
+                raise SubmissionError(path, where, "too many values for its rows")
+    if total > most:
+        raise SubmissionError(path, "", f"unpacks to {total:,} bytes; at most {most:,} are read")
 
 
 def _check_words(path: Path, batch: pa.RecordBatch) -> None:

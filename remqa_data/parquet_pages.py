@@ -1,0 +1,156 @@
+"""What the pages of a Parquet file claim to unpack to, read from the headers that the decoder itself goes by.
+
+The footer tells the sizes of column chunks too, but nobody checks it: the decoder makes room for what each page's own
+header says, and a kilobyte of zstd may say two gigabytes. A header is a struct of Thrift's compact protocol.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+DELTA_BYTE_ARRAY = 7
+"""An encoding in which each text repeats the beginning of the one before, so that a page unpacks to any size."""
+
+
+class PageError(ValueError):
+    """Bytes that are no page header."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """What a page header says.
+
+    Attributes
+    ----------
+    bytes : int
+        That it unpacks to.
+    values : int
+        In it, nulls and empty lists too; 0 for a dictionary, whose entries are not values of rows.
+    encoding : int
+        Parquet's number.
+    """
+
+    bytes: int
+    values: int
+    encoding: int
+
+
+@dataclass(frozen=True)
+class Unpacked:
+    """What the pages of a column chunk come to.
+
+    Attributes
+    ----------
+    bytes, values : int
+        Of all pages.
+    dictionary_bytes : int
+        Of its dictionary; no text that rows repeat is longer.
+    """
+
+    bytes: int
+    values: int
+    dictionary_bytes: int
+
+
+def unpacked(data: Any, column: Any) -> Unpacked:
+    """What a column chunk unpacks to; parameters and errors as of `pages`, and it has no page whose size nobody knows."""
+    found = list(pages(data, column))
+    if any(page.encoding == DELTA_BYTE_ARRAY for page in found):
+        raise PageError("the encoding DELTA_BYTE_ARRAY, which is not read; write the file with a dictionary")
+    dictionary = max((page.bytes for page in found if not page.values), default=0)
+    return Unpacked(sum(page.bytes for page in found), sum(page.values for page in found), dictionary)
+
+
+def pages(data: Any, column: Any) -> Iterator[Page]:
+    """The pages of a column chunk.
+
+    Parameters
+    ----------
+    data : buffer
+        The whole file, such as an mmap.
+    column : pyarrow.parquet.ColumnChunkMetaData
+        Where the chunk is.
+
+    Raises
+    ------
+    PageError
+        If that is not where pages are.
+    """
+    place = column.data_page_offset
+    if column.has_dictionary_page and 0 < column.dictionary_page_offset < place:
+        place = column.dictionary_page_offset
+    end = place + column.total_compressed_size
+    if not 0 <= place <= end <= len(data):
+        raise PageError("a column lies outside of the file")
+    while place < end:
+        try:
+            header, place = _struct(data, place)
+        except (IndexError, struct.error):
+            raise PageError("a page header is cut off") from None
+        packed, unpacked = header.get(_PACKED), header.get(_UNPACKED)
+        about = header.get(_DATA) or header.get(_DATA_2) or header.get(_DICTIONARY) or {}
+        encoding = about.get(4 if _DATA_2 in header else 2, 0)
+        values = 0 if _DICTIONARY in header else about.get(1, 0)
+        if not all(isinstance(n, int) and n >= 0 for n in (packed, unpacked, values, encoding)) or place + packed > end:
+            raise PageError("a page header that cannot be")
+        yield Page(unpacked, values, encoding)
+        place += packed
+
+
+_UNPACKED, _PACKED, _DATA, _DICTIONARY, _DATA_2 = 2, 3, 5, 7, 8
+"""Fields of a header."""
+_MOST_DEPTH = 8
+_STOP, _TRUE, _FALSE, _BYTE, _DOUBLE, _BINARY, _LIST, _SET, _STRUCT = 0, 1, 2, 3, 7, 8, 9, 10, 12
+_WHOLE = (4, 5, 6)
+
+
+def _struct(data: Any, place: int, depth: int = 0) -> tuple[dict[int, Any], int]:
+    """The whole numbers and structs in a struct, by field number, and where it ends."""
+    if depth > _MOST_DEPTH:
+        raise PageError("a page header that is nested too deep")
+    found: dict[int, Any] = {}
+    number = 0
+    while (head := data[place]) != _STOP:
+        place += 1
+        if head >> 4:
+            number += head >> 4
+        else:
+            number, place = _zigzag(data, place)
+        found[number], place = _value(data, place, head & 15, depth)
+    return found, place + 1
+
+
+def _value(data: Any, place: int, kind: int, depth: int) -> tuple[Any, int]:
+    if kind in _WHOLE:
+        return _zigzag(data, place)
+    if kind in (_TRUE, _FALSE):
+        return None, place
+    if kind == _STRUCT:
+        return _struct(data, place, depth + 1)
+    if kind == _BINARY:
+        length, place = _varint(data, place)
+        return None, place + length
+    if kind in (_BYTE, _DOUBLE):
+        return None, place + (1 if kind == _BYTE else 8)
+    raise PageError("a page header with a field that no page has")
+
+
+def _zigzag(data: Any, place: int) -> tuple[int, int]:
+    number, place = _varint(data, place)
+    return (number >> 1) ^ -(number & 1), place
+
+
+def _varint(data: Any, place: int) -> tuple[int, int]:
+    number = shift = 0
+    while True:
+        byte = data[place]
+        place += 1
+        number |= (byte & 127) << shift
+        if byte < 128:
+            return number, place
+        shift += 7
+        if shift > 63:
+            raise PageError("a page header with a number that does not end")
