@@ -23,8 +23,8 @@ MOST_IMAGE_PX = 4096
 
 MOST_OBJECTS = 400
 """Of a room [110]: each is built, drawn and asked about, and pairs of them are looked at."""
-MOST_STRUCTURE_BOXES, MOST_LIGHTS = 2000, 16
-"""Of a building [130, 1]."""
+MOST_STRUCTURE_BOXES, MOST_LIGHTS = 2000, 3
+"""Of a building [130, 1]; the renderer has no more than three lamps."""
 MOST_ROOM_M, MOST_ROOM_HEIGHT_M = 30.0, 8.0
 """Sides of a room's floor [11] and its height [3.1]: of such a room, a map of 5 cm voxels takes 240 MB."""
 MOST_FAR_M = 1000.0

@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 
 from remqa_data.errors import SubmissionError, one_line
 from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, MAX_ACTIONS, MAX_TEXT, arrow_schema
-from remqa_data.parquet_pages import PageError, unpacked
+from remqa_data.tables.parquet_pages import PageError, unpacked
 
 METADATA_KEY = FORMAT.encode()
 PARQUET_BATCH_ROWS = 32_768

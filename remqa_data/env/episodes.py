@@ -124,7 +124,7 @@ class DatasetEpisodes:
         UnknownNameError
             If the split has no such question.
         DatasetError
-            If the dataset lacks its room.
+            If the dataset lacks its room, or what is asked for is not in it.
         """
         question = self._questions.slice(self._row(name), 1).to_pylist()[0]
         key = question["scene"], question["configuration"]
@@ -132,9 +132,15 @@ class DatasetEpisodes:
         if key not in self._scene_rows:
             raise DatasetError(f"{self.root}: split {self.split} asks about {place}, but has no such room")
         row = self._scenes.slice(self._scene_rows[key], 1).to_pylist()[0]
+        scene = Scene.from_json(row["scene_json"], place)
+        for field in ("target_id", "manipulation_object_id"):
+            if question[field] not in {thing.id for thing in scene.objects}:
+                raise DatasetError(f"{self.root}: question {name}, field {field}: {place} has no {question[field]!r:.80}")
+        if not question["goal_poses"]:
+            raise DatasetError(f"{self.root}: question {name}, field goal_poses: there is none")
         return Episode(
             name=place,
-            scene=Scene.from_json(row["scene_json"], place),
+            scene=scene,
             initial_pose=_pose(question["initial_pose"]),
             embodiment=Embodiment.of_dataset(**row["embodiment"]),
             task=_task(question),
