@@ -135,7 +135,9 @@ class DatasetEpisodes:
         scene = Scene.from_json(row["scene_json"], place)
         for field in ("target_id", "manipulation_object_id"):
             if question[field] not in {thing.id for thing in scene.objects}:
-                raise DatasetError(f"{self.root}: question {name}, field {field}: {place} has no {question[field]!r:.80}")
+                raise DatasetError(
+                    f"{self.root}: question {name}, field {field}: {place} has no {question[field]!r:.80}"
+                )
         if not question["goal_poses"]:
             raise DatasetError(f"{self.root}: question {name}, field goal_poses: there is none")
         return Episode(
