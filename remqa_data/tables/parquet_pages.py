@@ -90,13 +90,14 @@ def pages(data: Any, column: Any) -> Iterator[Page]:
             header, place = _struct(data, place)
         except (IndexError, struct.error):
             raise PageError("a page header is cut off") from None
-        packed, unpacked = header.get(_PACKED), header.get(_UNPACKED)
+        packed: Any = header.get(_PACKED)
+        size: Any = header.get(_UNPACKED)
         about = header.get(_DATA) or header.get(_DATA_2) or header.get(_DICTIONARY) or {}
         encoding = about.get(4 if _DATA_2 in header else 2, 0)
         values = 0 if _DICTIONARY in header else about.get(1, 0)
-        if not all(isinstance(n, int) and n >= 0 for n in (packed, unpacked, values, encoding)) or place + packed > end:
+        if not all(isinstance(n, int) and n >= 0 for n in (packed, size, values, encoding)) or place + packed > end:
             raise PageError("a page header that cannot be")
-        yield Page(unpacked, values, encoding)
+        yield Page(size, values, encoding)
         place += packed
 
 
