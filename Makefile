@@ -1,8 +1,13 @@
 # `make` lists what can be done. Everything happens in .venv, which the first command sets up.
 # Another interpreter: make PYTHON=/path/to/python3.11 setup
 
-PYTHON ?= $(shell for python in python3.11 python3 python; do \
-	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$python; break; }; done)
+# For 3.11 there is a wheel of PyBullet, so it comes first, be it one that uv has or fetches.
+PYTHON ?= $(shell fits() { "$$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' && echo "$$1"; }; \
+	{ fits python3.11 || fits "$$(uv python find 3.11)" || { uv python install 3.11 && fits "$$(uv python find 3.11)"; } \
+	|| fits python3 || fits python; } 2>/dev/null)
+# For test-newest.
+NEWEST ?= $(shell for python in python3.14 python3.13 python3.12; do \
+	$$python -c '' 2>/dev/null && { echo $$python; break; }; done)
 
 BIN := .venv/bin
 INSTALLED := .venv/.installed
@@ -13,10 +18,10 @@ SCENES ?= 120
 DATASET := out/remqa
 
 .DEFAULT_GOAL := help
-.PHONY: help setup dataset test test-fast lint bench clean
+.PHONY: help setup dataset test test-fast test-newest lint bench clean
 
 help:  ## list the targets
-	@awk -F ':.*##  *' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*##  *' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 setup: $(INSTALLED_DEV)  ## make .venv and install the package with its development tools
 
@@ -29,6 +34,11 @@ test: lint  ## lint, then all tests on two cores
 test-fast: $(INSTALLED_DEV)  ## only the tests that take seconds
 	$(BIN)/python -m pytest -n 2 -m "not slow"
 
+test-newest: .venv-newest/bin/python  ## test-fast with the newest version of everything, on NEWEST=python3.13 or so
+	$< -m pip install --quiet --upgrade --upgrade-strategy eager --editable '.[dev]'
+	$(call without_screen,$<)
+	$< -m pytest -n 2 -m "not slow"
+
 lint: $(INSTALLED_DEV)  ## ruff, the format, and mypy --strict on the library
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -38,7 +48,7 @@ bench: $(INSTALLED_DEV)  ## measure speed, with the dataset in out/remqa if ther
 	$(BIN)/python benchmarks/run.py $(patsubst %/manifest.json,%,$(wildcard $(DATASET)/manifest.json))
 
 clean:  ## remove .venv, caches and build files (out/ stays)
-	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv .venv-newest build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # Installed again when a pin changes, so that `git pull && make test` is enough.
@@ -48,13 +58,23 @@ $(INSTALLED): $(PINS) | $(BIN)/python
 
 $(INSTALLED_DEV): $(PINS) | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
-	@# ai2thor brings the OpenCV that opens windows and needs libGL; the one without takes its place again.
-	$(BIN)/python -m pip uninstall --quiet --yes opencv-python
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --force-reinstall --no-deps opencv-python-headless
+	$(call without_screen,$(BIN)/python,--constraint constraints.txt)
 	@touch $(INSTALLED) $@
+
+# ai2thor brings the OpenCV that opens windows and needs libGL; the one without takes its place again.
+define without_screen
+$(1) -m pip uninstall --quiet --yes opencv-python
+$(1) -m pip install --quiet $(2) --force-reinstall --no-deps opencv-python-headless
+endef
 
 $(BIN)/python:
 	@test -n "$(PYTHON)" || { echo "No Python 3.11 or newer found. Install Python 3.11," \
-		"or name it: make PYTHON=/path/to/python3.11 setup" >&2; exit 1; }
-	@$(PYTHON) -m venv .venv || { rm -rf .venv; echo "$(PYTHON) cannot make a virtual environment." \
-		"On Debian and Ubuntu: apt install python3.11-venv" >&2; exit 1; }
+		"or name it: make PYTHON=/path/to/python3.11" >&2; exit 1; }
+	@$(PYTHON) tools/check_python.py
+	$(PYTHON) -m venv .venv
+
+.venv-newest/bin/python:
+	@test -n "$(NEWEST)" || { echo "No Python 3.12 or newer found. Name one: make NEWEST=/path/to/python3.13" \
+		"test-newest" >&2; exit 1; }
+	@$(NEWEST) tools/check_python.py
+	$(NEWEST) -m venv .venv-newest

@@ -1,13 +1,17 @@
 """What a build contains, with and without the symbolic links of a clone; and what an import says without them."""
 
+import email
+import re
 import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
+import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "remqa_data"
@@ -35,7 +39,8 @@ def importing(root: Path) -> subprocess.CompletedProcess[str]:
 
 
 def build(root: Path, kind: str, *, into: Path) -> Path:
-    code = f"import setuptools.build_meta as b; print(b.build_{kind}({str(into)!r}))"
+    hook = {"metadata": "prepare_metadata_for_build_wheel"}.get(kind, f"build_{kind}")
+    code = f"import setuptools.build_meta as b; print(b.{hook}({str(into)!r}))"
     into.mkdir(exist_ok=True)
     done = subprocess.run([sys.executable, "-c", code], cwd=root, check=True, capture_output=True, text=True)
     return into / done.stdout.splitlines()[-1]
@@ -65,6 +70,43 @@ def test_the_first_import_without_links_says_what_to_do(tree: Path) -> None:
     assert "symbolic links" in last
     assert "pip install" in last
     assert "core.symlinks" in last
+
+
+def test_the_citation_names_this_version_and_the_paper() -> None:
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert (citation["version"], citation["license"]) == (project["version"], project["license"])
+    (paper,) = citation["references"]
+    assert paper["url"] == project["urls"]["Paper"]
+
+
+def test_every_relative_link_of_the_readme_leads_to_a_file() -> None:
+    links = re.findall(r"\]\(([^)]+)\)", (ROOT / "README.md").read_text(encoding="utf-8"))
+    relative = [link for link in links if "://" not in link]
+    assert len(relative) > 5
+    assert [link for link in relative if not (ROOT / link).exists()] == []
+
+
+def described(tree: Path, into: Path) -> str:
+    """The description of the package that PyPI shows."""
+    metadata = build(tree, "metadata", into=into) / "METADATA"
+    return str(email.message_from_string(metadata.read_text(encoding="utf-8")).get_payload())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tree", ["text files"], indirect=True)
+def test_on_pypi_no_link_of_the_readme_is_dead(tree: Path, tmp_path: Path) -> None:
+    text = described(tree, tmp_path / "without")
+    assert "docs/METRICS.md" in text
+    assert [link for link in re.findall(r"\]\(([^)]+)\)", text) if "://" not in link] == []
+    project = (tree / "pyproject.toml").read_text(encoding="utf-8")
+    address = "https://git.example.org/remqa-data"
+    named = project.replace("[project.urls]", f'[project.urls]\nRepository = "{address}"')
+    (tree / "pyproject.toml").write_text(named, encoding="utf-8")
+    text = described(tree, tmp_path / "with")
+    version = tomllib.loads(project)["project"]["version"]
+    assert f"[docs/METRICS.md]({address}/blob/v{version}/docs/METRICS.md)" in text
+    assert f"]({address}/raw/v{version}/docs/images/samples.jpg)" in text
 
 
 @pytest.mark.slow

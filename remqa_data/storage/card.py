@@ -11,9 +11,11 @@ from typing import Any
 
 import pyarrow as pa
 
+from remqa_data.published import BIBTEX
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.manifest import Manifest
 from remqa_data.tables.schema import IMAGE_TYPE, TABLES, TableSpec, field_docs
+from remqa_data.version import RELEASED
 
 CARD, CROISSANT = "README.md", "croissant.json"
 LICENSE_URL = "https://www.apache.org/licenses/LICENSE-2.0"
@@ -22,6 +24,7 @@ ABOUT = (
     "Remote embodied manipulation question answering: an agent walks to something in a simulated room, opens, moves or "
     "picks it up with its arm, looks, and answers a question. Every answer was verified in the simulator."
 )
+CITED = "The task and the benchmark are those of this paper; rooms, pictures and questions here are made anew."
 PROVENANCE = (
     "Generated with remqa-data on PyBullet. The rooms follow the 120 iTHOR floor plans: names, boxes, poses, "
     "receptacles and flags of their objects are derived from the Apache-2.0 `procthor` 0.0.1.dev2 wheel (Copyright "
@@ -57,7 +60,8 @@ def dataset_card(manifest: Manifest) -> str:
     ]
     for spec in tables:
         lines += [f"### {spec.name}", "", spec.description, "", *_fields(spec), ""]
-    lines += ["## Made by", "", *_versions(manifest), "", "## Licence and provenance", "", f"Apache-2.0. {PROVENANCE}"]
+    lines += ["## Made by", "", *_versions(manifest), "", "## Citation", "", CITED, "", "```bibtex", BIBTEX, "```", ""]
+    lines += ["## Licence and provenance", "", f"Apache-2.0. {PROVENANCE}"]
     return "\n".join(lines) + "\n"
 
 
@@ -76,6 +80,8 @@ def croissant(manifest: Manifest) -> dict[str, Any]:
         "conformsTo": "http://mlcommons.org/croissant/1.0",
         "license": LICENSE_URL,
         "version": "1.0.0",
+        "datePublished": RELEASED,
+        "citeAs": BIBTEX,
         "creator": {"@type": "sc:Organization", "name": "The remqa-data authors"},
         "distribution": [
             *(
@@ -98,7 +104,8 @@ def croissant(manifest: Manifest) -> dict[str, Any]:
 
 def _front_matter(manifest: Manifest, tables: list[TableSpec]) -> list[str]:
     lines = ["---", "license: apache-2.0", "pretty_name: REMQA", "language:", "- en", "task_categories:"]
-    lines += ["- visual-question-answering", "- robotics", "tags:", "- embodied-ai", "- simulation", "configs:"]
+    lines += ["- visual-question-answering", "- robotics", "size_categories:", f"- {_size_category(manifest)}"]
+    lines += ["tags:", "- embodied-ai", "- simulation", "configs:"]
     for spec in tables:
         lines.append(f"- config_name: {spec.name}")
         lines += ["  default: true"] if spec.name == DEFAULT_TABLE else []
@@ -107,6 +114,13 @@ def _front_matter(manifest: Manifest, tables: list[TableSpec]) -> list[str]:
             # Hugging Face calls it "validation" too, but takes any name.
             lines += [f"  - split: {split}", f"    path: {spec.name}/{split}-*.parquet"]
     return [*lines, "---", ""]
+
+
+def _size_category(manifest: Manifest) -> str:
+    """What Hugging Face calls a dataset with so many questions."""
+    rows = sum(manifest.rows(DEFAULT_TABLE, split) for split in manifest.splits(DEFAULT_TABLE))
+    limits = {1_000: "n<1K", 10_000: "1K<n<10K", 100_000: "10K<n<100K", 1_000_000: "100K<n<1M"}
+    return next((name for limit, name in limits.items() if rows < limit), "n>1M")
 
 
 def _counts(manifest: Manifest, tables: list[TableSpec]) -> list[str]:
@@ -166,43 +180,37 @@ def _file_set(table: str) -> dict[str, Any]:
 
 
 def _record_set(spec: TableSpec) -> dict[str, Any]:
-    nested = [field.name for field in spec.schema if _holds_structs(field.type)]
-    more = f" Lists of structs, see README.md: {', '.join(nested)}." if nested else ""
     return {
         "@type": "cr:RecordSet",
         "@id": spec.name,
         "name": spec.name,
-        "description": spec.description + more,
+        "description": spec.description,
         "field": [entry for field in spec.schema for entry in _croissant_fields(spec.name, field, field.name, ())],
     }
 
 
 def _croissant_fields(table: str, field: pa.Field, column: str, path: tuple[str, ...]) -> list[dict[str, Any]]:
-    """One Croissant field, or those nested in a struct. Croissant 1.0 cannot say what a list of structs is."""
-    if _holds_structs(field.type):
-        return []
+    """One Croissant field, or those nested in a struct; a list of structs is a repeated field with sub-fields."""
     is_image = field.type == IMAGE_TYPE
     if pa.types.is_struct(field.type) and not is_image:
         return [e for child in field.type for e in _croissant_fields(table, child, column, (*path, child.name))]
-    source: dict[str, Any] = {"fileSet": {"@id": f"{table}-files"}, "extract": {"column": column}}
-    if inside := ".".join((*path, "bytes") if is_image else path):
-        source["transform"] = {"jsonPath": inside}
     is_list = pa.types.is_list(field.type)
-    kind = "sc:ImageObject" if is_image else _data_type(field.type.value_type if is_list else field.type)
+    item = field.type.value_type if is_list else field.type
     name = "/".join((table, column, *path))
     entry = {
         "@type": "cr:Field",
         "@id": name,
         "name": name,
         "description": (field.metadata or {}).get(b"description", b"").decode(),
-        "dataType": kind,
-        "source": source,
+        **({"repeated": True} if is_list else {}),
     }
-    return [{**entry, "repeated": True} if is_list else entry]
-
-
-def _holds_structs(kind: pa.DataType) -> bool:
-    return bool(pa.types.is_list(kind) and pa.types.is_struct(kind.value_type))
+    if pa.types.is_struct(item) and not is_image:
+        inner = [e for child in item for e in _croissant_fields(table, child, column, (*path, child.name))]
+        return [{**entry, "subField": inner}]
+    source: dict[str, Any] = {"fileSet": {"@id": f"{table}-files"}, "extract": {"column": column}}
+    if inside := ".".join((*path, "bytes") if is_image else path):
+        source["transform"] = {"jsonPath": inside}
+    return [{**entry, "dataType": "sc:ImageObject" if is_image else _data_type(item), "source": source}]
 
 
 def _data_type(kind: pa.DataType) -> str:

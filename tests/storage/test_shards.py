@@ -18,6 +18,7 @@ from remqa_data.storage.manifest import MANIFEST, config_hash, load_manifest
 from remqa_data.storage.shards import ShardWriter, check_files, find_damage, read_rows, read_table
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, SceneRow
 from remqa_data.tables.schema import TABLES, check_schema, to_table
+from remqa_data.version import RELEASED, __version__
 from tests.helpers.damaged_files import files_of, flip
 from tests.helpers.dataset_rows import frame_row, images, scene_rows
 
@@ -278,8 +279,45 @@ def test_croissant_refers_only_to_what_it_defines(finished) -> None:
     for file in manifest.files:
         assert objects[file.path]["sha256"] == file.sha256
     for records in stored["recordSet"]:
-        assert records["field"]
-        for field in records["field"]:
+        fields = [leaf for field in records["field"] for leaf in field.get("subField", [field])]
+        assert fields
+        for field in fields:
             assert field["@id"].startswith(records["@id"] + "/")
             assert field["source"]["fileSet"]["@id"] in objects
             assert field["source"]["extract"]["column"] in TABLES[records["@id"]].schema.names
+
+
+def test_croissant_has_every_column_lists_of_structs_with_their_fields(finished) -> None:
+    by_name = {records["name"]: records for records in croissant(finished[1])["recordSet"]}
+    for name, spec in TABLES.items():
+        columns = {field["@id"].split("/")[1] for field in by_name[name]["field"]}
+        assert columns == set(spec.schema.names)
+    fields = {field["@id"]: field for field in by_name["questions"]["field"]}
+    goals = fields["questions/goal_poses"]
+    assert goals["repeated"] is True
+    assert "source" not in goals
+    yaw = next(field for field in goals["subField"] if field["@id"] == "questions/goal_poses/yaw_deg")
+    assert yaw["dataType"] == "sc:Float"
+    assert yaw["source"]["extract"]["column"] == "goal_poses"
+    assert yaw["source"]["transform"]["jsonPath"] == "yaw_deg"
+
+
+def test_the_card_and_croissant_say_how_to_cite_and_no_clock_is_asked(finished) -> None:
+    _, manifest = finished
+    stored = croissant(manifest)
+    assert "2210.02709" in stored["citeAs"]
+    assert stored["datePublished"] == RELEASED
+    assert stored["citeAs"] in dataset_card(manifest)
+    changelog = (Path(__file__).parents[2] / "CHANGELOG.md").read_text(encoding="utf-8")
+    dates = re.findall(rf"^## \[{re.escape(__version__)}\] - (\S+)", changelog, re.MULTILINE)
+    assert dates in ([], [RELEASED])  # of a released version: the day that the changelog names
+
+
+@pytest.mark.parametrize(
+    ("rows", "category"),
+    [(999, "n<1K"), (1_000, "1K<n<10K"), (4_072, "1K<n<10K"), (40_000, "10K<n<100K"), (10**7, "n>1M")],
+)
+def test_the_card_tells_the_size_in_hugging_faces_words(finished, rows: int, category: str) -> None:
+    one = next(file for file in finished[1].files if file.table == "questions")
+    manifest = replace(finished[1], files=(replace(one, rows=rows),))
+    assert yaml.safe_load(dataset_card(manifest).split("---\n")[1])["size_categories"] == [category]
