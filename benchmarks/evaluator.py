@@ -17,7 +17,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from measure import Benchmark, Facts, Headline, Table, median_ms, number
 
-from remqa_data.evaluation.scoring.ground_truth import Truth, load_truth
+from remqa_data.evaluation.scoring.ground_truth import GroundTruth, load_ground_truth
 from remqa_data.evaluation.scoring.scoring import score
 from remqa_data.evaluation.submission.parquet_rows import METADATA_KEY
 from remqa_data.evaluation.submission.reader import Header, open_submission, write_submission
@@ -86,7 +86,7 @@ def rows_without_replay() -> dict[str, dict[str, float]]:
 
 
 def million_rows() -> tuple[pa.Table, pa.Table]:
-    """Questions as `Truth` has them, and claimed walks."""
+    """Questions as `GroundTruth` has them, and claimed walks."""
     rng = np.random.default_rng(0)
     ids = pa.array([f"FloorPlan{i // 1000}-EXISTENCE-{i % 1000:03}-c0" for i in range(ROWS)])
     starts = np.round(rng.uniform(-3, 3, (ROWS, 2)) * 4) / 4
@@ -125,7 +125,7 @@ def poses(positions: np.ndarray, angles: dict[str, pa.Array]) -> pa.StructArray:
 def score_rows(asked: Path, rows: Path) -> dict[str, float]:
     """Score a file; the questions are in memory before the clock starts."""
     manifest = make_manifest((), seed=0, config={}, questions={}, refused={})
-    truth = Truth(Path("."), "nav", "test", manifest, pq.read_table(asked))
+    truth = GroundTruth(Path("."), "nav", "test", manifest, pq.read_table(asked))
     started = time.process_time()
     scores = score(open_submission(rows), truth, replay=False)
     seconds = time.process_time() - started
@@ -158,7 +158,7 @@ def replay(root: Path) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "oracle.jsonl"
         write_submission(path, Header(track="remqa", split="test"), rows)
-        truth = load_truth(root, "remqa", "test")
+        truth = load_ground_truth(root, "remqa", "test")
         started = time.perf_counter()
         scores = score(open_submission(path), truth, workers=2)
         seconds = time.perf_counter() - started

@@ -22,7 +22,7 @@ from remqa_data.sim.navigation.grid import reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, AgentPose
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import NEAR_M, Camera
-from remqa_data.sim.render.renderer import Part, Renderer
+from remqa_data.sim.render.renderer import Renderer, RenderPart
 from remqa_data.sim.render.view import world_parts
 
 ROOM, POSES, ROUNDS = "FloorPlan1", 50, 3
@@ -39,7 +39,7 @@ class BenchmarkScene:
     """What is drawn, and from where."""
 
     name: str
-    parts: Sequence[Part]
+    parts: Sequence[RenderPart]
     poses: F64
     lights: Sequence[Vec3]
     cameras: Sequence[Camera]

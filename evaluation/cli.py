@@ -72,7 +72,7 @@ def score(
     from rich.console import Console
 
     from remqa_data.evaluation.report.tables import markdown, print_results
-    from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_truth
+    from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
     from remqa_data.evaluation.scoring.results import make_results, write_results
     from remqa_data.evaluation.scoring.scoring import score as run
     from remqa_data.evaluation.submission.reader import open_submission
@@ -87,7 +87,7 @@ def score(
         raise SubmissionError(
             predictions, "the header", f"the predictions are for split {header.split!r}, not {split!r}"
         )
-    truth = load_truth(data, header.track, header.split)
+    truth = load_ground_truth(data, header.track, header.split)
     sha256 = dataset_sha256(truth.manifest)
     if header.dataset is not None and header.dataset != sha256:
         reason = f"the predictions are for dataset {header.dataset[:16]}, but {data} is {sha256[:16]}"

@@ -12,11 +12,11 @@ from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.floorplans.sampled.naming import is_sampled, sampled_index, sampled_split
 from remqa_data.floorplans.sampled.scenes import sampled_scene
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.audit.samples import Refusal, Room, make_sample
+from remqa_data.generators.audit.samples import AuditedRoom, Refusal, make_sample
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.selection import select
 from remqa_data.generators.scene_plan import Job, RoomPlan, RoomPlanner
-from remqa_data.generators.walks.scene_walk import Place, tour
+from remqa_data.generators.walks.scene_walk import ConfigurationInfo, walk_through
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, AgentPose
@@ -102,12 +102,12 @@ def _in_configuration(
 ) -> list[QuestionRow]:
     """Walk through one configuration, adding its rows, and make the samples of all groups in it."""
     rng = job.rng(f"walk {number}")
-    place = Place(job.scene, job.quota.room_type, number, job.quota.split, job.config.seed)
-    room = Room(place, scene, job.config.image.rgb_format)
+    place = ConfigurationInfo(job.scene, job.quota.room_type, number, job.quota.split, job.config.seed)
+    room = AuditedRoom(place, scene, job.config.image.rgb_format)
     try:
         start = room.grid.cells[int(rng.integers(len(room.grid.cells)))]
         found = {object_id: room.expressions.of(object_id) for object_id in room.replay.world.ids}
-        walked = tour(
+        walked = walk_through(
             place,
             room.replay.view,
             room.grid,

@@ -11,8 +11,9 @@ from functools import cache
 import numpy as np
 
 from remqa_data.errors import ArrangementError, QuotaError
-from remqa_data.generators.arrangement.configurations import Configuration, Hidden, arrange, check_room
+from remqa_data.generators.arrangement.configurations import Configuration, arrange, check_room
 from remqa_data.generators.arrangement.fitting_types import fitting_types
+from remqa_data.generators.arrangement.hiding_check import Hidden
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places
 from remqa_data.generators.config import Config
 from remqa_data.generators.questions.allotment import SceneQuota

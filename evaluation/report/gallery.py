@@ -11,7 +11,7 @@ import numpy as np
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import UnknownNameError
 from remqa_data.evaluation.report.tables import in_words
-from remqa_data.evaluation.scoring.ground_truth import Truth
+from remqa_data.evaluation.scoring.ground_truth import GroundTruth
 from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, box_of, load_room, place_of, walk
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.scoring.scoring import attempt_of
@@ -56,7 +56,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Failure:
+class FailedAttempt:
     """A question that was not answered, or an expression that was not found.
 
     Attributes
@@ -74,7 +74,7 @@ class Failure:
     pictures: tuple[Picture, ...]
 
 
-def find_failures(results: Results, submission: Submission, truth: Truth) -> list[Failure]:
+def find_failures(results: Results, submission: Submission, truth: GroundTruth) -> list[FailedAttempt]:
     """Some failures of a submission, spread evenly over the split.
 
     Agents walk again in the simulator if their actions were replayed; otherwise only stored frames are shown.
@@ -86,7 +86,9 @@ def find_failures(results: Results, submission: Submission, truth: Truth) -> lis
     return build(results, truth, rows)
 
 
-def _rows(submission: Submission, truth: Truth, places: list[int], *, replay: bool) -> dict[int, dict[str, object]]:
+def _rows(
+    submission: Submission, truth: GroundTruth, places: list[int], *, replay: bool
+) -> dict[int, dict[str, object]]:
     """By place, what was submitted; {} for nothing."""
     found: dict[int, dict[str, object]] = {place: {} for place in places}
     for batch in submission.batches(replay=replay, max_rows=len(truth.ids)):
@@ -96,7 +98,7 @@ def _rows(submission: Submission, truth: Truth, places: list[int], *, replay: bo
     return found
 
 
-def _expressions(results: Results, truth: Truth, rows: dict[int, dict[str, object]]) -> list[Failure]:
+def _expressions(results: Results, truth: GroundTruth, rows: dict[int, dict[str, object]]) -> list[FailedAttempt]:
     asked = read_table(truth.root, "expressions", truth.split, ["text", "frame_id"]).to_pylist()
     frames = _Frames(truth)
     failures = []
@@ -105,14 +107,14 @@ def _expressions(results: Results, truth: Truth, rows: dict[int, dict[str, objec
         _draw_boxes(image, truth.boxes[place], row.get("box"))
         facts = (("IoU", _shown(results.samples["mean_iou"][place])), ("submitted box", _shown(row.get("box"))))
         pictures = (_picture("frame: true box green, submitted red", image),)
-        failures.append(Failure(str(truth.ids[place]), asked[place]["text"], facts, pictures))
+        failures.append(FailedAttempt(str(truth.ids[place]), asked[place]["text"], facts, pictures))
     return failures
 
 
 class _Frames:
     """Stored frames by name, of whatever split they are in."""
 
-    def __init__(self, truth: Truth) -> None:
+    def __init__(self, truth: GroundTruth) -> None:
         self._readers = [SplitReader(truth.root, "frames", split) for split in truth.manifest.splits("frames")]
         self._places = {
             name: (number, row)
@@ -127,7 +129,7 @@ class _Frames:
         return decode_rgb(memoryview(self._readers[number].images(row, ["rgb"])[0])).copy()
 
 
-def _questions(results: Results, truth: Truth, rows: dict[int, dict[str, object]]) -> list[Failure]:
+def _questions(results: Results, truth: GroundTruth, rows: dict[int, dict[str, object]]) -> list[FailedAttempt]:
     stored = SplitReader(truth.root, "questions", truth.split)
     asked = stored.columns(["question", "start_target_box_2d"]).to_pylist()
     walked = _walked(truth, rows) if results.replayed else {}
@@ -138,11 +140,11 @@ def _questions(results: Results, truth: Truth, rows: dict[int, dict[str, object]
         pictures = [*walked.get(place, ()), _picture("stored view from the goal pose: target green", before)]
         pictures += [_picture("stored view after the manipulation", after)] if truth.track in ("remqa", "qa") else []
         facts = _facts(results, truth, place, row)
-        failures.append(Failure(str(truth.ids[place]), asked[place]["question"], facts, tuple(pictures)))
+        failures.append(FailedAttempt(str(truth.ids[place]), asked[place]["question"], facts, tuple(pictures)))
     return failures
 
 
-def _facts(results: Results, truth: Truth, place: int, row: dict[str, object]) -> tuple[tuple[str, str], ...]:
+def _facts(results: Results, truth: GroundTruth, place: int, row: dict[str, object]) -> tuple[tuple[str, str], ...]:
     """Why it failed, and what was wanted beside what was submitted and happened."""
     facts = [("failed", _reason(results, place)), ("target", truth.texts("target_id")[place])]
     if truth.track != "nav":
@@ -164,7 +166,7 @@ def _reason(results: Results, place: int) -> str:
     return next(reason for name, reason in steps.items() if not fine.get(name, True))
 
 
-def _walked(truth: Truth, rows: dict[int, dict[str, object]]) -> dict[int, tuple[Picture, ...]]:
+def _walked(truth: GroundTruth, rows: dict[int, dict[str, object]]) -> dict[int, tuple[Picture, ...]]:
     """By place, the agent's final view and its way on a map."""
     by_room: dict[Room, list[Attempt]] = {}
     for place, row in rows.items():

@@ -24,7 +24,7 @@ from remqa_data.evaluation.report.tables import (
     notes,
     rounded,
 )
-from remqa_data.evaluation.scoring.ground_truth import Truth
+from remqa_data.evaluation.scoring.ground_truth import GroundTruth
 from remqa_data.evaluation.scoring.results import OVERALL, Metric, Results
 from remqa_data.evaluation.submission.reader import Submission
 from remqa_data.evaluation.submission.tracks import Track
@@ -64,7 +64,7 @@ class Plot:
     rows: tuple[PlotRow, ...]
 
 
-def write_report(path: Path, results: Results, submission: Submission, truth: Truth) -> None:
+def write_report(path: Path, results: Results, submission: Submission, truth: GroundTruth) -> None:
     """Write the report, whole or not at all.
 
     Raises
@@ -106,7 +106,7 @@ def _breakdowns(results: Results) -> list[str]:
     return [name for name in BREAKDOWNS if any(metric.breakdown == name for metric in results.metrics)]
 
 
-def _published(results: Results, truth: Truth) -> Grid | None:
+def _published(results: Results, truth: GroundTruth) -> Grid | None:
     if results.track == "rec":
         return None
     questions = read_table(truth.root, "questions", truth.split, ["question"])["question"].to_pylist()

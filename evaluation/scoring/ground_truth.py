@@ -42,7 +42,7 @@ PATH_BINS_M = (0.0, 1.0, 2.0, 3.0, 5.0, float("inf"))
 
 
 @dataclass(frozen=True, eq=False)
-class Truth:
+class GroundTruth:
     """A split of a dataset as the evaluator needs it.
 
     Attributes
@@ -123,7 +123,7 @@ class Truth:
         }
 
 
-def load_truth(root: Path, track: Track, split: str) -> Truth:
+def load_ground_truth(root: Path, track: Track, split: str) -> GroundTruth:
     """Read a split.
 
     Raises
@@ -138,7 +138,7 @@ def load_truth(root: Path, track: Track, split: str) -> Truth:
     table = read_table(root, name, split, columns).combine_chunks()
     if track == "rec":
         table = table.append_column("room_type", pa.array(_room_types(root, manifest, table["scene"].to_pylist())))
-    return Truth(root, track, split, manifest, table)
+    return GroundTruth(root, track, split, manifest, table)
 
 
 def dataset_sha256(manifest: Manifest) -> str:

@@ -87,7 +87,7 @@ class Replayed:
 
 
 @dataclass(frozen=True)
-class RoomJob:
+class ReplayJob:
     """The attempts in one configuration, for one worker."""
 
     name: str
@@ -131,7 +131,7 @@ def replay_all(
         yield from done[job.name]
 
 
-def replay_room(job: RoomJob) -> list[Replayed]:
+def replay_room(job: ReplayJob) -> list[Replayed]:
     """Replay the attempts in one configuration, each from the room's first state."""
     replay = load_room(job.scene_json, job.name, job.embodiment)
     first = replay.world.save()
@@ -187,7 +187,7 @@ def place_of(replay: Replay, object_id: str) -> int:
     return replay.world.ids.index(object_id)
 
 
-def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[RoomJob]:
+def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[ReplayJob]:
     columns = ["scene", "configuration", "scene_json", "embodiment"]
     jobs = []
     for row in read_table(root, "scenes", split, columns).to_pylist():
@@ -198,7 +198,7 @@ def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[R
                 msg = f"{root}: the agent of {row['scene']} steps {body.step_m} m; the simulator's steps {GRID_M} m"
                 raise DatasetError(msg)
             name = f"{row['scene']}, configuration {row['configuration']}"
-            jobs.append(RoomJob(name, row["scene_json"], body, tuple(found)))
+            jobs.append(ReplayJob(name, row["scene_json"], body, tuple(found)))
     replayed = sum(len(job.attempts) for job in jobs)
     if replayed != sum(map(len, attempts.values())):
         raise DatasetError(f"{root}: split {split} has questions about configurations that its scenes do not have")

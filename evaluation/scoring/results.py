@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from remqa_data.errors import ResultsError
-from remqa_data.evaluation.scoring.ground_truth import Truth, dataset_sha256
+from remqa_data.evaluation.scoring.ground_truth import GroundTruth, dataset_sha256
 from remqa_data.evaluation.scoring.scoring import IOU_THRESHOLDS, STEP_LIMITS, Scores
 from remqa_data.evaluation.scoring.statistics import LEVEL, RESAMPLES, IntervalKind, estimate
 from remqa_data.evaluation.submission.reader import Submission
@@ -118,7 +118,7 @@ class Results(_Record):
         return list(dict.fromkeys(metric.name for metric in self.metrics))
 
 
-def make_results(submission: Submission, truth: Truth, scores: Scores, *, replay: bool, seed: int = 0) -> Results:
+def make_results(submission: Submission, truth: GroundTruth, scores: Scores, *, replay: bool, seed: int = 0) -> Results:
     """Means, intervals and breakdowns of what was scored; `seed` is that of the resampling."""
     replayed = replay if is_walked(truth.track) else None
     asked, answered = len(truth.ids), int(scores.answered.sum())
@@ -182,7 +182,7 @@ def schema_json() -> str:
     return json.dumps(schema, indent=1) + "\n"
 
 
-def _metrics(truth: Truth, scores: Scores, seed: int) -> list[Metric]:
+def _metrics(truth: GroundTruth, scores: Scores, seed: int) -> list[Metric]:
     scenes = np.unique(truth.texts("scene"), return_inverse=True)[1]
     everything = {OVERALL: ["all"] * len(truth.ids)} | truth.groups
     metrics = []
@@ -203,7 +203,7 @@ def _order(group: str) -> tuple[int, str]:
     return kinds.index(group) if group in kinds else len(kinds), group
 
 
-def _samples(truth: Truth, scores: Scores) -> dict[str, list[Any]]:
+def _samples(truth: GroundTruth, scores: Scores) -> dict[str, list[Any]]:
     columns: dict[str, list[Any]] = {"id": truth.ids.to_pylist(), "scene": truth.texts("scene")}
     columns |= {"answered": scores.answered.tolist(), **truth.groups}
     columns |= {name: values.tolist() for name, values in scores.measures.items()}

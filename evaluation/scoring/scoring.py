@@ -13,7 +13,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from remqa_data.errors import SubmissionError, nearest_names
-from remqa_data.evaluation.scoring.ground_truth import Truth
+from remqa_data.evaluation.scoring.ground_truth import GroundTruth
 from remqa_data.evaluation.scoring.replay import Attempt, Replayed, Room, replay_all
 from remqa_data.evaluation.submission.reader import Batch, Submission
 from remqa_data.evaluation.submission.tracks import Track, id_column, is_walked
@@ -66,7 +66,7 @@ class Scores:
 
 def score(
     submission: Submission,
-    truth: Truth,
+    truth: GroundTruth,
     *,
     replay: bool = True,
     workers: int = 1,
@@ -77,7 +77,7 @@ def score(
     Parameters
     ----------
     submission : Submission
-    truth : Truth
+    truth : GroundTruth
         Of the submission's track and split.
     replay : bool
         Whether actions are executed in the simulator; without it, poses and boxes are taken from the file. Makes no
@@ -115,7 +115,9 @@ def score(
     return Scores(filled.answered, measures, _details(truth.track, filled), filled.refused)
 
 
-def attempt_of(truth: Truth, place: int, actions: Sequence[str], manipulation: str | None) -> tuple[Attempt, Room]:
+def attempt_of(
+    truth: GroundTruth, place: int, actions: Sequence[str], manipulation: str | None
+) -> tuple[Attempt, Room]:
     """What is to be replayed of a submitted row, and in which room; `place` is that of the question in the truth."""
     question = {name: truth.table[name][place].as_py() for name in _ASKED}
     x, y, yaw, horizon = truth.initial_poses[place].tolist()
@@ -149,13 +151,15 @@ class _Filled:
             for place, answer in zip(places.tolist(), rows["answer"].to_pylist(), strict=True):
                 self.answers[place] = answer
 
-    def add_walks(self, truth: Truth, places: npt.NDArray[np.int64], poses: F64, counts: npt.NDArray[np.int64]) -> None:
+    def add_walks(
+        self, truth: GroundTruth, places: npt.NDArray[np.int64], poses: F64, counts: npt.NDArray[np.int64]
+    ) -> None:
         """(sum of counts, 4) poses of walks, one walk after the other."""
         self.steps[places] = counts - 1
         self.walked_m[places] = path_lengths_m(poses[:, :2], counts)
         self.distance_m[places] = distance_to_goal_m(poses[np.cumsum(counts) - 1, :2], truth.goals[places])
 
-    def add_replayed(self, truth: Truth, done: Replayed) -> None:
+    def add_replayed(self, truth: GroundTruth, done: Replayed) -> None:
         place = np.array([done.place])
         self.add_walks(truth, place, np.array(done.poses), np.array([len(done.poses)]))
         if done.target_box is not None:
@@ -170,7 +174,7 @@ class _Filled:
         return np.asarray(self.answered & navigation_success(self.distance_m, self.is_visible()))
 
 
-def _remqa(truth: Truth, filled: _Filled) -> Columns:
+def _remqa(truth: GroundTruth, filled: _Filled) -> Columns:
     is_right = is_right_answer(filled.answers, truth.texts("answer"))
     three = stages(filled.navigated(), box_iou(filled.boxes, filled.target_boxes), is_right)
     return {
@@ -182,7 +186,7 @@ def _remqa(truth: Truth, filled: _Filled) -> Columns:
     }
 
 
-def _nav(truth: Truth, filled: _Filled) -> Columns:
+def _nav(truth: GroundTruth, filled: _Filled) -> Columns:
     found: Columns = {}
     for limit in (None, *STEP_LIMITS):
         suffix = "" if limit is None else f"@{limit}"
@@ -192,16 +196,16 @@ def _nav(truth: Truth, filled: _Filled) -> Columns:
     return found
 
 
-def _rec(truth: Truth, filled: _Filled) -> Columns:
+def _rec(truth: GroundTruth, filled: _Filled) -> Columns:
     iou = box_iou(filled.boxes, truth.boxes)
     return {f"prec@{x}": is_hit(iou, x) for x in IOU_THRESHOLDS} | {"mean_iou": iou}
 
 
-def _qa(truth: Truth, filled: _Filled) -> Columns:
+def _qa(truth: GroundTruth, filled: _Filled) -> Columns:
     return {"answer_accuracy": is_right_answer(filled.answers, truth.texts("answer"))}
 
 
-_MEASURES: dict[Track, Callable[[Truth, _Filled], Columns]] = {
+_MEASURES: dict[Track, Callable[[GroundTruth, _Filled], Columns]] = {
     "remqa": _remqa,
     "nav": _nav,
     "rec": _rec,
@@ -221,7 +225,7 @@ def _details(track: Track, filled: _Filled) -> Columns:
     return found
 
 
-def _places(submission: Submission, truth: Truth, batch: Batch, answered: Bools) -> npt.NDArray[np.int64]:
+def _places(submission: Submission, truth: GroundTruth, batch: Batch, answered: Bools) -> npt.NDArray[np.int64]:
     """Where in the truth the rows belong; an unknown id, or one that was there before, is an error."""
     name = id_column(truth.track)
     places = truth.places(batch.rows[name])
@@ -243,7 +247,7 @@ def _places(submission: Submission, truth: Truth, batch: Batch, answered: Bools)
 
 
 def _fill_claimed(
-    submission: Submission, truth: Truth, filled: _Filled, places: npt.NDArray[np.int64], batch: Batch
+    submission: Submission, truth: GroundTruth, filled: _Filled, places: npt.NDArray[np.int64], batch: Batch
 ) -> None:
     """Take poses and true boxes as the file claims them; only the initial pose is known, and checked."""
     lists = batch.rows["poses"]

@@ -30,7 +30,7 @@ WORDS = (*(name for name in NAVIGATION if name != "Teleport"), DONE)
 
 
 @dataclass(frozen=True)
-class Column:
+class SubmissionColumn:
     """A column of a submission.
 
     Attributes
@@ -49,36 +49,36 @@ class Column:
 
 
 NUMBERS = pa.list_(pa.float64())
-COLUMNS: dict[str, Column] = {
-    "question_id": Column(str, pa.string(), "the id of a question of the split"),
-    "expression_id": Column(str, pa.string(), "the id of a referring expression of the split"),
-    "actions": Column(
+COLUMNS: dict[str, SubmissionColumn] = {
+    "question_id": SubmissionColumn(str, pa.string(), "the id of a question of the split"),
+    "expression_id": SubmissionColumn(str, pa.string(), "the id of a referring expression of the split"),
+    "actions": SubmissionColumn(
         Annotated[list[str], MaxLen(MAX_ACTIONS)],
         pa.list_(pa.string()),
         f"at most {MAX_ACTIONS} of {', '.join(WORDS)}, with {DONE} only at the end",
     ),
-    "poses": Column(
+    "poses": SubmissionColumn(
         Annotated[list[Annotated[list[float], MaxLen(4)]], MaxLen(MAX_ACTIONS + 1)],
         pa.list_(NUMBERS),
         f"1 to {MAX_ACTIONS + 1} poses [x, y, yaw_deg, horizon_deg], the initial pose first",
     ),
-    "target_box": Column(
+    "target_box": SubmissionColumn(
         Annotated[list[float], MaxLen(4)] | None,
         NUMBERS,
         "[x1, y1, x2, y2] of the target in the final view, or null where it is not visible",
     ),
-    "box": Column(
+    "box": SubmissionColumn(
         Annotated[list[float], MaxLen(4)] | None,
         NUMBERS,
         f"[x1, y1, x2, y2] in pixels with 0 <= x1 <= x2 <= {MAX_PX} and the same for y, or null for no prediction",
     ),
-    "manipulation": Column(
+    "manipulation": SubmissionColumn(
         str | None,
         pa.string(),
         f'one of {", ".join(MANIPULATION)} with its target and numbers, such as "OpenObject ID" or "OpenObject @0.5,0.4" '
         "(a point of the view), or null for none",
     ),
-    "answer": Column(str | None, pa.string(), f"at most {MAX_TEXT} characters, or null for no prediction"),
+    "answer": SubmissionColumn(str | None, pa.string(), f"at most {MAX_TEXT} characters, or null for no prediction"),
 }
 """By name."""
 

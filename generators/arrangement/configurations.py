@@ -17,8 +17,14 @@ from remqa_data.assets import AssetSpec, build, variant_count
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.catalog import object_type
 from remqa_data.errors import ArrangementError
-from remqa_data.generators.arrangement.fitting_types import fitting_types
-from remqa_data.generators.arrangement.hiding_check import Trouble, blockers, in_sight_troubles, troubles
+from remqa_data.generators.arrangement.hiding_check import (
+    Hidden,
+    Violation,
+    Wished,
+    blockers,
+    in_sight_violations,
+    violations,
+)
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.loose_objects import open_surfaces, put_anew
@@ -28,22 +34,11 @@ from remqa_data.scene import Scene, SceneObject
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
-__all__ = ["Configuration", "Hidden", "arrange", "fitting_types"]
-
 PACKED, SETTLED = 10, 6
 """What a place hides is put there in so many ways, and physics is asked so often, before it counts as impossible."""
 SKIN_M = 0.001
 STRAYED_M = 0.06
 """A loose thing that was put somewhere and rolls or falls farther than this is taken out of the room."""
-
-
-@dataclass(frozen=True)
-class Hidden:
-    """A wish: so many things of a type in or under a place; 0 asks that there be none."""
-
-    place: HidingPlace
-    type: str
-    count: int
 
 
 @dataclass(frozen=True)
@@ -106,27 +101,27 @@ def arrange(
         view = WorldView(world)
         lost = _move_loose_things(world, view, scene, places, hidden, share, rng)
         arranged = world.save()
-        trouble: list[Trouble] = []
+        violations_found: list[Violation] = []
         tried: Counter[Key] = Counter()
         settled = 0
         while settled < SETTLED:
             world.restore(arranged)
             _put_all(world, scene, by_place, puts)
-            trouble = in_sight_troubles(world, view, hidden)  # before physics, which takes longer
-            if not trouble:
+            violations_found = in_sight_violations(world, view, hidden)  # before physics, which takes longer
+            if not violations_found:
                 before = {object_id: world.state(object_id).position for object_id in world.ids}
                 world.settle()
                 settled += 1
-                trouble = troubles(world, view, hidden, before)
-            if not trouble:
+                violations_found = violations(world, view, hidden, before)
+            if not violations_found:
                 strayed = _strayed(world, before, hidden, scene)
                 return Configuration(_without(world.to_scene(), lost | strayed), hidden)
-            for key in sorted({(t.place.object_id, t.place.manipulation) for t in trouble}):
+            for key in sorted({(t.place.object_id, t.place.manipulation) for t in violations_found}):
                 tried[key] += 1
                 puts[key] = _pack(world, scene, by_place[key], rng)
             if max(tried.values()) >= PACKED:
                 break
-    first = trouble[0]
+    first = violations_found[0]
     msg = (
         f"{scene.name}: cannot hide things {first.place.relation} {first.place.object_id}: {first.reason}; "
         f"tried {max(tried.values())} times; wish for fewer or smaller things there"
@@ -151,7 +146,6 @@ def check_room(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator)
 
 
 Key = tuple[str, str]
-Wished = tuple[tuple[Hidden, tuple[str, ...]], ...]
 
 
 def _make(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> list[list[SceneObject]]:

@@ -16,7 +16,7 @@ MAX_VARIANTS = 3
 
 
 @lru_cache(maxsize=256)
-def filled_shares(type_: str) -> tuple[float, float]:
+def fill_ratios(type_: str) -> tuple[float, float]:
     """Share of its box's top that a thing of a type fills, and the least share of the box's four sides.
 
     The least over the first three shapes of the type.

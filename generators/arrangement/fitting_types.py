@@ -9,7 +9,7 @@ import numpy as np
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.catalog import object_type, question_types
 from remqa_data.floorplans.ithor.placements import probability
-from remqa_data.generators.arrangement.fill_ratios import filled_shares
+from remqa_data.generators.arrangement.fill_ratios import fill_ratios
 from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.geometry.types import Vec3
@@ -65,7 +65,7 @@ def visible_pixels(place: HidingPlace, area: Area, type_: str, size: Vec3) -> fl
     away = area.to_room(np.column_stack([flat, np.full(len(flat), size[2] / 2)])) - eye
     r = np.linalg.norm(away, axis=1)
     depth = np.maximum(away @ forward, 0.1)
-    from_above, from_beside = filled_shares(type_)
+    from_above, from_beside = fill_ratios(type_)
     top = from_above * size[0] * size[1] * np.maximum(-away[:, 2], 0.0) / r
     raised = max(size[2] - area.seen_from_m, 0.0)
     side = from_beside * min(size[0], size[1]) * raised * np.linalg.norm(away[:, :2], axis=1) / r

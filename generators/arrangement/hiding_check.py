@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,11 +18,6 @@ from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import WorldView
 
-if TYPE_CHECKING:
-    from remqa_data.generators.arrangement.configurations import Hidden
-
-    Wished = Sequence[tuple[Hidden, tuple[str, ...]]]
-
 SLIPPED_M = 0.06
 """Hidden things come to rest within this distance of where they were put."""
 COVERED, SUNK_M, NEAR_M = 0.8, 0.03, 0.03
@@ -33,7 +27,20 @@ TILTED_DEG = 20.0
 
 
 @dataclass(frozen=True)
-class Trouble:
+class Hidden:
+    """A wish: so many things of a type in or under a place; 0 asks that there be none."""
+
+    place: HidingPlace
+    type: str
+    count: int
+
+
+Wished = Sequence[tuple[Hidden, tuple[str, ...]]]
+"""Each wish, and the ids of the things that fulfil it."""
+
+
+@dataclass(frozen=True)
+class Violation:
     """What is wrong with things of a type that a place should hide."""
 
     place: HidingPlace
@@ -67,14 +74,14 @@ def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[l
         world.restore(snapshot)
 
 
-def in_sight_troubles(world: World, view: WorldView, hidden: Wished) -> list[Trouble]:
-    """Which wished things are seen before the manipulation, or not after it; at most one trouble for each wish."""
+def in_sight_violations(world: World, view: WorldView, hidden: Wished) -> list[Violation]:
+    """Which wished things are seen before the manipulation, or not after it; at most one violation for each wish."""
     found = ((wish, _ill_seen(world, view, wish.place, ids)) for wish, ids in hidden)
-    return [Trouble(wish.place, wish.type, reason) for wish, reason in found if reason is not None]
+    return [Violation(wish.place, wish.type, reason) for wish, reason in found if reason is not None]
 
 
-def troubles(world: World, view: WorldView, hidden: Wished, put_at: Mapping[str, Vec3]) -> list[Trouble]:
-    """What is wrong with the hidden things of a settled world, at most one trouble for each wish.
+def violations(world: World, view: WorldView, hidden: Wished, put_at: Mapping[str, Vec3]) -> list[Violation]:
+    """What is wrong with the hidden things of a settled world, at most one violation for each wish.
 
     Parameters
     ----------
@@ -98,7 +105,7 @@ def troubles(world: World, view: WorldView, hidden: Wished, put_at: Mapping[str,
         if reason is None:
             reason = _ill_seen(world, view, place, ids)
         if reason is not None:
-            found.append(Trouble(place, wish.type, reason))
+            found.append(Violation(place, wish.type, reason))
     return found
 
 

@@ -27,7 +27,7 @@ IN_IMAGE = 0.5
 
 
 @dataclass(frozen=True)
-class Goals:
+class GoalPoses:
     """Poses that see nearly as much of the areas as the best one, nearest first, and what each sees."""
 
     poses: tuple[AgentPose, ...]
@@ -63,7 +63,7 @@ def poses_that_reach(
 
 def best_goals(
     sight: Sightlines, rules: HidingRules, areas: Sequence[Area], before: Depths, after: Depths, motion: F64
-) -> Goals:
+) -> GoalPoses:
     """The poses that see the most of some areas.
 
     Parameters
@@ -85,7 +85,7 @@ def best_goals(
     good = [pose for pose in after if most and amounts[pose] >= rules.min_share_seen * most]
     parts = {pose: tuple(_parts(rules, areas, seen[pose])) for pose in good}
     good = [pose for pose in good if parts[pose]]
-    return Goals(tuple(good), tuple(parts[pose] for pose in good))
+    return GoalPoses(tuple(good), tuple(parts[pose] for pose in good))
 
 
 def out_of_sight(sight: Sightlines, rules: HidingRules, area: Area) -> Area | None:

@@ -16,9 +16,15 @@ import numpy as np
 
 from remqa_data.catalog import object_type, question_types
 from remqa_data.generators.arrangement.areas import Area, Spot
-from remqa_data.generators.arrangement.hiding_goals import Goals, at_height, best_goals, out_of_sight, poses_that_reach
+from remqa_data.generators.arrangement.hiding_goals import (
+    GoalPoses,
+    at_height,
+    best_goals,
+    out_of_sight,
+    poses_that_reach,
+)
 from remqa_data.generators.arrangement.hiding_rules import HidingRules, hiding_rules
-from remqa_data.generators.arrangement.push_targets import free_shift
+from remqa_data.generators.arrangement.push_targets import push_targets
 from remqa_data.generators.arrangement.sightlines import Sightlines
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Scene
@@ -176,7 +182,7 @@ class _Finder:
         area = self._area_beneath(object_id, self.rules.min_move_side_m, self.rules.max_move_side_m)
         if area is None or self._holds_what_is_beneath(object_id, area):
             return None
-        shifts = free_shift(self.world, object_id, self.rules.shifts_m)
+        shifts = push_targets(self.world, object_id, self.rules.shifts_m)
         best: HidingPlace | None = None
         for move_to in shifts:
             place = self._taken_away(object_id, area, "Move", move_to)
@@ -283,7 +289,7 @@ class _Finder:
         object_id: str,
         manipulation: Manipulation,
         relation: Literal["in", "under"],
-        goals: Goals,
+        goals: GoalPoses,
         move_to: Vec3 | None = None,
     ) -> HidingPlace | None:
         """The place, if there is a pose for it."""

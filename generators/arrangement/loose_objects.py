@@ -24,17 +24,17 @@ EDGE_M = 0.01
 
 
 @dataclass(frozen=True)
-class Surface:
+class OpenSurface:
     """An open space of a receptacle."""
 
     owner: str
     space: Space
 
 
-def open_surfaces(world: World, never: Collection[str]) -> list[Surface]:
+def open_surfaces(world: World, never: Collection[str]) -> list[OpenSurface]:
     """Where loose things can be put: open spaces of furniture and fittings, but not of the floor nor of some objects."""
     return [
-        Surface(object_id, space)
+        OpenSurface(object_id, space)
         for object_id in world.ids
         if object_id not in never
         and world.type_of(object_id) != "Floor"
@@ -48,7 +48,7 @@ def put_anew(
     world: World,
     object_id: str,
     room_type: str,
-    surfaces: Sequence[Surface],
+    surfaces: Sequence[OpenSurface],
     keep_out: Sequence[Box],
     rng: np.random.Generator,
 ) -> bool:
@@ -62,14 +62,14 @@ def put_anew(
         The thing.
     room_type : str
         Kind of room, for the priors.
-    surfaces : sequence of Surface
+    surfaces : sequence of OpenSurface
         Where it may be put.
     keep_out : sequence of Box
         Boxes in the room, metres, that stay free.
     rng : numpy.random.Generator
         Draws receptacle, place and turn.
     """
-    by_type: dict[str, list[Surface]] = {}
+    by_type: dict[str, list[OpenSurface]] = {}
     for surface in surfaces:
         by_type.setdefault(world.type_of(surface.owner), []).append(surface)
     weights = receptacle_weights(world.type_of(object_id), room_type, by_type)
@@ -93,7 +93,7 @@ def _area(space: Space) -> float:
     return max(1e-6, (space.box[3] - space.box[0]) * (space.box[4] - space.box[1]))
 
 
-def _set_down(world: World, object_id: str, surface: Surface, rng: np.random.Generator) -> list[str] | None:
+def _set_down(world: World, object_id: str, surface: OpenSurface, rng: np.random.Generator) -> list[str] | None:
     """Put a thing on a surface, turned at random; the ids that moved, or None if it does not fit."""
     state = world.state(object_id)
     angle = float(rng.uniform(0, 2 * math.pi))

@@ -18,7 +18,7 @@ CARRIED = (-0.7, 0.0, 0.7)
 """Where, as shares of half its sides, an object is carried."""
 
 
-def free_shift(world: World, object_id: str, shifts_m: Sequence[float]) -> list[Vec3]:
+def push_targets(world: World, object_id: str, shifts_m: Sequence[float]) -> list[Vec3]:
     """For each of the object's four directions, where its centre is after the smallest shift to free room, if any.
 
     Parameters

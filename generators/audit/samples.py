@@ -16,7 +16,7 @@ from remqa_data.generators.arrangement.hiding_goals import at_height
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.questions.groups import GroupPlan
-from remqa_data.generators.walks.scene_walk import Place
+from remqa_data.generators.walks.scene_walk import ConfigurationInfo
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.scene import Scene
@@ -61,12 +61,12 @@ class Views(NamedTuple):
 
 
 @dataclass(eq=False)
-class Room:
+class AuditedRoom:
     """A configuration at rest, with all that its samples share.
 
     Attributes
     ----------
-    place : Place
+    place : ConfigurationInfo
         Names and split of its rows.
     scene : Scene
         The configuration, settled.
@@ -74,7 +74,7 @@ class Room:
         A freshly loaded world of it; brought back to its first state after each sample.
     """
 
-    place: Place
+    place: ConfigurationInfo
     scene: Scene
     rgb_format: RgbFormat = "jpeg"
 
@@ -117,12 +117,12 @@ class Room:
         self.replay.close()
 
 
-def make_sample(room: Room, group: GroupPlan[HidingPlace], start: AgentPose) -> QuestionRow | Refusal:
+def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPose) -> QuestionRow | Refusal:
     """The sample of one group in one configuration, audited; or why there is none.
 
     Parameters
     ----------
-    room : Room
+    room : AuditedRoom
         The configuration; it is at rest again afterwards.
     group : GroupPlan
         The question, its place and the answer planned for this configuration.
@@ -205,7 +205,7 @@ def box_2d(seen: Observation, index: int) -> Box2D | None:
 
 
 def _way(
-    room: Room, hiding: HidingPlace, start: AgentPose, manipulation: str
+    room: AuditedRoom, hiding: HidingPlace, start: AgentPose, manipulation: str
 ) -> tuple[AgentPose, list[str], Views] | Refusal:
     """The first goal pose that can be reached and acted from, the actions that lead there, and what is seen there."""
     reason = f"no way to {hiding.object_id}"
@@ -234,7 +234,7 @@ def _manipulation(hiding: HidingPlace) -> str:
     return move_action(hiding.object_id, hiding.move_to)
 
 
-def _share_in_view(room: Room, hiding: HidingPlace, goal: AgentPose, views: Views) -> float:
+def _share_in_view(room: AuditedRoom, hiding: HidingPlace, goal: AgentPose, views: Views) -> float:
     """Share of the surface on which things could lie that comes to light, or on which other things come to light."""
     camera, after = goal.camera(room.grid), views.after
     others = np.setdiff1d(after.objects, views.before.objects)
@@ -253,7 +253,7 @@ def _share_in_view(room: Room, hiding: HidingPlace, goal: AgentPose, views: View
 
 
 def _check_views(
-    room: Room, hiding: HidingPlace, answer_ids: tuple[str, ...], before: Observation, after: Observation
+    room: AuditedRoom, hiding: HidingPlace, answer_ids: tuple[str, ...], before: Observation, after: Observation
 ) -> Refusal | None:
     """Whether the pictures show the target before, the evidence only after, and the hidden space where there is none."""
     ids = room.replay.world.ids
@@ -272,7 +272,7 @@ def _check_views(
     return None
 
 
-def _replays(room: Room, start: AgentPose, actions: tuple[str, ...], goal: AgentPose, views: Views) -> bool:
+def _replays(room: AuditedRoom, start: AgentPose, actions: tuple[str, ...], goal: AgentPose, views: Views) -> bool:
     """Whether the oracle's actions lead from the start to the pose and the state of the room that the end frame shows."""
     room.start_over(start)
     try:

@@ -78,7 +78,7 @@ def sheet(type_: str, columns: int = 4) -> U8:
 def picture(asset: Asset, openness: float = 0.0, size_px: int = TILE_PX) -> U8:
     """One picture of an asset on a white ground, (size_px, size_px, 3) RGB."""
     from remqa_data.sim.render.camera import Camera
-    from remqa_data.sim.render.renderer import Part, Renderer
+    from remqa_data.sim.render.renderer import Renderer, RenderPart
 
     closed, opened = asset.bounds(), asset.bounds(1.0)  # one frame for all openings, so that what moves is seen to move
     low, high = np.minimum(closed[0], opened[0]), np.maximum(closed[1], opened[1])
@@ -91,7 +91,7 @@ def picture(asset: Asset, openness: float = 0.0, size_px: int = TILE_PX) -> U8:
     poses = asset.link_poses(openness)
     poses[:, :3, 3] = (poses[:, :3, 3] - centre) * scale
     parts = [
-        Part(tuple(replace(s, vertices=s.vertices * np.float32(scale)) for s in link.surfaces), i)
+        RenderPart(tuple(replace(s, vertices=s.vertices * np.float32(scale)) for s in link.surfaces), i)
         for i, link in enumerate(asset.links)
     ]
     camera = Camera.look_at(tuple(eye), (0.0, 0.0, 0.0), fov_deg=FOV_DEG, width=size_px, height=size_px)

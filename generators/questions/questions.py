@@ -27,7 +27,7 @@ KINDS: tuple[QuestionKind, ...] = ("EXISTENCE", "COUNTING", "SPATIAL")
 YES, NO = "yes", "no"
 
 
-class Place(Protocol):
+class QuestionSite(Protocol):
     """What questions need to know of a place where things are hidden; see `hiding_places.HidingPlace`."""
 
     @property
@@ -51,7 +51,7 @@ class Place(Protocol):
         """One for each thing that it can hide at a time."""
 
 
-P = TypeVar("P", bound=Place)
+P = TypeVar("P", bound=QuestionSite)
 
 
 class QuestionRules(BaseModel):
@@ -93,7 +93,7 @@ class Candidate(Generic[P]):
     ----------
     kind : {"EXISTENCE", "COUNTING", "SPATIAL"}
         Kind of question.
-    place : Place
+    place : QuestionSite
         Where the evidence is, if there is any.
     expression : Expression
         The phrase that picks out the place.
@@ -141,7 +141,7 @@ def question_program(kind: QuestionKind, type_name: str, relation: Relation, whe
     return (("filter_type", type_name), ("relate", relation, where), (last,))
 
 
-def kinds_for(place: Place) -> tuple[QuestionKind, ...]:
+def kinds_for(place: QuestionSite) -> tuple[QuestionKind, ...]:
     """The kinds of question that a place serves: what is opened serves the first two, what is lifted the last."""
     if place.relation == "under":
         return ("SPATIAL",)

@@ -23,7 +23,7 @@ EMBODIMENT = EmbodimentRow(camera_height_m=CAMERA_HEIGHT_M, fov_deg=90.0, step_m
 
 
 @dataclass(frozen=True)
-class Place:
+class ConfigurationInfo:
     """Which configuration of which room, and what its rows say about it."""
 
     scene: str
@@ -39,7 +39,7 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
-class Tour:
+class SceneWalk:
     """The rows of one walk."""
 
     scene: SceneRow
@@ -47,8 +47,8 @@ class Tour:
     expressions: tuple[ExpressionRow, ...]
 
 
-def tour(
-    place: Place,
+def walk_through(
+    place: ConfigurationInfo,
     view: WorldView,
     grid: ReachableGrid,
     start: Cell,
@@ -58,12 +58,12 @@ def tour(
     *,
     rgb_format: RgbFormat = "jpeg",
     expression_split: Split | None = None,
-) -> Tour:
+) -> SceneWalk:
     """Walk through a settled room and write down what is seen.
 
     Parameters
     ----------
-    place : Place
+    place : ConfigurationInfo
         Names and split of the rows.
     view : WorldView
         The room; it must not change meanwhile.
@@ -116,11 +116,11 @@ def tour(
         walk_start_cell=GridCell(*start),
         embodiment=EMBODIMENT,
     )
-    return Tour(scene, tuple(frames), tuple(said))
+    return SceneWalk(scene, tuple(frames), tuple(said))
 
 
 def _frame_row(
-    place: Place, index: int, taken: WalkFrame, ids: tuple[str, ...], update: GraphUpdate, form: RgbFormat
+    place: ConfigurationInfo, index: int, taken: WalkFrame, ids: tuple[str, ...], update: GraphUpdate, form: RgbFormat
 ) -> FrameRow:
     name = f"{place.prefix}-f{index:02d}"
     listed = [seen.id for seen in taken.metadata.objects]
@@ -141,7 +141,9 @@ def _frame_row(
     )
 
 
-def _expression_row(place: Place, expression: Expression, frame: FrameRow, split: Split, number: int) -> ExpressionRow:
+def _expression_row(
+    place: ConfigurationInfo, expression: Expression, frame: FrameRow, split: Split, number: int
+) -> ExpressionRow:
     seen = next(item for item in frame.objects if item.id == expression.target_id)
     return ExpressionRow(
         expression_id=f"{place.prefix}-{expression.target_id}-e{number}",

@@ -27,7 +27,7 @@ from remqa_data.env.actions import TELEPORT, ActionMode, Command, action_space, 
 from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes
 from remqa_data.env.loaded_scene import LoadedRoom
 from remqa_data.env.question import QuestionText
-from remqa_data.env.record import Course
+from remqa_data.env.record import EpisodeRecord
 from remqa_data.errors import ActionError
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION, Action, perform
@@ -162,7 +162,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
             self.close()
             self._room = LoadedRoom(episode, self.hands)
         self._room.begin(episode, self.np_random)
-        self.course = Course(positions=[(self.agent.x, self.agent.y)])
+        self.record = EpisodeRecord(positions=[(self.agent.x, self.agent.y)])
         self.steps, self._is_over = 0, False
         task = episode.task
         text = task.question if task else ""
@@ -202,8 +202,8 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
             task = self.episode.task
             if task is not None:
                 info["answer"] = wanted.answer
-                self.course.look(self.agent, task, wanted.box)
-                info |= self.course.measures(task, wanted.answer)
+                self.record.look(self.agent, task, wanted.box)
+                info |= self.record.measures(task, wanted.answer)
                 reward = float(info["S_N"] and info["answer_accuracy"])
         return self._observe(info), reward, terminated, truncated, info
 
@@ -229,13 +229,13 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
                 return ActionResult(False, f"there is no object at image point {action.target}")
             action = Action(action.name, seen, action.numbers)
         if is_manipulation and task is not None and isinstance(action.target, str):
-            self.course.look(self.agent, task, wanted.box)
+            self.record.look(self.agent, task, wanted.box)
         result = perform(self.agent, action)
         if action.name in NAVIGATION:
-            self.course.walked(action, self.agent)
+            self.record.walked(action, self.agent)
         elif result.success and isinstance(action.target, str):
             position = self.agent.world.state(action.target).position
-            self.course.manipulated(action, action.target, position)
+            self.record.manipulated(action, action.target, position)
         return result
 
     def _observe(self, info: dict[str, Any]) -> dict[str, Any]:

@@ -34,7 +34,7 @@ PUSHES = ("PushObject", "PullObject")
 
 
 @dataclass
-class Course:
+class EpisodeRecord:
     """An episode as it goes on.
 
     Attributes

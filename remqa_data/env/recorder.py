@@ -75,15 +75,15 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
         super().close()
 
     def _row(self, answer: str | None) -> dict[str, Any]:
-        course, task = self._remqa.course, self._remqa.episode.task
+        record, task = self._remqa.record, self._remqa.episode.task
         assert task is not None, "episodes of a dataset have a question"
-        for text in course.walk:
+        for text in record.walk:
             if text not in NAVIGATION:
                 raise ActionError(f"{task.question_id}: a submission holds whole steps, not {text!r}")
         return {
             "question_id": task.question_id,
-            "actions": list(course.walk),
-            "box": None if course.box is None else list(course.box),
-            "manipulation": course.manipulation,
+            "actions": list(record.walk),
+            "box": None if record.box is None else list(record.box),
+            "manipulation": record.manipulation,
             "answer": answer,
         }

@@ -15,7 +15,7 @@ from remqa_data.thor.actions import search as actions_search
 from remqa_data.thor.state.dispatch import call, checked
 from remqa_data.thor.state.events import Reply, reply
 from remqa_data.thor.state.settings import FrameSize, Images
-from remqa_data.thor.state.simulator import Stage
+from remqa_data.thor.state.simulator import SimulatorState
 
 ACTIONS = checked(actions_scene.ACTIONS | actions_navigation.ACTIONS | actions_search.ACTIONS | actions_objects.ACTIONS)
 """What the agent without an arm can do."""
@@ -33,35 +33,35 @@ class Session:
     """
 
     def __init__(self, width: int, height: int) -> None:
-        self._stage = Stage(FrameSize(width, height))
+        self._simulator = SimulatorState(FrameSize(width, height))
 
     def execute(self, request: Mapping[str, Any]) -> Reply:
         """Execute an action: "action" and its arguments. What cannot be done is said in the reply's metadata."""
-        actions = ARM_ACTIONS if self._stage.settings.has_arm else ACTIONS
+        actions = ARM_ACTIONS if self._simulator.settings.has_arm else ACTIONS
         code = None
         try:
-            result = call(actions, self._stage, request)
+            result = call(actions, self._simulator, request)
         except MisuseError as error:
             result, code = ActionResult(False, str(error)), error.code
         except RemqaError as error:
             result = ActionResult(False, str(error))
-        return reply(self._stage, str(request.get("action")), result, code, self._images(request))
+        return reply(self._simulator, str(request.get("action")), result, code, self._images(request))
 
     def resize(self, width: int, height: int) -> None:
         """Change the size of all pictures."""
-        self._stage.resize(FrameSize(width, height))
+        self._simulator.resize(FrameSize(width, height))
 
     def first_reply(self) -> Reply:
         """What AI2-THOR sends when it has started."""
-        return reply(self._stage, "", ActionResult(True), None, Images())
+        return reply(self._simulator, "", ActionResult(True), None, Images())
 
     def close(self) -> None:
         """Give the simulator's memory back."""
-        self._stage.close()
+        self._simulator.close()
 
     def _images(self, request: Mapping[str, Any]) -> Images:
         """The pictures that Initialize has asked for, and those that this action asks for."""
-        always = self._stage.settings.images
+        always = self._simulator.settings.images
         return Images(
             color=bool(request.get("renderImage", True)),
             depth=always.depth or bool(request.get("renderDepthImage")),

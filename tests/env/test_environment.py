@@ -18,7 +18,7 @@ from remqa_data.env.oracle import oracle_commands
 from remqa_data.env.recorder import Recorder
 from remqa_data.env.video import write_film
 from remqa_data.errors import ActionError, DatasetError, UnknownNameError
-from remqa_data.evaluation.scoring.ground_truth import load_truth
+from remqa_data.evaluation.scoring.ground_truth import load_ground_truth
 from remqa_data.evaluation.scoring.scoring import score
 from remqa_data.evaluation.submission.reader import open_submission
 from remqa_data.generators.config import load_config
@@ -270,7 +270,7 @@ def test_the_oracle_is_perfect_and_its_recording_too(dataset: Path, tmp_path: Pa
         assert reward == 1.0
         ended.append(info)
     env.close()
-    scores = score(open_submission(path), load_truth(dataset, "remqa", "test"))
+    scores = score(open_submission(path), load_ground_truth(dataset, "remqa", "test"))
     assert len(ended) == 4
     for name, values in scores.measures.items():
         assert [info[name] for info in ended] == values.tolist() == [True] * 4
@@ -296,7 +296,7 @@ def test_an_agent_that_errs_is_scored_alike_by_the_environment_and_the_evaluator
             env.step(str(word))
         ended.append(env.step(Command(answer=task.answer, box=(0.1, 0.1, 0.9, 0.9)))[-1])
     env.close()
-    scores = score(open_submission(path), load_truth(dataset, "remqa", "train"))
+    scores = score(open_submission(path), load_ground_truth(dataset, "remqa", "train"))
     for name, values in scores.measures.items():
         assert [info[name] for info in ended] == values.tolist()
     assert all(math.isfinite(info["distance_to_goal_m"]) for info in ended)

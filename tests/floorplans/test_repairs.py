@@ -5,7 +5,7 @@ import pytest
 
 from remqa_data.floorplans.ithor.hosting import is_built_in, levels, pockets
 from remqa_data.floorplans.ithor.plan import fit_shell
-from remqa_data.floorplans.ithor.repairs import at_floor_level, mended
+from remqa_data.floorplans.ithor.repairs import at_floor_level, repaired
 from remqa_data.floorplans.ithor.table import recorded_objects
 
 
@@ -16,7 +16,7 @@ def by_id(objects):
 def test_shelves_end_under_the_top_of_their_furniture_and_under_the_next_shelf() -> None:
     """The shelves in this desk were recorded from 0.10, 0.31 and 0.51 m to 0.8 and more, the desk up to 0.74 m."""
     rows = recorded_objects("FloorPlan204")
-    shelves = sorted((o for o in mended(rows) if o.id.startswith("Shelf|-01.27")), key=lambda o: o.low[2])
+    shelves = sorted((o for o in repaired(rows) if o.id.startswith("Shelf|-01.27")), key=lambda o: o.low[2])
     assert [round(float(o.low[2]), 2) for o in shelves] == [0.10, 0.31, 0.51]
     assert [float(o.high[2]) for o in shelves] == pytest.approx([0.308, 0.514, 0.711], abs=0.002)
 
@@ -25,7 +25,7 @@ def test_worktops_of_no_thickness_grow_downwards() -> None:
     name = "CounterTop|-01.35|+00.97|+02.95"
     recorded, made = (
         by_id(recorded_objects("FloorPlan425"))[name],
-        by_id(mended(recorded_objects("FloorPlan425")))[name],
+        by_id(repaired(recorded_objects("FloorPlan425")))[name],
     )
     assert made.high == pytest.approx(recorded.high)
     assert made.high[2] - made.low[2] == pytest.approx(0.02)
@@ -35,7 +35,7 @@ def test_worktops_of_no_thickness_grow_downwards() -> None:
 @pytest.mark.parametrize("scene", ["FloorPlan1", "FloorPlan316"])
 def test_the_rest_stays_as_recorded(scene: str) -> None:
     rows = recorded_objects(scene)
-    for row, made in zip(rows, mended(rows), strict=True):
+    for row, made in zip(rows, repaired(rows), strict=True):
         assert np.array_equal(row.low, made.low), row.id
         assert np.array_equal(row.high, made.high), row.id
 

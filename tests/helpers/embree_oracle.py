@@ -11,7 +11,7 @@ from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
 
 from remqa_data.sim.render.camera import NEAR_M, AnyCamera
-from remqa_data.sim.render.renderer import Frame, Part
+from remqa_data.sim.render.renderer import Frame, RenderPart
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Agreement:
 
 
 def trace(
-    parts: Sequence[Part], poses: npt.NDArray[np.float64], camera: AnyCamera
+    parts: Sequence[RenderPart], poses: npt.NDArray[np.float64], camera: AnyCamera
 ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int32]]:
     """Depth (0 where nothing is) and instances (-1 where nothing is): one ray through the centre of every pixel."""
     triangles, instances = world_triangles(parts, poses)
@@ -43,7 +43,7 @@ def trace(
 
 
 def world_triangles(
-    parts: Sequence[Part], poses: npt.NDArray[np.float64]
+    parts: Sequence[RenderPart], poses: npt.NDArray[np.float64]
 ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int32]]:
     """(m, 3, 3) triangles in the world and (m,) the instance of each."""
     triangles, instances = [], []

@@ -10,7 +10,7 @@ import trimesh
 
 from remqa_data.assets.core.model import Material, Surface
 from remqa_data.geometry.types import Vec3
-from remqa_data.sim.render.renderer import Part
+from remqa_data.sim.render.renderer import RenderPart
 
 GREY = Material("plastic", "gray", (0.6, 0.6, 0.6))
 
@@ -60,7 +60,7 @@ def at(x: float, y: float, z: float, yaw_deg: float = 0.0) -> np.ndarray:
 
 def furnished_room(
     seed: int, width: float = 5.0, depth: float = 4.0, height: float = 2.6
-) -> tuple[list[Part], np.ndarray]:
+) -> tuple[list[RenderPart], np.ndarray]:
     """A room with boxes on the floor and round things in the air, some of them inside the boxes."""
     rng = np.random.default_rng(seed)
     wood = replace(GREY, substance="wooden", rgb=(0.72, 0.5, 0.32), texture="planks", gloss=0.2)
@@ -72,14 +72,14 @@ def furnished_room(
         quad((0, 0, 0), (0, depth, 0), (0, 0, height)),
         quad((width, depth, 0), (0, -depth, 0), (0, 0, height)),
     )
-    parts, poses = [Part(shell, 0)], [np.eye(4)]
+    parts, poses = [RenderPart(shell, 0)], [np.eye(4)]
     for instance in range(1, 60):
         x, y = rng.uniform(0.4, width - 0.4), rng.uniform(0.4, depth - 0.4)
         rgb = tuple(rng.uniform(0.2, 0.95, 3))
         material = replace(GREY, rgb=rgb, gloss=0.5)
         if instance < 8:
             size = tuple(rng.uniform((0.3, 0.3, 0.3), (0.9, 0.7, 1.2)))
-            parts.append(Part((box(size, material),), instance))
+            parts.append(RenderPart((box(size, material),), instance))
             # A little above the floor, so that no two faces lie in one plane, where either may win.
             poses.append(at(x, y, size[2] / 2 + 0.001, rng.uniform(0, 360)))
             continue
@@ -89,7 +89,7 @@ def furnished_room(
             surface = from_trimesh(trimesh.creation.cylinder(rng.uniform(0.02, 0.06), 0.15, sections=32), material)
         else:
             surface = from_trimesh(trimesh.creation.torus(0.07, 0.02, 32, 16), material, smooth=True)
-        parts.append(Part((surface,), instance))
+        parts.append(RenderPart((surface,), instance))
         poses.append(at(x, y, rng.uniform(0.2, 1.6), rng.uniform(0, 360)))
     return parts, np.stack(poses)
 

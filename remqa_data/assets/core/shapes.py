@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from remqa_data.assets.core.draft import Draft
+from remqa_data.assets.core.assembly import AssetAssembly
 from remqa_data.assets.core.fitting import vec
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.mesh import primitives
@@ -12,7 +12,7 @@ from remqa_data.assets.mesh.primitives import Axis, Mesh
 from remqa_data.geometry.types import F64, Vec3
 
 
-class Shapes(Draft):
+class Shapes(AssetAssembly):
     """A draft with shapes to draw on its current link, in drawing coordinates."""
 
     def box(

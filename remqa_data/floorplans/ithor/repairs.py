@@ -27,7 +27,7 @@ TOPMOST_M = 0.10
 """A shelf that begins no deeper than this below the furniture's top is the top itself and stays."""
 
 
-def mended(objects: Sequence[RecordedObject]) -> list[RecordedObject]:
+def repaired(objects: Sequence[RecordedObject]) -> list[RecordedObject]:
     """The same objects with boxes that can be drawn."""
     return [_upright(_under_the_top(_thick_enough(_flat_on_wall(o)), objects)) for o in objects]
 

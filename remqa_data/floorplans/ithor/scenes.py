@@ -20,7 +20,7 @@ from remqa_data.floorplans.ithor.building import building
 from remqa_data.floorplans.ithor.builtin import counter_plan, drawer_housings, stoves, under_counter
 from remqa_data.floorplans.ithor.hosting import HANGING, is_built_in, levels, pockets
 from remqa_data.floorplans.ithor.plan import RoomShell, facing_right, fit_shell
-from remqa_data.floorplans.ithor.repairs import at_floor_level, mended, with_corners
+from remqa_data.floorplans.ithor.repairs import at_floor_level, repaired, with_corners
 from remqa_data.floorplans.ithor.support import supported
 from remqa_data.floorplans.ithor.table import RecordedObject, recorded_objects, scene_names
 from remqa_data.geometry.rotations import quaternion_of
@@ -119,7 +119,7 @@ def scene_from(rows: Sequence[RecordedObject]) -> Scene:
 
 def understood(rows: Sequence[RecordedObject]) -> tuple[list[RecordedObject], RoomShell]:
     """The recorded objects of one room, mended and facing the right way, and the room that they stand in."""
-    rows = mended(rows)
+    rows = repaired(rows)
     shell = fit_shell(rows)
     tops = [o for o in rows if o.type == "CounterTop"]
     worktops = [rect for top in tops for rect in counter_plan(top, rows, shell, trimmed=False)]

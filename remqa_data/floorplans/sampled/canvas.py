@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from remqa_data.floorplans.ithor.plan import SIDES
 from remqa_data.floorplans.ithor.table import RecordedObject
-from remqa_data.floorplans.sampled.furniture_sets import Piece, Spot
+from remqa_data.floorplans.sampled.furniture_sets import FurnitureSet, RestingSpot
 from remqa_data.geometry.types import F64, Rect
 from remqa_data.opencv import cv2
 from remqa_data.sim.navigation.grid import AGENT_RADIUS_M, GRID_M
@@ -86,7 +86,7 @@ class Canvas:
         What is in the room.
     solids, kept_clear : lists of (low, high) corners
         What takes up room, and what must stay free: before doors and drawers, and before the room's door.
-    spots : list of Spot
+    spots : list of RestingSpot
         Where things can stand on what is uneven.
     door : (low, high) corners or None
         The room's door.
@@ -99,7 +99,7 @@ class Canvas:
     rows: list[RecordedObject] = field(default_factory=list)
     solids: list[tuple[F64, F64]] = field(default_factory=list)
     kept_clear: list[tuple[F64, F64]] = field(default_factory=list)
-    spots: list[Spot] = field(default_factory=list)
+    spots: list[RestingSpot] = field(default_factory=list)
     door: tuple[F64, F64] | None = None
 
     def walls(self) -> list[Wall]:
@@ -136,7 +136,7 @@ class Canvas:
         )
 
     def add(
-        self, rows: Sequence[RecordedObject], clear: Iterable[tuple[F64, F64]] = (), spots: Iterable[Spot] = ()
+        self, rows: Sequence[RecordedObject], clear: Iterable[tuple[F64, F64]] = (), spots: Iterable[RestingSpot] = ()
     ) -> None:
         """Put things into the room; they get ids of their own, also where they name what holds them."""
         known = {row.id for row in self.rows}
@@ -204,7 +204,7 @@ class Canvas:
         return free, xs, ys
 
 
-def clearances(piece: Piece) -> list[tuple[F64, F64]]:
+def clearances(piece: FurnitureSet) -> list[tuple[F64, F64]]:
     """The room that must stay free before what opens in a piece."""
     boxes = []
     for row in piece.rows:

@@ -11,7 +11,7 @@ import numpy as np
 from remqa_data.floorplans.ithor.plan import IN_WALLS, ON_WALLS
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.floorplans.sampled.canvas import QUARTERS_AT, Canvas, Wall, clearances
-from remqa_data.floorplans.sampled.furniture_sets import QUARTERS, Piece, moved
+from remqa_data.floorplans.sampled.furniture_sets import QUARTERS, FurnitureSet, moved
 from remqa_data.geometry.types import F64
 
 TRIES = 60
@@ -24,11 +24,11 @@ CORNER_CHANCE = 0.45
 UPRIGHT, FORWARD = np.eye(3), np.array([0.0, -1.0, 0.0])
 """No turn at all, and where pieces face in their own frame."""
 
-Placement = tuple[Piece, F64]
+Placement = tuple[FurnitureSet, F64]
 """A piece, turned, and where its origin goes."""
 
 
-def furnish(canvas: Canvas, pieces: Sequence[Piece], rng: np.random.Generator) -> list[Piece]:
+def furnish(canvas: Canvas, pieces: Sequence[FurnitureSet], rng: np.random.Generator) -> list[FurnitureSet]:
     """Put pieces into a room, those that need most room first; returns those for which there was none."""
     left = []
     for piece in sorted(pieces, key=_turn):
@@ -37,7 +37,7 @@ def furnish(canvas: Canvas, pieces: Sequence[Piece], rng: np.random.Generator) -
     return left
 
 
-def put(canvas: Canvas, piece: Piece, places: Iterator[Placement]) -> bool:
+def put(canvas: Canvas, piece: FurnitureSet, places: Iterator[Placement]) -> bool:
     """Put a piece at the first of some places where it fits and leaves the room walkable."""
     into_wall_m = 0.3 if piece.kind in IN_WALLS else 0.0
     for turned, shift in islice(places, TRIES):
@@ -54,7 +54,7 @@ def put(canvas: Canvas, piece: Piece, places: Iterator[Placement]) -> bool:
 
 
 def at_wall(
-    canvas: Canvas, piece: Piece, rng: np.random.Generator, walls: Sequence[Wall] | None = None
+    canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator, walls: Sequence[Wall] | None = None
 ) -> Iterator[Placement]:
     """Places at walls, with the sides that were recorded at one at one."""
     side = next((name for name in ("back", "left", "right") if name in piece.gaps), "back")
@@ -80,7 +80,7 @@ def at_wall(
         yield turned, against(wall, turned, along, piece.gaps.get(side, 0.01))
 
 
-def against(wall: Wall, turned: Piece, along: float, gap: float) -> F64:
+def against(wall: Wall, turned: FurnitureSet, along: float, gap: float) -> F64:
     """Where a turned piece goes to stand at a wall with its middle somewhere along it."""
     shift = np.zeros(3)
     reach = turned.low if wall.inward > 0 else turned.high
@@ -89,7 +89,7 @@ def against(wall: Wall, turned: Piece, along: float, gap: float) -> F64:
     return shift
 
 
-def anywhere(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+def anywhere(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
     """Places on the floor, turned any way by quarters."""
     x0, y0, x1, y1 = canvas.bounds
     while True:
@@ -98,7 +98,7 @@ def anywhere(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator
 
 
 def beside(
-    piece: Piece,
+    piece: FurnitureSet,
     row: RecordedObject,
     sides: Sequence[str],
     gap: tuple[float, float],
@@ -132,7 +132,7 @@ def beside(
 # ---- what goes where
 
 
-def _places(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+def _places(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
     rule = _RULES.get(piece.kind)
     if rule is not None:
         yield from islice(rule(canvas, piece, rng), TRIES // 2)
@@ -151,7 +151,7 @@ def _some(rows: Sequence[RecordedObject], rng: np.random.Generator) -> list[Reco
     return [rows[int(i)] for i in rng.permutation(len(rows))]
 
 
-def _seat(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+def _seat(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
     tables = _found(canvas, "DiningTable")
     for desk in _some(_found(canvas, "Desk"), rng):
         yield from islice(beside(piece, desk, ["front"], (SEAT_GAP_M, 0.1), rng, "at", 0.8), 6)
@@ -162,7 +162,7 @@ def _seat(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Pl
         yield from islice(beside(piece, worktop, ["back", "left", "right"], (SEAT_GAP_M, 0.1), rng, "at", 0.8), 8)
 
 
-def _coffee_table(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+def _coffee_table(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
     width, depth = (piece.high - piece.low)[:2]
     for sofa in _some(_found(canvas, "Sofa"), rng):
         yield from islice(
@@ -170,7 +170,7 @@ def _coffee_table(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Ite
         )
 
 
-def _arm_chair(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+def _arm_chair(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
     if piece.gaps:
         return
     for table in _some(_found(canvas, "CoffeeTable"), rng):
@@ -178,7 +178,7 @@ def _arm_chair(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterat
         yield from islice(beside(piece, table, sides, (0.35, 0.6), rng, "at", 0.8), 14)
 
 
-def _sofa(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+def _sofa(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
     for screen in _found(canvas, "TVStand", "Television", "Dresser")[:1]:
         if "back" not in piece.gaps:
             yield from islice(beside(piece, screen, ["front"], SOFA_TO_TV_M, rng, "at"), 12)
@@ -188,7 +188,7 @@ def _sofa(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Pl
             yield from islice(at_wall(canvas, piece, rng, opposite), 16)
 
 
-def _side_table(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+def _side_table(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
     if set(piece.gaps) & {"left", "right"}:
         return
     for seat in _some(_found(canvas, "Bed", "Sofa", "ArmChair"), rng):
@@ -198,14 +198,14 @@ def _side_table(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Itera
 def _near(types: Sequence[str], gap: tuple[float, float]) -> Rule:
     """A rule that puts pieces next to what stands at a wall, their backs in line."""
 
-    def rule(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+    def rule(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
         for row in _some(_found(canvas, *types), rng):
             yield from islice(beside(piece, row, ["left", "right"], gap, rng, "same"), 8)
 
     return rule
 
 
-def _mirror(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+def _mirror(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
     for row in _some(_found(canvas, "Sink", "Dresser", "Desk"), rng):
         for wall in canvas.walls():
             axis = wall.axis
@@ -216,7 +216,7 @@ def _mirror(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[
                     yield turned, against(wall, turned, middle, piece.gaps.get("back", 0.01))
 
 
-def _hanger(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+def _hanger(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
     for toilet in _found(canvas, "Toilet"):
         middle = (toilet.low + toilet.high) / 2
         for wall in canvas.walls():
@@ -227,7 +227,7 @@ def _hanger(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[
                     yield turned, against(wall, turned, along, piece.gaps.get("back", 0.01))
 
 
-def _light_switch(canvas: Canvas, piece: Piece, rng: np.random.Generator) -> Iterator[Placement]:
+def _light_switch(canvas: Canvas, piece: FurnitureSet, rng: np.random.Generator) -> Iterator[Placement]:
     if canvas.door is None:
         return
     low, high = canvas.door
@@ -244,7 +244,7 @@ def _is_in(door: tuple[F64, F64], wall: Wall) -> bool:
     return bool(min(abs(corner[wall.axis] - wall.face) for corner in door) < 1e-6)
 
 
-Rule = Callable[[Canvas, Piece, np.random.Generator], Iterator[Placement]]
+Rule = Callable[[Canvas, FurnitureSet, np.random.Generator], Iterator[Placement]]
 _RULES: dict[str, Rule] = {
     "Chair": _seat,
     "Stool": _seat,
@@ -282,7 +282,7 @@ _FIRST = [
 ]
 
 
-def _turn(piece: Piece) -> tuple[int, float]:
+def _turn(piece: FurnitureSet) -> tuple[int, float]:
     """When it is a piece's turn: what other things depend on first, then the larger ones."""
     place = _FIRST.index(piece.kind) if piece.kind in _FIRST else len(_FIRST)
     return place, -float(np.prod((piece.high - piece.low)[:2]))

@@ -49,7 +49,7 @@ LOCAL_SIDES = {"back": (1, 1), "front": (1, -1), "right": (0, 1), "left": (0, -1
 
 
 @dataclass(frozen=True, eq=False)
-class Spot:
+class RestingSpot:
     """A point on which something stood, on an object of a piece; with the greatest half width of things that fit there."""
 
     host: str
@@ -58,7 +58,7 @@ class Spot:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class FurnitureSet:
     """Things that belong together.
 
     Attributes
@@ -72,7 +72,7 @@ class Piece:
     gaps : mapping of str to float
         For each of the sides "back", "front", "left" and "right" that is at a wall: how far it is from the wall, metres;
         negative for what is let into the wall.
-    spots : tuple of Spot
+    spots : tuple of RestingSpot
         Where things were recorded to stand on it.
     """
 
@@ -81,7 +81,7 @@ class Piece:
     low: F64
     high: F64
     gaps: dict[str, float]
-    spots: tuple[Spot, ...] = ()
+    spots: tuple[RestingSpot, ...] = ()
 
     @property
     def is_hung(self) -> bool:
@@ -93,7 +93,7 @@ class Piece:
         """What worktops and washbasins stand on, recorded or not: boxes from the floor up."""
         return [(row.low * [1, 1, 0], row.high) for row in self.rows if row.type in WORKTOPS]
 
-    def turned(self, quarters: int) -> Piece:
+    def turned(self, quarters: int) -> FurnitureSet:
         """The same piece, turned counter-clockwise by quarters; its sides keep their names."""
         spin = QUARTERS[quarters % 4]
         rows = tuple(moved(row, spin, np.zeros(3)) for row in self.rows)
@@ -102,7 +102,7 @@ class Piece:
         return replace(self, rows=rows, spots=spots, low=low, high=high)
 
 
-def pieces_of(objects: Sequence[RecordedObject], shell: RoomShell) -> list[Piece]:
+def pieces_of(objects: Sequence[RecordedObject], shell: RoomShell) -> list[FurnitureSet]:
     """The pieces of a recorded room: all that is not carried by something else, with what is built into or hangs on it.
 
     Parameters
@@ -133,7 +133,7 @@ def groups_of(objects: Sequence[RecordedObject]) -> list[list[RecordedObject]]:
     return groups
 
 
-def piece_from(group: Sequence[RecordedObject], objects: Sequence[RecordedObject], shell: RoomShell) -> Piece:
+def piece_from(group: Sequence[RecordedObject], objects: Sequence[RecordedObject], shell: RoomShell) -> FurnitureSet:
     """A piece in its own frame, of objects of a recorded room."""
     kind, front = kind_of(group), _front_of(group)
     low, high = np.min([o.low for o in group], axis=0), np.max([o.high for o in group], axis=0)
@@ -153,16 +153,18 @@ def piece_from(group: Sequence[RecordedObject], objects: Sequence[RecordedObject
             limit = -0.3 if kind in IN_WALLS else 0.004
             gaps[name] = float(np.clip(gap, limit, 0.03))
     spots = tuple(_spots(group, objects, spin, -spin @ middle))
-    return Piece(kind, rows, *_corners(rows), gaps, spots)
+    return FurnitureSet(kind, rows, *_corners(rows), gaps, spots)
 
 
-def _spots(group: Sequence[RecordedObject], objects: Sequence[RecordedObject], spin: F64, shift: F64) -> Iterator[Spot]:
+def _spots(
+    group: Sequence[RecordedObject], objects: Sequence[RecordedObject], spin: F64, shift: F64
+) -> Iterator[RestingSpot]:
     hosts = {o.id: o for o in group}
     for o in objects:
         for host in (hosts[parent] for parent in o.parents if parent in hosts and o.id not in hosts):
             if host.type in UNEVEN:
                 foot = np.append((o.low + o.high)[:2] / 2, o.low[2])
-                yield Spot(host.id, spin @ foot + shift, float((o.high - o.low)[:2].max()) / 2 + SPOT_SLACK_M)
+                yield RestingSpot(host.id, spin @ foot + shift, float((o.high - o.low)[:2].max()) / 2 + SPOT_SLACK_M)
 
 
 def kind_of(group: Sequence[RecordedObject]) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
 from remqa_data.floorplans.sampled.canvas import QUARTERS_AT, Canvas, Wall, before, clearances
 from remqa_data.floorplans.sampled.furnishing import UPRIGHT, against
-from remqa_data.floorplans.sampled.furniture_sets import Piece, moved
+from remqa_data.floorplans.sampled.furniture_sets import FurnitureSet, moved
 from remqa_data.floorplans.sampled.kitchen_plan import DEPTH_M, Unit, lay_out
 from remqa_data.floorplans.sampled.statistics import Inventory, flags_by_type
 from remqa_data.geometry.types import F64
@@ -35,7 +35,11 @@ ISLAND_M, ISLAND_DEPTH_M, AROUND_ISLAND_M = (1.2, 2.0), (0.65, 0.95), 0.7
 
 
 def build_kitchen(
-    canvas: Canvas, inventory: Inventory, fridges: Sequence[Piece], windows: list[Piece], rng: np.random.Generator
+    canvas: Canvas,
+    inventory: Inventory,
+    fridges: Sequence[FurnitureSet],
+    windows: list[FurnitureSet],
+    rng: np.random.Generator,
 ) -> bool:
     """Build a kitchen into an empty room; takes one of the windows for the wall above the sink.
 
@@ -70,7 +74,7 @@ def build_kitchen(
     return canvas.is_walkable()
 
 
-def _put_window(canvas: Canvas, window: Piece, sink: Unit) -> bool:
+def _put_window(canvas: Canvas, window: FurnitureSet, sink: Unit) -> bool:
     """A window over the sink."""
     turned = window.turned(QUARTERS_AT[sink.wall.side])
     shift = against(sink.wall, turned, (sink.start + sink.end) / 2, window.gaps.get("back", 0.0))
@@ -136,7 +140,7 @@ class _Kitchen:
             z = (KICK_M, top - count * each - gap)
             self._door(unit.wall, unit.start, unit.end, z, (0.06, FRONT_M), bool(self.rng.random() < 0.5))
 
-    def fridge(self, unit: Unit, pattern: Piece) -> bool:
+    def fridge(self, unit: Unit, pattern: FurnitureSet) -> bool:
         """A fridge as recorded."""
         turned = pattern.turned(QUARTERS_AT[unit.wall.side])
         shift = against(unit.wall, turned, (unit.start + unit.end) / 2, 0.02)

@@ -22,10 +22,10 @@ from remqa_data.floorplans.ithor.scenes import furnished
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.floorplans.sampled.canvas import DOOR_CLEAR_M, Canvas, Wall
 from remqa_data.floorplans.sampled.furnishing import SEATS, furnish
-from remqa_data.floorplans.sampled.furniture_sets import BUILT, Piece
+from remqa_data.floorplans.sampled.furniture_sets import BUILT, FurnitureSet
 from remqa_data.floorplans.sampled.kitchen import build_kitchen, new_row
 from remqa_data.floorplans.sampled.naming import ROOM_TYPES, room_type_of, sampled_name
-from remqa_data.floorplans.sampled.small_objects import put_things
+from remqa_data.floorplans.sampled.small_objects import put_small_objects
 from remqa_data.floorplans.sampled.statistics import (
     ROOMS_OF_A_TYPE,
     Inventory,
@@ -128,7 +128,7 @@ def sampled_rows(index: int, rng: np.random.Generator, model: int) -> tuple[list
     missing = [piece for piece in left if piece.kind not in SEATS]
     if len(missing) > MOST_LEFT * len(pieces) or any(row.type in NEVER_LEFT for piece in left for row in piece.rows):
         return None
-    put_things(canvas, inventory.things, rooms, rng)
+    put_small_objects(canvas, inventory.things, rooms, rng)
     shell = RoomShell(0.0, canvas.bounds, canvas.height, canvas.notch, canvas.door)
     return [replace(row, room=room_type) for row in canvas.rows], shell
 
@@ -196,14 +196,14 @@ def _put_door(canvas: Canvas, rng: np.random.Generator) -> bool:
     return False
 
 
-def _chosen(kinds: Counter[str], rooms: RecordedRooms, rng: np.random.Generator, room_type: str) -> list[Piece]:
+def _chosen(kinds: Counter[str], rooms: RecordedRooms, rng: np.random.Generator, room_type: str) -> list[FurnitureSet]:
     """A pattern for each piece of an inventory."""
     skipped = KITCHEN_UNITS if room_type == "kitchen" else ()
     kinds_left = [kind for kind in kinds.elements() if kind in rooms.patterns and kind not in skipped]
     return [_pattern(rooms.patterns[kind], rng) for kind in kinds_left]
 
 
-def _pattern(patterns: Sequence[Piece], rng: np.random.Generator) -> Piece:
+def _pattern(patterns: Sequence[FurnitureSet], rng: np.random.Generator) -> FurnitureSet:
     """One of some patterns; large ones somewhat more often, as they find a place less often."""
     weights = np.array([1 + LARGER * (len(piece.rows) - 1) for piece in patterns])
     return patterns[int(rng.choice(len(patterns), p=weights / weights.sum()))]

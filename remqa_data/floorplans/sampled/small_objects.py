@@ -41,7 +41,9 @@ AT_BACK = frozenset({"DeskLamp", "Television", "HousePlant", "Microwave", "Coffe
 """What stands at the back of what it stands on."""
 
 
-def put_things(canvas: Canvas, types: Counter[str], rooms: RecordedRooms, rng: np.random.Generator) -> Counter[str]:
+def put_small_objects(
+    canvas: Canvas, types: Counter[str], rooms: RecordedRooms, rng: np.random.Generator
+) -> Counter[str]:
     """Put things of some types into a room, the large ones first; returns those for which there was no place."""
     wanted = [(type_, rooms.things[type_]) for type_ in types.elements() if type_ in rooms.things]
     chosen = [(type_, found[int(rng.integers(len(found)))]) for type_, found in wanted]

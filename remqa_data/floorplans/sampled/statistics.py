@@ -12,7 +12,7 @@ import numpy as np
 from remqa_data.floorplans.ithor.plan import IN_WALLS, RoomShell
 from remqa_data.floorplans.ithor.scenes import understood
 from remqa_data.floorplans.ithor.table import RecordedObject, recorded_objects, scene_names
-from remqa_data.floorplans.sampled.furniture_sets import CABIN, WET, Piece, groups_of, kind_of, piece_from
+from remqa_data.floorplans.sampled.furniture_sets import CABIN, WET, FurnitureSet, groups_of, kind_of, piece_from
 from remqa_data.floorplans.sampled.naming import ROOM_TYPES
 from remqa_data.geometry.types import F64
 
@@ -77,7 +77,7 @@ class RecordedRooms:
     ----------
     inventories : tuple of Inventory
         One for each room.
-    patterns : mapping of str to tuple of Piece
+    patterns : mapping of str to tuple of FurnitureSet
         Pieces by kind, from which new ones are made.
     things : mapping of str to tuple of RecordedObject
         Upright things by type, from which new ones are made.
@@ -86,7 +86,7 @@ class RecordedRooms:
     """
 
     inventories: tuple[Inventory, ...]
-    patterns: Mapping[str, tuple[Piece, ...]]
+    patterns: Mapping[str, tuple[FurnitureSet, ...]]
     things: Mapping[str, tuple[RecordedObject, ...]]
     heights: Mapping[str, F64]
 
@@ -96,7 +96,7 @@ def recorded_rooms(room_type: str) -> RecordedRooms:
     """What the recorded rooms of a type say; takes a second or two the first time."""
     first = ROOM_TYPES.index(room_type) * ROOMS_OF_A_TYPE
     inventories: list[Inventory] = []
-    patterns: dict[str, list[Piece]] = {}
+    patterns: dict[str, list[FurnitureSet]] = {}
     things: dict[str, list[RecordedObject]] = {}
     heights: dict[str, list[float]] = {}
     for name in scene_names()[first : first + ROOMS_OF_A_TYPE]:
@@ -136,7 +136,7 @@ def _is_piece(group: Sequence[RecordedObject]) -> bool:
     return main.type not in ON_SURFACES
 
 
-def _pattern(piece: Piece) -> Piece | None:
+def _pattern(piece: FurnitureSet) -> FurnitureSet | None:
     """A piece as it can stand in other rooms, too; None if it cannot."""
     sides, types = set(piece.gaps), {row.type for row in piece.rows}
     long, short = sorted((piece.high - piece.low)[:2], reverse=True)

@@ -12,7 +12,7 @@ from remqa_data.sim.agent.agent import Agent
 from remqa_data.sim.arm import body as arm_body
 from remqa_data.sim.arm.postures import COLUMN_TOP_M
 from remqa_data.sim.render.camera import NEAR_M, AnyCamera, Camera
-from remqa_data.sim.render.renderer import Part, Renderer
+from remqa_data.sim.render.renderer import Renderer, RenderPart
 from remqa_data.sim.render.view import WorldView, world_parts
 
 Place = tuple[float, float, float]
@@ -102,7 +102,7 @@ class RobotView(WorldView):
         self.agent = agent
         parts, poses = world_parts(agent.world)
         # All parts of the robot have the instance that WorldView reads as "no object".
-        robot = [Part(surfaces, len(parts)) for surfaces in arm_body.robot_surfaces()]
+        robot = [RenderPart(surfaces, len(parts)) for surfaces in arm_body.robot_surfaces()]
         self._robot = range(len(parts), len(parts) + len(robot))
         self.renderer = Renderer(
             [*parts, *robot], np.concatenate([poses, self._robot_poses()]), lights=agent.world.scene.lights

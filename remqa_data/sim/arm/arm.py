@@ -17,7 +17,7 @@ from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.body import robot_poses, robot_surfaces
 from remqa_data.sim.arm.obstacles import Obstacles
 from remqa_data.sim.arm.postures import HOME, ArmBase, ArmState, link_poses
-from remqa_data.sim.arm.search import Goals, Search, Way
+from remqa_data.sim.arm.search import HandGoals, Search, Way
 from remqa_data.sim.arm.targets import Targets
 from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, SHOULDER_HIGH_M, SHOULDER_LOW_M
 from remqa_data.sim.physics.world import World
@@ -113,7 +113,7 @@ class Arm:
         """
         point = np.array(target, dtype=np.float64)
         away = point - np.array(self.shoulder(base))
-        goals = Goals(point[None], away[None] / max(float(np.linalg.norm(away)), 1e-9))
+        goals = HandGoals(point[None], away[None] / max(float(np.linalg.norm(away)), 1e-9))
         return self._after(self._search(base, ignore).to(goals, free_column=free_height))
 
     def set_base_height(self, base: ArmBase, height_m: float) -> ArmMove:

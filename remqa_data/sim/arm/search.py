@@ -48,7 +48,7 @@ POSTURES_PER_BATCH = 3
 turn: there are many more batches then. Where it stays all are tried, for there are at most 216 of them."""
 
 
-class Goals(NamedTuple):
+class HandGoals(NamedTuple):
     """Where the hand may go, the preferred places first.
 
     Attributes
@@ -109,12 +109,12 @@ class Search:
         stop, box = self._first_push(postures)
         return Way(postures[stop - 1], box < 0, None if box < 0 else int(self.owners[box]))
 
-    def to(self, goals: Goals, *, free_column: bool, from_outside: bool = False) -> Way | None:
+    def to(self, goals: HandGoals, *, free_column: bool, from_outside: bool = False) -> Way | None:
         """Bring the hand to one of some goals.
 
         Parameters
         ----------
-        goals : Goals
+        goals : HandGoals
             The first ones are preferred.
         free_column : bool
             Whether the column may slide and turn too.
@@ -140,7 +140,7 @@ class Search:
                             return way
         return self._as_near_as_possible(goals, free_column=free_column)
 
-    def _as_near_as_possible(self, goals: Goals, *, free_column: bool) -> Way | None:
+    def _as_near_as_possible(self, goals: HandGoals, *, free_column: bool) -> Way | None:
         for goal, axis in zip(*goals, strict=True):
             for batch in self._batches(goal, _fanned(axis), free_column=free_column):
                 postures = postures_to(self.base, *batch, self.start)

@@ -13,7 +13,7 @@ from remqa_data.assets.core.model import Link
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm.postures import ArmBase
-from remqa_data.sim.arm.search import Goals
+from remqa_data.sim.arm.search import HandGoals
 from remqa_data.sim.navigation.grid import ARM_REACH_M, SHOULDER_AHEAD_M, SHOULDER_HIGH_M, SHOULDER_LOW_M
 from remqa_data.sim.physics.world import World
 
@@ -38,7 +38,7 @@ class Targets:
         self._world = world
         self._shapes: dict[str, list[_Shape]] = {}
 
-    def goals(self, base: ArmBase, object_id: str, hand_radius_m: float) -> Goals:
+    def goals(self, base: ArmBase, object_id: str, hand_radius_m: float) -> HandGoals:
         """Where the hand's ball touches an object, those places first that are nearest to the arm's best shoulder.
 
         The surface is as it is now, so it follows open doors: points spread over the collision boxes, which have large
@@ -56,7 +56,7 @@ class Targets:
         hand = np.vstack([points, corners, corners, corners]) - axes * (GAP_SHARE * hand_radius_m)
         reach = np.linalg.norm(hand - best_shoulders(base, hand), axis=1)
         order = np.argsort(np.round(reach, 6), kind="stable")[: np.count_nonzero(reach <= ARM_REACH_M)]
-        return Goals(hand[order], axes[order])
+        return HandGoals(hand[order], axes[order])
 
 
 def best_shoulders(base: ArmBase, points: F64) -> F64:

@@ -12,11 +12,11 @@ from remqa_data.geometry.types import F32, F64, I32, U8, Vec3
 from remqa_data.sim.render.antialias import smooth_edges
 from remqa_data.sim.render.camera import AnyCamera, View
 from remqa_data.sim.render.raster import Buffers, Placed, place_part, rasterise
-from remqa_data.sim.render.scene_arrays import Part, build_geometry, build_materials, surface_instances
+from remqa_data.sim.render.scene_arrays import RenderPart, build_geometry, build_materials, surface_instances
 from remqa_data.sim.render.shade import Lights, shade, write_depth_and_instances
 from remqa_data.sim.render.shadow import empty_shadows, lamp_views, mark_faces, summarise
 
-__all__ = ["Frame", "Part", "Renderer"]
+__all__ = ["Frame", "RenderPart", "Renderer"]
 
 _NO_SHADOWS = empty_shadows((0.0, 0.0, 0.0), 0)
 
@@ -38,7 +38,7 @@ class Renderer:
 
     Parameters
     ----------
-    parts : sequence of Part
+    parts : sequence of RenderPart
         What there is to draw.
     poses : (n, 4, 4) array
         Pose of each part: its frame to the world.
@@ -54,7 +54,7 @@ class Renderer:
 
     def __init__(
         self,
-        parts: Sequence[Part],
+        parts: Sequence[RenderPart],
         poses: npt.ArrayLike,
         *,
         lights: Sequence[Vec3] = ((0.0, 0.0, 2.4),),

@@ -24,7 +24,7 @@ _WELD_M = 1e-6
 
 
 @dataclass(frozen=True)
-class Part:
+class RenderPart:
     """One rigid link of one object; its geometry is given in its own frame.
 
     Attributes
@@ -39,7 +39,7 @@ class Part:
     instance: int
 
 
-def build_geometry(parts: Sequence[Part]) -> Geometry:
+def build_geometry(parts: Sequence[RenderPart]) -> Geometry:
     """Join the meshes of all parts."""
     surfaces = [surface for part in parts for surface in part.surfaces]
     vertex_start = _offsets([len(surface.vertices) for surface in surfaces])
@@ -63,7 +63,7 @@ def build_geometry(parts: Sequence[Part]) -> Geometry:
     )
 
 
-def build_materials(parts: Sequence[Part]) -> tuple[Materials, I32]:
+def build_materials(parts: Sequence[RenderPart]) -> tuple[Materials, I32]:
     """Materials of all surfaces, and the texels of the textures they name, which get the numbers 1, 2, ..."""
     materials = [surface.material for part in parts for surface in part.surfaces]
     names = sorted({material.texture for material in materials if material.texture is not None})
@@ -86,7 +86,7 @@ def _texels(name: str | None) -> I32:
     return levels(white if name is None else texture(name))
 
 
-def surface_instances(parts: Sequence[Part]) -> I32:
+def surface_instances(parts: Sequence[RenderPart]) -> I32:
     """Instance id of each surface."""
     return np.array([part.instance for part in parts for _ in part.surfaces], dtype=np.int32)
 
@@ -139,7 +139,7 @@ def _pieces(faces: npt.NDArray[np.int64], points: int) -> npt.NDArray[np.int64]:
         label = lowered
 
 
-def _corners(part: Part) -> F64:
+def _corners(part: RenderPart) -> F64:
     """(8, 3) corners of the box around a part; a part without vertices is a point at its origin."""
     points = [s.vertices.astype(np.float64) for s in part.surfaces if len(s.vertices)]
     stacked = np.vstack(points) if points else np.zeros((1, 3))

@@ -15,7 +15,7 @@ from remqa_data.geometry.types import F32, F64, I32
 from remqa_data.scene import Scene, StructureBox
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import AnyCamera
-from remqa_data.sim.render.renderer import Part, Renderer
+from remqa_data.sim.render.renderer import Renderer, RenderPart
 
 if TYPE_CHECKING:
     from remqa_data.sim.render.renderer import Frame
@@ -102,7 +102,7 @@ class WorldView:
         return depth, np.asarray(self._object_of[parts])
 
 
-def world_parts(world: World) -> tuple[list[Part], F64]:
+def world_parts(world: World) -> tuple[list[RenderPart], F64]:
     """Everything there is to draw: the building's parts, then every link of every object; and their (n, 4, 4) poses.
 
     A part's instance is its place in the list.
@@ -112,7 +112,7 @@ def world_parts(world: World) -> tuple[list[Part], F64]:
     for object_id in world.ids:
         surfaces += [link.surfaces for link in world.assets[object_id].links]
         poses += list(world.link_poses(object_id))
-    return [Part(shown, i) for i, shown in enumerate(surfaces)], np.stack(poses)
+    return [RenderPart(shown, i) for i, shown in enumerate(surfaces)], np.stack(poses)
 
 
 def structure_surfaces(scene: Scene) -> list[tuple[Surface, ...]]:

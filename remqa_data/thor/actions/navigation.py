@@ -6,54 +6,58 @@ from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, yaw_to_room
-from remqa_data.thor.state.simulator import AGENT_Y, Stage
+from remqa_data.thor.state.simulator import AGENT_Y, SimulatorState
 
 HEIGHT_TOLERANCE_M = 0.05
 """How far from the floor a teleport may aim; the agent stands on the floor afterwards."""
 
 
-def move_ahead(stage: Stage, moveMagnitude: float | None = None, forceAction: bool = False) -> ActionResult:
+def move_ahead(
+    simulator: SimulatorState, moveMagnitude: float | None = None, forceAction: bool = False
+) -> ActionResult:
     """Walk ahead by a number of metres, by default one cell of the grid."""
-    return _move(stage, 1, 0, moveMagnitude, forceAction)
+    return _move(simulator, 1, 0, moveMagnitude, forceAction)
 
 
-def move_back(stage: Stage, moveMagnitude: float | None = None, forceAction: bool = False) -> ActionResult:
+def move_back(simulator: SimulatorState, moveMagnitude: float | None = None, forceAction: bool = False) -> ActionResult:
     """Walk backwards."""
-    return _move(stage, -1, 0, moveMagnitude, forceAction)
+    return _move(simulator, -1, 0, moveMagnitude, forceAction)
 
 
-def move_right(stage: Stage, moveMagnitude: float | None = None, forceAction: bool = False) -> ActionResult:
+def move_right(
+    simulator: SimulatorState, moveMagnitude: float | None = None, forceAction: bool = False
+) -> ActionResult:
     """Walk to the right, looking ahead."""
-    return _move(stage, 0, 1, moveMagnitude, forceAction)
+    return _move(simulator, 0, 1, moveMagnitude, forceAction)
 
 
-def move_left(stage: Stage, moveMagnitude: float | None = None, forceAction: bool = False) -> ActionResult:
+def move_left(simulator: SimulatorState, moveMagnitude: float | None = None, forceAction: bool = False) -> ActionResult:
     """Walk to the left, looking ahead."""
-    return _move(stage, 0, -1, moveMagnitude, forceAction)
+    return _move(simulator, 0, -1, moveMagnitude, forceAction)
 
 
-def rotate_right(stage: Stage, degrees: float | None = None, forceAction: bool = False) -> ActionResult:
+def rotate_right(simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False) -> ActionResult:
     """Turn clockwise, by default as far as Initialize has set."""
-    return _rotate(stage, -1, degrees)
+    return _rotate(simulator, -1, degrees)
 
 
-def rotate_left(stage: Stage, degrees: float | None = None, forceAction: bool = False) -> ActionResult:
+def rotate_left(simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False) -> ActionResult:
     """Turn counter-clockwise."""
-    return _rotate(stage, 1, degrees)
+    return _rotate(simulator, 1, degrees)
 
 
-def look_up(stage: Stage, degrees: float | None = None) -> ActionResult:
+def look_up(simulator: SimulatorState, degrees: float | None = None) -> ActionResult:
     """Tilt the camera up."""
-    return stage.agent.look(-(stage.agent.embodiment.look_deg if degrees is None else degrees))
+    return simulator.agent.look(-(simulator.agent.embodiment.look_deg if degrees is None else degrees))
 
 
-def look_down(stage: Stage, degrees: float | None = None) -> ActionResult:
+def look_down(simulator: SimulatorState, degrees: float | None = None) -> ActionResult:
     """Tilt the camera down."""
-    return stage.agent.look(stage.agent.embodiment.look_deg if degrees is None else degrees)
+    return simulator.agent.look(simulator.agent.embodiment.look_deg if degrees is None else degrees)
 
 
 def teleport(
-    stage: Stage,
+    simulator: SimulatorState,
     position: PartialVector | None = None,
     rotation: PartialVector | None = None,
     horizon: float | None = None,
@@ -75,17 +79,17 @@ def teleport(
             False, f"y {y:g} is more than {HEIGHT_TOLERANCE_M} m from {AGENT_Y}, where the agent stands"
         )
     yaw = None if rotation is None else yaw_to_room(rotation.get("y", 0.0))
-    return stage.agent.teleport(x, z, yaw, horizon, standing, forceAction)
+    return simulator.agent.teleport(x, z, yaw, horizon, standing, forceAction)
 
 
-def crouch(stage: Stage) -> ActionResult:
+def crouch(simulator: SimulatorState) -> ActionResult:
     """Lower the camera."""
-    return stage.agent.crouch()
+    return simulator.agent.crouch()
 
 
-def stand(stage: Stage) -> ActionResult:
+def stand(simulator: SimulatorState) -> ActionResult:
     """Stand up."""
-    return stage.agent.stand()
+    return simulator.agent.stand()
 
 
 ACTIONS: dict[str, Action] = {
@@ -104,15 +108,15 @@ ACTIONS: dict[str, Action] = {
 }
 
 
-def _move(stage: Stage, ahead: int, right: int, metres: float | None, force: bool) -> ActionResult:
-    distance = stage.settings.grid_size if metres is None else metres
+def _move(simulator: SimulatorState, ahead: int, right: int, metres: float | None, force: bool) -> ActionResult:
+    distance = simulator.settings.grid_size if metres is None else metres
     if distance < 0:
         return ActionResult(False, f"moveMagnitude {distance:g} is negative: name the direction in the action")
-    return stage.agent.move(ahead * distance, right * distance, force)
+    return simulator.agent.move(ahead * distance, right * distance, force)
 
 
-def _rotate(stage: Stage, counter_clockwise: int, degrees: float | None) -> ActionResult:
-    angle = stage.settings.rotate_step_degrees if degrees is None else degrees
+def _rotate(simulator: SimulatorState, counter_clockwise: int, degrees: float | None) -> ActionResult:
+    angle = simulator.settings.rotate_step_degrees if degrees is None else degrees
     if angle < 0:
         return ActionResult(False, f"degrees {angle:g} is negative: name the direction in the action")
-    return stage.agent.rotate(counter_clockwise * angle)
+    return simulator.agent.rotate(counter_clockwise * angle)

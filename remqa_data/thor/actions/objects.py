@@ -12,7 +12,7 @@ from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import MAX_PUSH_M, ActionResult
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.simulator import Stage
+from remqa_data.thor.state.simulator import SimulatorState
 
 NO_PLACE = "No valid positions to place object found"
 """AI2-THOR's words, which its clients look for."""
@@ -21,7 +21,7 @@ PUSH_S = 0.02
 
 
 def open_object(
-    stage: Stage,
+    simulator: SimulatorState,
     objectId: str | None = None,
     x: float | None = None,
     y: float | None = None,
@@ -30,27 +30,27 @@ def open_object(
     moveMagnitude: float | None = None,
 ) -> ActionResult:
     """Open an object. `moveMagnitude` is the old name of `openness`, with 0 for all the way."""
-    target = _target(stage, "OpenObject", objectId, x, y)
+    target = _target(simulator, "OpenObject", objectId, x, y)
     if isinstance(target, ActionResult):
         return target
     share = openness if moveMagnitude is None else moveMagnitude or 1.0
-    return _plain(stage.agent.open(target, share, forceAction))
+    return _plain(simulator.agent.open(target, share, forceAction))
 
 
 def close_object(
-    stage: Stage,
+    simulator: SimulatorState,
     objectId: str | None = None,
     x: float | None = None,
     y: float | None = None,
     forceAction: bool = False,
 ) -> ActionResult:
     """Close an object."""
-    target = _target(stage, "CloseObject", objectId, x, y)
-    return target if isinstance(target, ActionResult) else _plain(stage.agent.close(target, forceAction))
+    target = _target(simulator, "CloseObject", objectId, x, y)
+    return target if isinstance(target, ActionResult) else _plain(simulator.agent.close(target, forceAction))
 
 
 def pick_up_object(
-    stage: Stage,
+    simulator: SimulatorState,
     objectId: str | None = None,
     x: float | None = None,
     y: float | None = None,
@@ -58,12 +58,12 @@ def pick_up_object(
     manualInteract: bool = False,
 ) -> ActionResult:
     """Take an object into the hand."""
-    target = _target(stage, "PickupObject", objectId, x, y)
-    return target if isinstance(target, ActionResult) else stage.agent.pick_up(target, forceAction)
+    target = _target(simulator, "PickupObject", objectId, x, y)
+    return target if isinstance(target, ActionResult) else simulator.agent.pick_up(target, forceAction)
 
 
 def put_object(
-    stage: Stage,
+    simulator: SimulatorState,
     objectId: str | None = None,
     x: float | None = None,
     y: float | None = None,
@@ -72,20 +72,20 @@ def put_object(
     receptacleObjectId: str | None = None,
 ) -> ActionResult:
     """Put what is held into or onto a receptacle, which `receptacleObjectId` names in old code."""
-    target = _target(stage, "PutObject", receptacleObjectId or objectId, x, y)
+    target = _target(simulator, "PutObject", receptacleObjectId or objectId, x, y)
     if isinstance(target, ActionResult):
         return target
-    result = stage.agent.put(target, forceAction)
+    result = simulator.agent.put(target, forceAction)
     return ActionResult(False, NO_PLACE) if result.error.startswith("no free place") else _plain(result)
 
 
-def drop_object(stage: Stage, forceAction: bool = False) -> ActionResult:
+def drop_object(simulator: SimulatorState, forceAction: bool = False) -> ActionResult:
     """Let go of what is held."""
-    return _plain(stage.agent.drop())
+    return _plain(simulator.agent.drop())
 
 
 def push_object(
-    stage: Stage,
+    simulator: SimulatorState,
     moveMagnitude: float,
     objectId: str | None = None,
     x: float | None = None,
@@ -93,11 +93,11 @@ def push_object(
     forceAction: bool = False,
 ) -> ActionResult:
     """Push an object in the direction that the agent faces, with a force in newtons."""
-    return _push(stage, _target(stage, "PushObject", objectId, x, y), moveMagnitude, 0.0)
+    return _push(simulator, _target(simulator, "PushObject", objectId, x, y), moveMagnitude, 0.0)
 
 
 def pull_object(
-    stage: Stage,
+    simulator: SimulatorState,
     moveMagnitude: float,
     objectId: str | None = None,
     x: float | None = None,
@@ -105,11 +105,11 @@ def pull_object(
     forceAction: bool = False,
 ) -> ActionResult:
     """Push an object against the direction that the agent faces."""
-    return _push(stage, _target(stage, "PullObject", objectId, x, y), moveMagnitude, 180.0)
+    return _push(simulator, _target(simulator, "PullObject", objectId, x, y), moveMagnitude, 180.0)
 
 
 def directional_push(
-    stage: Stage,
+    simulator: SimulatorState,
     moveMagnitude: float,
     pushAngle: float,
     objectId: str | None = None,
@@ -118,29 +118,29 @@ def directional_push(
     forceAction: bool = False,
 ) -> ActionResult:
     """Push an object at an angle clockwise from the direction that the agent faces, degrees."""
-    return _push(stage, _target(stage, "DirectionalPush", objectId, x, y), moveMagnitude, pushAngle)
+    return _push(simulator, _target(simulator, "DirectionalPush", objectId, x, y), moveMagnitude, pushAngle)
 
 
 def toggle_object_on(
-    stage: Stage,
+    simulator: SimulatorState,
     objectId: str | None = None,
     x: float | None = None,
     y: float | None = None,
     forceAction: bool = False,
 ) -> ActionResult:
     """Switch an object on."""
-    return _toggle(stage, _target(stage, "ToggleObjectOn", objectId, x, y), True, forceAction)
+    return _toggle(simulator, _target(simulator, "ToggleObjectOn", objectId, x, y), True, forceAction)
 
 
 def toggle_object_off(
-    stage: Stage,
+    simulator: SimulatorState,
     objectId: str | None = None,
     x: float | None = None,
     y: float | None = None,
     forceAction: bool = False,
 ) -> ActionResult:
     """Switch an object off."""
-    return _toggle(stage, _target(stage, "ToggleObjectOff", objectId, x, y), False, forceAction)
+    return _toggle(simulator, _target(simulator, "ToggleObjectOff", objectId, x, y), False, forceAction)
 
 
 ACTIONS: dict[str, Action] = {
@@ -158,13 +158,15 @@ ACTIONS: dict[str, Action] = {
 }
 
 
-def _target(stage: Stage, action: str, object_id: str | None, x: float | None, y: float | None) -> str | ActionResult:
+def _target(
+    simulator: SimulatorState, action: str, object_id: str | None, x: float | None, y: float | None
+) -> str | ActionResult:
     """The id of the object that an action is about, or why there is none."""
     if object_id is not None:
         return object_id
     if x is None or y is None:
         raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
-    return stage.agent.object_at(x, y) or ActionResult(False, f"no object at ({x:g}, {y:g})")
+    return simulator.agent.object_at(x, y) or ActionResult(False, f"no object at ({x:g}, {y:g})")
 
 
 def _plain(result: ActionResult) -> ActionResult:
@@ -172,12 +174,12 @@ def _plain(result: ActionResult) -> ActionResult:
     return ActionResult(result.success, result.error)
 
 
-def _push(stage: Stage, target: str | ActionResult, newtons: float, angle_deg: float) -> ActionResult:
+def _push(simulator: SimulatorState, target: str | ActionResult, newtons: float, angle_deg: float) -> ActionResult:
     if isinstance(target, ActionResult):
         return target
     if newtons <= 0:
         return ActionResult(False, f"moveMagnitude {newtons:g} is not a force: give newtons")
-    agent, world = stage.agent, stage.room.world
+    agent, world = simulator.agent, simulator.room.world
     distance = _slide_m(newtons, object_type(world.type_of(target)).mass_kg or 1.0)
     x, y, _ = world.state(target).position
     away_deg = math.degrees(math.atan2(y - agent.y, x - agent.x))
@@ -190,15 +192,15 @@ def _slide_m(newtons: float, mass_kg: float) -> float:
     return min(max(speed**2 / (2 * FRICTION * -GRAVITY_M_S2), 0.001), MAX_PUSH_M)
 
 
-def _toggle(stage: Stage, target: str | ActionResult, on: bool, force: bool) -> ActionResult:
+def _toggle(simulator: SimulatorState, target: str | ActionResult, on: bool, force: bool) -> ActionResult:
     if isinstance(target, ActionResult):
         return target
-    toggled = stage.room.records.toggled
-    if not object_type(stage.room.world.type_of(target)).toggleable:
+    toggled = simulator.room.records.toggled
+    if not object_type(simulator.room.world.type_of(target)).toggleable:
         return ActionResult(False, f"{target} is not toggleable")
     if (target in toggled) == on:
         return ActionResult(False, f"{target} is already {'on' if on else 'off'}")
-    refusal = None if force else stage.agent.refusal(target)
+    refusal = None if force else simulator.agent.refusal(target)
     if refusal is not None:
         return refusal
     (toggled.add if on else toggled.remove)(target)

@@ -16,7 +16,7 @@ from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, whole
 from remqa_data.thor.state.objects import box_metadata
 from remqa_data.thor.state.settings import FrameSize, Images, Settings
-from remqa_data.thor.state.simulator import SCENE_SUFFIX, Stage
+from remqa_data.thor.state.simulator import SCENE_SUFFIX, SimulatorState
 
 NO_EFFECT = frozenset(
     {
@@ -43,19 +43,19 @@ NO_EFFECT = frozenset(
 """Initialization parameters of AI2-THOR that mean nothing here, or stand for another one; the rest draw a warning."""
 
 
-def get_scenes_in_build(stage: Stage) -> ActionResult:
+def get_scenes_in_build(simulator: SimulatorState) -> ActionResult:
     """The names of all scenes."""
     return ActionResult(True, value=[name + SCENE_SUFFIX for name in scene_names()])
 
 
-def reset(stage: Stage, sceneName: str) -> ActionResult:
+def reset(simulator: SimulatorState, sceneName: str) -> ActionResult:
     """Load a scene."""
-    stage.load(sceneName)
+    simulator.load(sceneName)
     return ActionResult(True)
 
 
 def initialize(
-    stage: Stage,
+    simulator: SimulatorState,
     gridSize: float = 0.25,
     visibilityDistance: float = 1.5,
     rotateStepDegrees: float = 90.0,
@@ -90,7 +90,7 @@ def initialize(
         )
     for name in sorted(set(others) - NO_EFFECT):
         warnings.warn(f"initialization parameter {name} has no effect here", stacklevel=2)
-    stage.settings = Settings(
+    simulator.settings = Settings(
         grid_size=gridSize,
         visibility_distance=visibilityDistance,
         rotate_step_degrees=rotateStepDegrees,
@@ -103,46 +103,46 @@ def initialize(
             types=renderSemanticSegmentation,
         ),
     )
-    stage.room.embody(stage.settings)
+    simulator.room.embody(simulator.settings)
     return ActionResult(True, value={"cameraNearPlane": cameraNearPlane, "cameraFarPlane": cameraFarPlane})
 
 
-def change_resolution(stage: Stage, x: int, y: int) -> ActionResult:
+def change_resolution(simulator: SimulatorState, x: int, y: int) -> ActionResult:
     """Set the size of all pictures."""
-    stage.resize(FrameSize(x, y))
+    simulator.resize(FrameSize(x, y))
     return ActionResult(True)
 
 
-def do_nothing(stage: Stage) -> ActionResult:
+def do_nothing(simulator: SimulatorState) -> ActionResult:
     """Only take a picture."""
     return ActionResult(True)
 
 
-def advance_physics(stage: Stage, timeStep: float = 0.02) -> ActionResult:
+def advance_physics(simulator: SimulatorState, timeStep: float = 0.02) -> ActionResult:
     """Nothing is in motion between actions, so time has nothing to do."""
     return ActionResult(True)
 
 
-def set_object_filter(stage: Stage, objectIds: list[str]) -> ActionResult:
+def set_object_filter(simulator: SimulatorState, objectIds: list[str]) -> ActionResult:
     """List only some objects in the metadata."""
-    stage.shown_objects = frozenset(objectIds)
+    simulator.shown_objects = frozenset(objectIds)
     return ActionResult(True)
 
 
-def reset_object_filter(stage: Stage) -> ActionResult:
+def reset_object_filter(simulator: SimulatorState) -> ActionResult:
     """List all objects again."""
-    stage.shown_objects = None
+    simulator.shown_objects = None
     return ActionResult(True)
 
 
-def get_scene_bounds(stage: Stage) -> ActionResult:
+def get_scene_bounds(simulator: SimulatorState) -> ActionResult:
     """The box of the room."""
-    return ActionResult(True, value=box_metadata(stage.room.box()))
+    return ActionResult(True, value=box_metadata(simulator.room.box()))
 
 
-def get_map_view_camera_properties(stage: Stage) -> ActionResult:
+def get_map_view_camera_properties(simulator: SimulatorState) -> ActionResult:
     """A camera under the ceiling that sees the whole floor plan."""
-    low, high = stage.room.box()
+    low, high = simulator.room.box()
     eye = np.array([*(low + high)[:2] / 2, high[2] - 0.05])
     value = {
         "position": to_thor(eye),
@@ -154,7 +154,7 @@ def get_map_view_camera_properties(stage: Stage) -> ActionResult:
 
 
 def add_third_party_camera(
-    stage: Stage,
+    simulator: SimulatorState,
     position: PartialVector,
     rotation: PartialVector,
     fieldOfView: float = 90.0,
@@ -167,11 +167,13 @@ def add_third_party_camera(
 ) -> ActionResult:
     """Add a camera; its pictures come with every event. Its skybox and clipping planes are not the caller's to choose."""
     size = orthographicSize if orthographic else None
-    return _keep(stage, len(stage.cameras), ThirdPartyCamera(whole(position), whole(rotation), fieldOfView, size))
+    return _keep(
+        simulator, len(simulator.cameras), ThirdPartyCamera(whole(position), whole(rotation), fieldOfView, size)
+    )
 
 
 def update_third_party_camera(
-    stage: Stage,
+    simulator: SimulatorState,
     thirdPartyCameraId: int = 0,
     position: PartialVector | None = None,
     rotation: PartialVector | None = None,
@@ -179,18 +181,18 @@ def update_third_party_camera(
     skyboxColor: str | None = None,
 ) -> ActionResult:
     """Change a camera; what is not given stays as it is."""
-    if not 0 <= thirdPartyCameraId < len(stage.cameras):
+    if not 0 <= thirdPartyCameraId < len(simulator.cameras):
         return ActionResult(
-            False, f"there is no third party camera {thirdPartyCameraId}: {len(stage.cameras)} were added"
+            False, f"there is no third party camera {thirdPartyCameraId}: {len(simulator.cameras)} were added"
         )
-    camera = stage.cameras[thirdPartyCameraId]
+    camera = simulator.cameras[thirdPartyCameraId]
     camera = replace(
         camera,
         position=_changed(camera.position, position),
         rotation=_changed(camera.rotation, rotation),
         field_of_view=camera.field_of_view if fieldOfView is None else fieldOfView,
     )
-    return _keep(stage, thirdPartyCameraId, camera)
+    return _keep(simulator, thirdPartyCameraId, camera)
 
 
 ACTIONS: dict[str, Action] = {
@@ -212,10 +214,10 @@ ACTIONS: dict[str, Action] = {
 }
 
 
-def _keep(stage: Stage, index: int, camera: ThirdPartyCamera) -> ActionResult:
+def _keep(simulator: SimulatorState, index: int, camera: ThirdPartyCamera) -> ActionResult:
     if problem := camera.problem():
         return ActionResult(False, problem)
-    stage.cameras[index : index + 1] = [camera]
+    simulator.cameras[index : index + 1] = [camera]
     return ActionResult(True)
 
 

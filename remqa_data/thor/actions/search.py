@@ -17,7 +17,7 @@ from remqa_data.sim.navigation.ground import Ground
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room
-from remqa_data.thor.state.simulator import AGENT_Y, Stage
+from remqa_data.thor.state.simulator import AGENT_Y, SimulatorState
 
 Plan = tuple[float, float]
 """x and y in the room, metres."""
@@ -27,16 +27,16 @@ MOST_STEPS = 10_000
 
 
 def get_reachable_positions(
-    stage: Stage,
+    simulator: SimulatorState,
     gridSize: float | None = None,
     maxStepCount: int | None = None,
     directionsRelativeAgent: bool = False,
 ) -> ActionResult:
     """Where the agent can get to in whole steps from where it is, along the axes or along its own heading."""
-    step = stage.settings.grid_size if gridSize is None else gridSize
+    step = simulator.settings.grid_size if gridSize is None else gridSize
     if not 0.0 < step <= 5.0:
         return ActionResult(False, f"gridSize {step:g} is not in (0, 5]")
-    agent = stage.agent
+    agent = simulator.agent
     heading = agent.yaw_deg if directionsRelativeAgent else 0.0
     places = _flood(agent.ground, (agent.x, agent.y), step, heading, maxStepCount or MOST_STEPS)
     if places is None:
@@ -45,7 +45,7 @@ def get_reachable_positions(
 
 
 def get_interactable_poses(
-    stage: Stage,
+    simulator: SimulatorState,
     objectId: str,
     positions: list[PartialVector] | None = None,
     rotations: list[float] | None = None,
@@ -55,12 +55,12 @@ def get_interactable_poses(
     maxPoses: int | None = None,
 ) -> ActionResult:
     """Poses from which the agent sees an object within a distance, by default its visibility distance."""
-    agent = stage.agent
+    agent = simulator.agent
     agent.world.type_of(objectId)  # names the nearest ids if there is no such object
     if maxPoses is not None and maxPoses < 1:
         return ActionResult(False, f"maxPoses {maxPoses} is not positive")
     places = (
-        _flood(agent.ground, (agent.x, agent.y), stage.settings.grid_size, 0.0, MOST_STEPS) or []
+        _flood(agent.ground, (agent.x, agent.y), simulator.settings.grid_size, 0.0, MOST_STEPS) or []
         if positions is None
         else [to_room(whole(position))[:2] for position in positions]
     )
@@ -80,7 +80,7 @@ def get_interactable_poses(
 
 
 def get_shortest_path(
-    stage: Stage,
+    simulator: SimulatorState,
     objectId: str | None = None,
     objectType: str | None = None,
     position: PartialVector | None = None,
@@ -88,7 +88,7 @@ def get_shortest_path(
     allowedError: float | None = None,
 ) -> ActionResult:
     """The corners of the shortest way from a position (by default the agent's) to the place nearest to an object."""
-    world = stage.room.world
+    world = simulator.room.world
     if objectId is None:
         if objectType is None:
             raise MisuseError(
@@ -105,13 +105,13 @@ def get_shortest_path(
     def distance(place: Plan) -> tuple[float, float]:
         return math.dist(place, np.clip(place, low, high)), math.dist(place, middle)
 
-    grid = stage.agent.grid
+    grid = simulator.agent.grid
     goal = min(grid.cells, key=lambda cell: distance(grid.position(cell)))
-    return _way(stage, position, grid.position(goal))
+    return _way(simulator, position, grid.position(goal))
 
 
 def get_shortest_path_to_point(
-    stage: Stage,
+    simulator: SimulatorState,
     target: PartialVector | None = None,
     position: PartialVector | None = None,
     x: float | None = None,
@@ -126,21 +126,21 @@ def get_shortest_path_to_point(
         missing = "target" if x is None and z is None else "x" if x is None else "z"
         message = f"action: GetShortestPathToPoint is missing the following arguments: {missing}"
         raise MisuseError("MissingArguments", message)
-    return _way(stage, position, (x, z))
+    return _way(simulator, position, (x, z))
 
 
-def get_object_in_frame(stage: Stage, x: float, y: float, checkVisible: bool = False) -> ActionResult:
+def get_object_in_frame(simulator: SimulatorState, x: float, y: float, checkVisible: bool = False) -> ActionResult:
     """The id of the object at a point of the frame."""
-    object_id = stage.agent.object_at(x, y)
-    if object_id is None or (checkVisible and not stage.agent.is_near(object_id)):
+    object_id = simulator.agent.object_at(x, y)
+    if object_id is None or (checkVisible and not simulator.agent.is_near(object_id)):
         return ActionResult(False, f"no object at ({x:g}, {y:g})")
     return ActionResult(True, value=object_id)
 
 
-def get_visible_objects(stage: Stage, maxDistance: float | None = None) -> ActionResult:
+def get_visible_objects(simulator: SimulatorState, maxDistance: float | None = None) -> ActionResult:
     """The ids of the objects that the agent sees within a distance, by default its visibility distance."""
-    distance = stage.settings.visibility_distance if maxDistance is None else maxDistance
-    return ActionResult(True, value=stage.agent.visible_objects(distance))
+    distance = simulator.settings.visibility_distance if maxDistance is None else maxDistance
+    return ActionResult(True, value=simulator.agent.visible_objects(distance))
 
 
 ACTIONS: dict[str, Action] = {
@@ -178,8 +178,8 @@ def _neighbours(cell: Cell) -> Iterator[Cell]:
         yield cell[0] + step[0], cell[1] + step[1]
 
 
-def _way(stage: Stage, position: PartialVector | None, goal: Plan) -> ActionResult:
-    agent = stage.agent
+def _way(simulator: SimulatorState, position: PartialVector | None, goal: Plan) -> ActionResult:
+    agent = simulator.agent
     start = (agent.x, agent.y) if position is None else to_room(whole(position))[:2]
     way = _shortest_way(agent, start, goal)
     if way is None:

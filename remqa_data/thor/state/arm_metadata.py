@@ -11,13 +11,13 @@ from remqa_data.sim.arm import jaco
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.state.frames import SWAP, to_thor
 from remqa_data.thor.state.objects import Metadata
-from remqa_data.thor.state.simulator import Room
+from remqa_data.thor.state.simulator import LoadedFloorPlan
 
 JOINTS = {"robot_arm_1_jnt": 0, "robot_arm_2_jnt": 2, "robot_arm_3_jnt": 3, "robot_arm_4_jnt": jaco.HAND}
 """AI2-THOR's names of four joints (foot, shoulder, elbow, hand), and the links of our six-joint arm that stand there."""
 
 
-def arm_metadata(room: Room) -> Metadata:
+def arm_metadata(room: LoadedFloorPlan) -> Metadata:
     """Joints, hand and what it touches."""
     agent = room.agent
     arm, base = agent.arm, agent.base

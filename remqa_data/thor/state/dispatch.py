@@ -13,7 +13,7 @@ from remqa_data.errors import MisuseError, nearest_names
 from remqa_data.sim.agent.agent import ActionResult
 
 Action = Callable[..., ActionResult]
-"""Executes an action on a stage; its parameters are AI2-THOR's, by name."""
+"""Executes an action on a simulator state; its parameters are AI2-THOR's, by name."""
 
 WITH_EVERY_ACTION = frozenset(
     {
@@ -56,14 +56,14 @@ def checked(actions: Mapping[str, Action]) -> dict[str, CheckedAction]:
     }
 
 
-def call(actions: Mapping[str, CheckedAction], stage: object, request: Mapping[str, Any]) -> ActionResult:
+def call(actions: Mapping[str, CheckedAction], simulator: object, request: Mapping[str, Any]) -> ActionResult:
     """Execute what a request asks for.
 
     Parameters
     ----------
     actions : mapping
         By name, as `checked` returns them.
-    stage : Stage
+    simulator : SimulatorState
         The first argument of every action.
     request : mapping
         "action" and its arguments.
@@ -81,7 +81,7 @@ def call(actions: Mapping[str, CheckedAction], stage: object, request: Mapping[s
     action = actions[name]
     ignored = WITH_EVERY_ACTION - action.parameters
     try:
-        return action.execute(stage, **{key: value for key, value in request.items() if key not in ignored})
+        return action.execute(simulator, **{key: value for key, value in request.items() if key not in ignored})
     except ValidationError as error:
         raise _misuse(name, error) from None
 

@@ -1,4 +1,4 @@
-"""From the state of a stage to what AI2-THOR sends after an action: metadata and pictures."""
+"""From the simulator state to what AI2-THOR sends after an action: metadata and pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from remqa_data.thor.state.frames import to_thor, yaw_to_thor
 from remqa_data.thor.state.images import Palette, as_bytes, depth_bytes
 from remqa_data.thor.state.objects import Metadata, box_metadata
 from remqa_data.thor.state.settings import Images
-from remqa_data.thor.state.simulator import Room, Stage
+from remqa_data.thor.state.simulator import LoadedFloorPlan, SimulatorState
 
 Files = dict[str, list[bytes]]
 
@@ -31,12 +31,12 @@ class Reply:
     files: Files
 
 
-def reply(stage: Stage, action: str, result: ActionResult, code: str | None, images: Images) -> Reply:
+def reply(simulator: SimulatorState, action: str, result: ActionResult, code: str | None, images: Images) -> Reply:
     """The state after an action.
 
     Parameters
     ----------
-    stage : Stage
+    simulator : SimulatorState
         The state.
     action : str
         Name of the action.
@@ -48,31 +48,31 @@ def reply(stage: Stage, action: str, result: ActionResult, code: str | None, ima
         Which pictures to send.
     """
     metadata = _outcome(action, result, code) | {
-        "screenWidth": stage.frame.width,
-        "screenHeight": stage.frame.height,
-        "sceneName": stage.scene_name,
+        "screenWidth": simulator.frame.width,
+        "screenHeight": simulator.frame.height,
+        "sceneName": simulator.scene_name,
     }
     files: Files = defaultdict(list)
-    if not stage.has_room:
-        files["image"].append(bytes(3 * stage.frame.width * stage.frame.height))
+    if not simulator.has_room:
+        files["image"].append(bytes(3 * simulator.frame.width * simulator.frame.height))
         return Reply(metadata, files)
-    room, camera = stage.room, stage.agent.camera()
+    room, camera = simulator.room, simulator.agent.camera()
     if images.none:
         objects = room.view.instances(camera)
     else:
         seen = room.view.render(camera)
         objects = seen.objects
-        _add(files, _AGENT_FILES, seen, images, room.palette, stage.settings.far_plane)
-        for third in stage.cameras:
-            drawn = room.view.render(third.camera(stage.frame))
-            _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, stage.settings.far_plane)
-    visible = frozenset(room.agent.seen_in(objects, stage.settings.visibility_distance))
-    hand = room.agent.arm.hand(room.agent.base) if stage.settings.has_arm else _hand(camera)
-    metadata["objects"] = room.records.listing(room.agent_position(), visible, hand, stage.shown_objects)
+        _add(files, _AGENT_FILES, seen, images, room.palette, simulator.settings.far_plane)
+        for third in simulator.cameras:
+            drawn = room.view.render(third.camera(simulator.frame))
+            _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, simulator.settings.far_plane)
+    visible = frozenset(room.agent.seen_in(objects, simulator.settings.visibility_distance))
+    hand = room.agent.arm.hand(room.agent.base) if simulator.settings.has_arm else _hand(camera)
+    metadata["objects"] = room.records.listing(room.agent_position(), visible, hand, simulator.shown_objects)
     metadata["sceneBounds"] = box_metadata(room.box())
     metadata["colors"] = room.palette.metadata() if images.colors else None
-    metadata["thirdPartyCameras"] = [camera.metadata(index) for index, camera in enumerate(stage.cameras)]
-    metadata["arm"] = arm_metadata(room) if stage.settings.has_arm else None
+    metadata["thirdPartyCameras"] = [camera.metadata(index) for index, camera in enumerate(simulator.cameras)]
+    metadata["arm"] = arm_metadata(room) if simulator.settings.has_arm else None
     return Reply(metadata | _agent(room, camera, hand), files)
 
 
@@ -141,7 +141,7 @@ def _outcome(action: str, result: ActionResult, code: str | None) -> Metadata:
     }
 
 
-def _agent(room: Room, camera: Camera, hand: Vec3) -> Metadata:
+def _agent(room: LoadedFloorPlan, camera: Camera, hand: Vec3) -> Metadata:
     agent, world = room.agent, room.world
     rotation = {"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0}
     held = [] if world.held is None else [{"objectId": world.held, "objectType": world.type_of(world.held)}]

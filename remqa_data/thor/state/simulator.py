@@ -22,7 +22,7 @@ AGENT_Y = 0.900999
 SCENE_SUFFIX = "_physics"
 
 
-class Room:
+class LoadedFloorPlan:
     """A loaded floor plan, at rest, with an agent at its start.
 
     Parameters
@@ -78,7 +78,7 @@ class Room:
         return np.array([(x0, y0, scene.floor_z), (x1, y1, scene.floor_z + scene.height)])
 
 
-class Stage:
+class SimulatorState:
     """The state between actions.
 
     Parameters
@@ -104,7 +104,7 @@ class Stage:
         self.scene_name = ""
         self.cameras: list[ThirdPartyCamera] = []
         self.shown_objects: frozenset[str] | None = None
-        self._room: Room | None = None
+        self._room: LoadedFloorPlan | None = None
 
     @property
     def has_room(self) -> bool:
@@ -112,7 +112,7 @@ class Stage:
         return self._room is not None
 
     @property
-    def room(self) -> Room:
+    def room(self) -> LoadedFloorPlan:
         """The room.
 
         Raises
@@ -135,7 +135,7 @@ class Stage:
         if self._room is not None and self._room.scene == scene:
             self._room.restart(self.settings, self.frame)
         else:
-            room = Room(scene, self.settings, self.frame)
+            room = LoadedFloorPlan(scene, self.settings, self.frame)
             self.close()
             self._room = room
         self.scene_name = scene_name

@@ -9,9 +9,9 @@ from remqa_data.errors import ArrangementError
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.generators.arrangement import configurations
 from remqa_data.generators.arrangement.areas import Area
-from remqa_data.generators.arrangement.configurations import Configuration, Hidden, arrange
+from remqa_data.generators.arrangement.configurations import Configuration, arrange
 from remqa_data.generators.arrangement.fitting_types import fitting_types
-from remqa_data.generators.arrangement.hiding_check import Trouble, goal_camera, manipulated
+from remqa_data.generators.arrangement.hiding_check import Hidden, Violation, goal_camera, manipulated
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places
 from remqa_data.generators.arrangement.packing import packed
 from remqa_data.scene import Scene
@@ -101,7 +101,7 @@ def test_the_generator_decides_everything() -> None:
     assert other.scene != again.scene
 
 
-def test_the_order_in_which_troubled_places_are_packed_again_is_no_hash_order(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_order_in_which_violated_places_are_packed_again_is_no_hash_order(monkeypatch: pytest.MonkeyPatch) -> None:
     room = "FloorPlan7"
     wishes = wishes_for(room, 0)
     packed_again: list[str] = []
@@ -111,11 +111,11 @@ def test_the_order_in_which_troubled_places_are_packed_again_is_no_hash_order(mo
         packed_again.append(place_and_ids[0].object_id)
         return pack(world, scene, place_and_ids, rng)
 
-    def all_in_trouble(*_: object) -> list[Trouble]:
-        return [Trouble(wish.place, wish.type, "for the test") for wish in wishes]
+    def all_violated(*_: object) -> list[Violation]:
+        return [Violation(wish.place, wish.type, "for the test") for wish in wishes]
 
     monkeypatch.setattr(configurations, "_pack", noted)
-    monkeypatch.setattr(configurations, "in_sight_troubles", all_in_trouble)
+    monkeypatch.setattr(configurations, "in_sight_violations", all_violated)
     with pytest.raises(ArrangementError, match="for the test"):
         arrange(load_scene(room), places_of(room), wishes, np.random.default_rng(0))
     rounds = np.array(packed_again[len(wishes) :]).reshape(-1, len(wishes))

@@ -7,7 +7,7 @@ import pytest
 
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.generators.questions.expressions import Expressions
-from remqa_data.generators.walks.scene_walk import Place, Tour, tour
+from remqa_data.generators.walks.scene_walk import ConfigurationInfo, SceneWalk, walk_through
 from remqa_data.generators.walks.walk import WalkSettings
 from remqa_data.language.referring import resolve
 from remqa_data.scene import Scene
@@ -21,29 +21,29 @@ from remqa_data.tables.rows import ExpressionRow, FrameRow, SceneRow
 from remqa_data.tables.schema import to_table
 
 
-def make_tour() -> Tour:
+def make_walk() -> SceneWalk:
     with World(load_scene("FloorPlan401")) as world:
         world.settle()
         view, grid = WorldView(world), reachable_grid(world)
         expressions = Expressions(SceneGraph.from_objects(object_metadata(world).values()))
         found = {object_id: expressions.of(object_id) for object_id in world.ids}
-        place = Place("FloorPlan401", "bathroom", 0, "train", 0)
+        place = ConfigurationInfo("FloorPlan401", "bathroom", 0, "train", 0)
         settings = WalkSettings(frames=6)
-        return tour(place, view, grid, grid.cells[0], found, settings, np.random.default_rng(5))
+        return walk_through(place, view, grid, grid.cells[0], found, settings, np.random.default_rng(5))
 
 
 @pytest.fixture(scope="module")
-def walked() -> Tour:
-    return make_tour()
+def walked() -> SceneWalk:
+    return make_walk()
 
 
-def test_rows_fit_the_tables(walked: Tour) -> None:
+def test_rows_fit_the_tables(walked: SceneWalk) -> None:
     assert to_table(SceneRow, [walked.scene]).num_rows == 1
     assert to_table(FrameRow, walked.frames).num_rows == len(walked.frames) >= 5
     assert to_table(ExpressionRow, walked.expressions).num_rows == len(walked.expressions) >= 5
 
 
-def test_what_frames_add_is_the_graph_of_the_scene_row(walked: Tour) -> None:
+def test_what_frames_add_is_the_graph_of_the_scene_row(walked: SceneWalk) -> None:
     nodes = [node for frame in walked.frames for node in frame.added_nodes]
     edges = sorted(edge for frame in walked.frames for edge in frame.added_edges)
     assert tuple(nodes) == walked.scene.graph_nodes
@@ -51,7 +51,7 @@ def test_what_frames_add_is_the_graph_of_the_scene_row(walked: Tour) -> None:
     assert len(edges) > 10
 
 
-def test_expressions_are_boxed_in_a_frame_that_shows_their_target(walked: Tour) -> None:
+def test_expressions_are_boxed_in_a_frame_that_shows_their_target(walked: SceneWalk) -> None:
     graph = SceneGraph.from_objects(walked.scene.objects)
     frames = {frame.frame_id: frame for frame in walked.frames}
     for said in walked.expressions:
@@ -63,7 +63,7 @@ def test_expressions_are_boxed_in_a_frame_that_shows_their_target(walked: Tour) 
         assert json.loads(said.program)
 
 
-def test_the_stored_room_draws_the_stored_frame(walked: Tour) -> None:
+def test_the_stored_room_draws_the_stored_frame(walked: SceneWalk) -> None:
     frame = walked.frames[0]
     with World(Scene.from_json(walked.scene.scene_json)) as world:
         grid = reachable_grid(world)
@@ -82,8 +82,8 @@ def test_the_stored_room_draws_the_stored_frame(walked: Tour) -> None:
     assert np.abs(decode_rgb(frame.rgb.bytes).astype(int) - drawn.rgb).mean() < 4  # JPEG
 
 
-def test_the_same_seed_gives_the_same_rows(walked: Tour) -> None:
-    again = make_tour()
+def test_the_same_seed_gives_the_same_rows(walked: SceneWalk) -> None:
+    again = make_walk()
     assert again.scene == walked.scene
     assert again.frames == walked.frames
     assert again.expressions == walked.expressions

@@ -15,7 +15,7 @@ import trimesh
 from remqa_data.sim.render import scene_arrays
 from remqa_data.sim.render.camera import Camera, TopDownCamera
 from remqa_data.sim.render.mipmap import levels
-from remqa_data.sim.render.renderer import Part, Renderer
+from remqa_data.sim.render.renderer import Renderer, RenderPart
 from remqa_data.sim.render.scene_arrays import solid_faces
 from tests.helpers.meshes import GREY, at, box, from_trimesh, furnished_room, quad, sphere
 
@@ -26,13 +26,13 @@ BLACK = (0.0, 0.0, 0.0)
 
 def render(surfaces, camera, **options):
     """A frame of a scene in which every surface is a part of its own."""
-    parts = [Part((surface,), instance) for instance, surface in enumerate(surfaces)]
+    parts = [RenderPart((surface,), instance) for instance, surface in enumerate(surfaces)]
     poses = np.tile(np.eye(4), (len(parts), 1, 1))
     return Renderer(parts, poses, lights=[LAMP], background=BLACK).render(camera, **options)
 
 
 def test_cube_covers_the_pixels_that_its_front_face_does():
-    cube = Renderer([Part((box((0.96, 0.96, 0.96)),), 7)], [at(2.48, 0, 0)])
+    cube = Renderer([RenderPart((box((0.96, 0.96, 0.96)),), 7)], [at(2.48, 0, 0)])
     frame = cube.render(Camera((0, 0, 0), 0))
     # The front face is 2 m away and 0.96 m wide: 0.96 / 2 * 150 = 72 pixels, from 114 to 186.
     expected = np.full((300, 300), -1)
@@ -180,15 +180,15 @@ def test_shadow_falls_where_the_lamp_the_plate_and_the_floor_say():
 
 
 def test_empty_room_and_ball_have_no_shadow_where_nothing_is_in_the_way():
-    ball = Renderer([Part((sphere(0.5, subdivisions=4),), 0)], [at(0, 0, 1.0)], lights=[LAMP])
+    ball = Renderer([RenderPart((sphere(0.5, subdivisions=4),), 0)], [at(0, 0, 1.0)], lights=[LAMP])
     camera = Camera((0, 0, 2.39), 0, 90)
     with_shadows, without = ball.render(camera), ball.render(camera, shadows=False)
     assert np.abs(with_shadows.rgb.astype(int) - without.rgb).max() <= 2
 
 
 def test_moved_part_and_its_shadow_move():
-    floor = Part((quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)),), 0)
-    plate = Part((quad((-0.2, -0.2, 0), (0.4, 0, 0), (0, 0.4, 0)),), 1)
+    floor = RenderPart((quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)),), 0)
+    plate = RenderPart((quad((-0.2, -0.2, 0), (0.4, 0, 0), (0, 0.4, 0)),), 1)
     renderer = Renderer([floor, plate], [np.eye(4), at(0, 0, 1.2)], lights=[LAMP])
     camera = TopDownCamera((0, 0), 2.0, 4.0, 400, 400)
     before = renderer.render(camera)
@@ -201,8 +201,8 @@ def test_moved_part_and_its_shadow_move():
 
 
 def test_hidden_part_is_not_drawn_and_casts_no_shadow():
-    floor = Part((quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)),), 0)
-    ball = Part((sphere(0.3),), 1)
+    floor = RenderPart((quad((-2, -2, 0), (4, 0, 0), (0, 4, 0)),), 0)
+    ball = RenderPart((sphere(0.3),), 1)
     camera = TopDownCamera((0, 0), 2.2, 4.0)
     renderer = Renderer([floor, ball], [np.eye(4), at(0, 0, 0.5)], lights=[LAMP])
     shown = renderer.render(camera)

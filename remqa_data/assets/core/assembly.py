@@ -22,7 +22,7 @@ MAX_FIT = 1.25
 """A builder has to draw its object to within this factor of the asked size on each axis."""
 
 
-class Draft:
+class AssetAssembly:
     """The links, surfaces, collision boxes and spaces of one asset that is being drawn.
 
     Parameters
