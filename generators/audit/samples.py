@@ -1,4 +1,4 @@
-"""One task: walk to a place, manipulate it, look. Made only if it keeps every promise that `audit` of DESIGN.md names.
+"""One task: walk to a place, manipulate it, look. Made only if it keeps every truth that docs/ARCHITECTURE.md names.
 
 A sample that fails a check is refused, with the name of the truth that it would have broken.
 """
@@ -33,7 +33,7 @@ from remqa_data.tables.rows import QuestionRow
 
 Truth = Literal["answer", "unique", "clear", "reachable", "visible", "necessary", "sufficient", "replayable"]
 """What a refused sample would have broken: `answer` is that the room holds what was planned, `visible` that the target
-is seen from the goal pose, `clear` that no other object nearly fits the question; the others are DESIGN.md's truths."""
+is seen from the goal pose, `clear` that no other object nearly fits the question; docs/ARCHITECTURE.md lists them all."""
 
 LEAST_SHARE = 0.5
 """Of the space that a manipulation reveals, so much is in view where nothing is found in it."""

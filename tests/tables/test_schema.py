@@ -62,7 +62,7 @@ def test_no_rows_make_an_empty_table(name: str) -> None:
 
 
 def test_the_columns_of_the_design_are_there() -> None:
-    # DESIGN.md and the list, written out here by hand.
+    # docs/ARCHITECTURE.md and the list, written out here by hand.
     expected = {
         "scenes": "scene room_type split configuration seed scene_json objects graph_nodes graph_edges semantic_map map_2d "
         "navigation_cells walk_start_cell embodiment",
