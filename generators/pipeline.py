@@ -17,10 +17,11 @@ from remqa_data.generators.scene_plan import Job
 from remqa_data.processes.executors import Executor, LocalExecutor
 from remqa_data.storage.backend import Folder, Storage, storage_at
 from remqa_data.storage.card import write_card
-from remqa_data.storage.locks import LOCK, exclusive
-from remqa_data.storage.manifest import MANIFEST, FileInfo, Manifest, load_manifest, make_manifest
-from remqa_data.storage.parts import PARTS, Part, Parts, assemble, count_questions, finish, unfinish
-from remqa_data.storage.shards import check_files
+from remqa_data.storage.locks import exclusive
+from remqa_data.storage.manifest import FileInfo, Manifest, load_manifest, make_manifest
+from remqa_data.storage.ownership import clear, look, mark, remove_parts
+from remqa_data.storage.parts import Part, Parts, assemble, count_questions, finish
+from remqa_data.storage.shards import check_files, check_sizes
 from remqa_data.version import __version__
 
 FEWEST_SHARDS = {"train": 5, "val": 1, "test": 1}
@@ -43,7 +44,7 @@ def generate(
     Parameters
     ----------
     out : path or str
-        Where the dataset shall lie, see `storage_at`; nothing else does.
+        Where the dataset shall lie, see `storage_at`; nothing else may lie there.
     config : Config
         What to generate.
     executor : Executor, optional
@@ -51,29 +52,33 @@ def generate(
     progress : callable, optional
         See `Progress`.
     overwrite : bool
-        Whether to remove first whatever there is.
+        Whether to remove first the dataset that is there.
 
     Raises
     ------
     RemqaError
-        If a room cannot have its questions, or there is another dataset, or another run is writing one.
+        If a room cannot have its questions, or there is another dataset or anything else, or another run is writing one.
     """
     executor = executor or LocalExecutor()
     storage = storage_at(out)
     quotas = allot(capacities(config.scene_names), config.totals)
-    if not overwrite and storage.exists(MANIFEST) and not storage.files(PARTS):
+    place = look(storage)
+    if not overwrite and place.is_finished and not place.has_parts:
         return _finished(storage, config)  # it can be read even if nothing can be written there
     with exclusive(storage) as lock:
-        if overwrite:
-            _clear(storage)
-        if storage.exists(MANIFEST):
+        place = look(storage)
+        if place.is_finished and not overwrite:
             manifest = _finished(storage, config)
-            storage.delete_folder(PARTS)  # whoever wrote the manifest was killed before that
+            remove_parts(storage)  # whoever wrote the manifest was killed before that
             return manifest
+        mark(storage)
+        if overwrite:
+            clear(storage)
         parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "version": __version__})
         made = _made_rooms(parts, quotas, config, executor, progress)
         files = assemble(parts, made, _shards_per_split(made), executor)
         manifest = _manifest(config, made, files)
+        look(storage)  # once more, hours later: a README.md may be somebody else's
         write_card(storage.root, manifest)
         lock.confirm()
         finish(storage, manifest)
@@ -100,12 +105,12 @@ def check_place(out: str | os.PathLike[str], *, overwrite: bool, resume: bool) -
     Raises
     ------
     DatasetError
-        If the place is not empty and neither overwriting nor resuming was asked for.
+        If the place holds anything but a dataset of ours, or that and neither overwriting nor resuming was asked for.
     """
     storage = storage_at(out)
     if isinstance(storage, Folder) and storage.path.exists() and not storage.path.is_dir():
         raise DatasetError(f"{out} is a file; give a folder")
-    if not (overwrite or resume) and any(file.path.partition("/")[0] != LOCK for file in storage.files()):
+    if not look(storage).is_empty and not (overwrite or resume):
         raise DatasetError(
             f"{out} is not empty; use --resume to go on with it, --overwrite to replace it, or another folder"
         )
@@ -119,20 +124,14 @@ def _finished(storage: Storage, config: Config) -> Manifest:
             f"{storage.where()} holds a finished dataset of another configuration, seed or version; "
             "use --overwrite to replace it, or another folder"
         )
-    if isinstance(storage, Folder):  # a bucket checks what it stores itself
-        try:
+    try:
+        if isinstance(storage, Folder):
             check_files(storage.root)
-        except DamagedShardError as error:
-            raise DatasetError(f"{error}, with --overwrite") from None
+        else:
+            check_sizes(storage, manifest)  # a bucket sees to it itself that bytes stay as they are
+    except DamagedShardError as error:
+        raise DatasetError(f"{error}, with --overwrite") from None
     return manifest
-
-
-def _clear(storage: Storage) -> None:
-    """Remove everything but the lock; the manifest first, so that a half-removed dataset does not look finished."""
-    unfinish(storage)
-    found = {file.path.partition("/")[0] for file in storage.files()} - {LOCK}
-    for name in sorted(found):
-        storage.delete([name]) if storage.exists(name) else storage.delete_folder(name)
 
 
 def _made_rooms(

@@ -172,14 +172,21 @@ class StorageError(RemqaError, OSError):
         Its URI.
     reason : str
         What it answered.
+    advice : str
+        What to do.
     """
 
-    def __init__(self, root: str, reason: str) -> None:
-        self.root, self.reason = root, reason
-        super().__init__(f"{root}: {reason}; check the bucket's name, and credentials, region and endpoint (AWS_...)")
+    def __init__(
+        self,
+        root: str,
+        reason: str,
+        advice: str = "check the bucket's name, and credentials, region and endpoint (AWS_...)",
+    ) -> None:
+        self.root, self.reason, self.advice = root, reason, advice
+        super().__init__(f"{root}: {reason}; {advice}")
 
     def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.root, self.reason)
+        return type(self), (self.root, self.reason, self.advice)
 
 
 class WorkersLostError(RemqaError):

@@ -13,7 +13,7 @@ from uuid import uuid4
 
 from remqa_data.errors import OutputError
 
-_LEFTOVER = re.compile(r"\..+\.[0-9a-f]{12}(\.[^.]*)?")
+_LEFTOVER = re.compile(r"\.(.+)\.[0-9a-f]{12}(\.[^.]*)?")
 
 
 @contextmanager
@@ -67,13 +67,49 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         _flush(path.parent)  # the rename itself lies in the folder
 
 
-def is_leftover(path: str | os.PathLike[str]) -> bool:
-    """Whether this is a temporary name of `atomic_path`, such as a process leaves behind that was killed.
+def name_of_leftover(name: str) -> str | None:
+    """What a file was to be called that has a temporary name of `atomic_path`, as killed processes leave them; else None.
 
-    >>> is_leftover("out/.manifest.0123456789ab.json"), is_leftover("out/manifest.json")
-    (True, False)
+    >>> name_of_leftover(".manifest.0123456789ab.json"), name_of_leftover("manifest.json")
+    ('manifest.json', None)
     """
-    return _LEFTOVER.fullmatch(Path(path).name) is not None
+    found = _LEFTOVER.fullmatch(name)
+    return found and found[1] + (found[2] or "")
+
+
+def walk(folder: Path) -> Iterator[tuple[Path, str]]:
+    """What is in a folder and in the folders in it, each with its kind: "file", "empty folder", or "other".
+
+    Symbolic links and mounted folders are not gone into: they are "other", as are devices, pipes and sockets. A folder that
+    is not there is empty.
+    """
+    mounts = _mount_points()
+
+    def inside(path: Path) -> Iterator[tuple[Path, str]]:
+        entries = sorted(os.scandir(path), key=lambda entry: entry.name)
+        for entry in entries:
+            within = Path(entry.path)
+            if entry.is_file(follow_symlinks=False):
+                yield within, "file"
+            elif not entry.is_dir(follow_symlinks=False) or os.path.realpath(within) in mounts or within.is_mount():
+                yield within, "other"
+            else:
+                yield from inside(within)
+        if not entries and path != folder:
+            yield path, "empty folder"
+
+    if folder.is_dir():
+        yield from inside(folder)
+
+
+def _mount_points() -> frozenset[str]:
+    """Also those of folders that are mounted from the same disk, which Python does not tell; none where there is no /proc."""
+    try:
+        lines = Path("/proc/self/mountinfo").read_text(errors="surrogateescape").splitlines()
+    except OSError:
+        return frozenset()
+    names = (line.split(" ")[4] for line in lines)
+    return frozenset(re.sub(r"\\([0-7]{3})", lambda octal: chr(int(octal[1], 8)), name) for name in names)
 
 
 def sha256_of(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""Where a dataset lies: a folder, or a prefix in a bucket, such as s3://bucket/prefix.
+"""Where a dataset lies: a folder, or a prefix in a bucket, such as s3://bucket/prefix (see `bucket`).
 
 Both keep the same promise: a file appears under its name when it is whole. In a folder it is renamed, in a bucket an
 object appears when its upload is complete. Nothing appears together with something else, so what makes a group of files
@@ -9,20 +9,13 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
-import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from pathlib import Path, PurePosixPath
+from typing import Any, Protocol
 
-from remqa_data.errors import StorageError, one_line
-from remqa_data.files import atomic_path
-
-if TYPE_CHECKING:
-    from pyarrow.fs import FileSystem
+from remqa_data.files import atomic_path, walk
 
 _SCHEME = re.compile(r"([a-z][a-z0-9+.-]+):/+")
 
@@ -74,11 +67,14 @@ class Storage(Protocol):
     def files(self, folder: str = "") -> list[StoredFile]:
         """All files in a folder and the folders in it, by path."""
 
+    def oddities(self) -> list[str]:
+        """What is there besides files: links, devices, mounted folders, and empty folders, whose names end with a slash."""
+
     def delete(self, paths: Iterable[str]) -> None:
-        """Remove files, if they are there."""
+        """Remove files, if they are there, and folders that become empty."""
 
     def delete_folder(self, folder: str) -> None:
-        """Remove a folder and all that is in it, if it is there."""
+        """Remove the files of `files(folder)`: who calls this has looked at them."""
 
 
 def storage_at(root: str | os.PathLike[str]) -> Storage:
@@ -87,6 +83,8 @@ def storage_at(root: str | os.PathLike[str]) -> Storage:
     A Path of a URI will do as well. Credentials, region and endpoint of a bucket come from where pyarrow looks for
     them, for S3 from variables such as AWS_ACCESS_KEY_ID and AWS_ENDPOINT_URL, and from ~/.aws.
     """
+    from remqa_data.storage.bucket import Bucket
+
     return Bucket(_uri(root)) if is_remote(root) else Folder(Path(root))
 
 
@@ -134,126 +132,33 @@ class Folder:
         yield self.path / path
 
     def files(self, folder: str = "") -> list[StoredFile]:
-        """See `Storage`."""
+        """See `Storage`; what links and mounted folders lead to is not among them."""
         found = []
-        for path in (self.path / folder).rglob("*"):
-            if path.is_file():
-                about = path.stat()
-                found.append(StoredFile(path.relative_to(self.path).as_posix(), about.st_size, about.st_mtime))
+        for path, kind in walk(self.path / folder):
+            if kind == "file":
+                with suppress(FileNotFoundError):  # a temporary file whose process still lives
+                    about = path.lstat()
+                    found.append(StoredFile(path.relative_to(self.path).as_posix(), about.st_size, about.st_mtime))
         return sorted(found, key=lambda file: file.path)
+
+    def oddities(self) -> list[str]:
+        """See `Storage`."""
+        odd = [(path, "/" if kind == "empty folder" else "") for path, kind in walk(self.path) if kind != "file"]
+        return sorted(path.relative_to(self.path).as_posix() + slash for path, slash in odd)
 
     def delete(self, paths: Iterable[str]) -> None:
         """See `Storage`."""
         for path in paths:
             (self.path / path).unlink(missing_ok=True)
+            for parent in PurePosixPath(path).parents[:-1]:
+                try:
+                    (self.path / parent).rmdir()
+                except OSError:
+                    break  # there is something else in it
 
     def delete_folder(self, folder: str) -> None:
         """See `Storage`."""
-        if (self.path / folder).exists():
-            shutil.rmtree(self.path / folder)
-
-
-class Bucket:
-    """A storage under a prefix of a bucket."""
-
-    def __init__(self, uri: str) -> None:
-        self.root = uri.rstrip("/")
-
-    def where(self, path: str = "") -> str:
-        """The URI."""
-        return f"{self.root}/{path}" if path else self.root
-
-    def exists(self, path: str) -> bool:
-        """See `Storage`."""
-        from pyarrow.fs import FileType
-
-        with self._named_errors():
-            return bool(self._system.get_file_info(self._key(path)).type == FileType.File)
-
-    def read(self, path: str) -> bytes:
-        """See `Storage`."""
-        with self._named_errors(), self._system.open_input_stream(self._key(path)) as stream:
-            return bytes(stream.read())
-
-    @contextmanager
-    def publish(self, path: str) -> Iterator[Path]:
-        """A temporary file, uploaded at the end."""
-        from pyarrow.fs import LocalFileSystem, copy_files
-
-        with tempfile.TemporaryDirectory(prefix="remqa-") as folder:
-            temporary = Path(folder) / Path(path).name
-            yield temporary
-            with self._named_errors():
-                copy_files(str(temporary), self._key(path), LocalFileSystem(), self._system)
-
-    @contextmanager
-    def fetch(self, path: str) -> Iterator[Path]:
-        """A downloaded copy."""
-        from pyarrow.fs import LocalFileSystem, copy_files
-
-        with tempfile.TemporaryDirectory(prefix="remqa-") as folder:
-            copy = Path(folder) / Path(path).name
-            with self._named_errors():
-                copy_files(self._key(path), str(copy), self._system, LocalFileSystem())
-            yield copy
-
-    def files(self, folder: str = "") -> list[StoredFile]:
-        """See `Storage`."""
-        from pyarrow.fs import FileSelector, FileType
-
-        with self._named_errors():
-            found = self._system.get_file_info(FileSelector(self._key(folder), allow_not_found=True, recursive=True))
-        start = len(self._base) + 1
-        files = [f for f in found if f.type == FileType.File]
-        return sorted(
-            (StoredFile(f.path[start:], f.size, f.mtime.timestamp()) for f in files), key=lambda file: file.path
-        )
-
-    def delete(self, paths: Iterable[str]) -> None:
-        """See `Storage`."""
-        for path in paths:
-            if self.exists(path):
-                with self._named_errors():
-                    self._system.delete_file(self._key(path))
-
-    def delete_folder(self, folder: str) -> None:
-        """See `Storage`."""
-        with suppress(FileNotFoundError), self._named_errors():
-            self._system.delete_dir(self._key(folder))
-
-    def __getstate__(self) -> dict[str, str]:
-        return {"root": self.root}  # each process connects for itself
-
-    def _key(self, path: str) -> str:
-        return f"{self._base}/{path}".rstrip("/")
-
-    @property
-    def _system(self) -> FileSystem:
-        return self._opened[0]
-
-    @property
-    def _base(self) -> str:
-        """Bucket and prefix."""
-        return self._opened[1]
-
-    @cached_property
-    def _opened(self) -> tuple[FileSystem, str]:
-        from pyarrow.fs import FileSystem
-
-        try:
-            system, base = FileSystem.from_uri(self.root)
-        except (OSError, ValueError) as error:
-            raise StorageError(self.root, one_line(error)) from None
-        return system, base.rstrip("/")
-
-    @contextmanager
-    def _named_errors(self) -> Iterator[None]:
-        try:
-            yield
-        except FileNotFoundError:
-            raise
-        except OSError as error:
-            raise StorageError(self.root, one_line(error)) from None
+        self.delete(file.path for file in self.files(folder))
 
 
 def _uri(root: str | os.PathLike[str]) -> str:

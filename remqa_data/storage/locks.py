@@ -1,13 +1,16 @@
 """One run at a time writes a dataset. A lock is gone when its run is, however that ended.
 
 In a folder, the operating system holds a lock on a file and gives it back when the process dies. A bucket knows no locks.
-There, a run puts a claim, looks whether there is an older claim that is alive, and if so gives up; else it goes on and
-writes its claim again and again to show that it lives. All ages are told by the bucket's clock.
+There, a run puts a wish, waits for those of others who begin at the same time, and gives up if there is a claim, or a
+wish whose name comes before its own; else it puts a claim, looks once more, and writes its claim again and again to show
+that it lives. Whoever writes a claim and then finds no other is alone: of two, the later one finds the earlier. All ages
+are told by the bucket's clock.
 """
 
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -21,6 +24,9 @@ from remqa_data.errors import BusyDatasetError
 from remqa_data.storage.backend import Folder, Storage, StoredFile
 
 LOCK = ".lock"
+WISH = ".wish"
+SETTLE_S = 1.0
+"""Longer than it takes to put a claim: whoever begins meanwhile is seen, and sees."""
 BEAT_S = 20.0
 """A run shows so often that it is alive."""
 LIFE_S = 120.0
@@ -78,15 +84,24 @@ class _Claim:
     def __init__(self, storage: Storage) -> None:
         self._storage = storage
         self._path = f"{LOCK}/{uuid4().hex}"
+        self._wish = self._path + WISH
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._beat, daemon=True)
 
     def __enter__(self) -> Lock:
-        self._write()
-        if self._others():
-            self._storage.delete([self._path])
-            raise _busy(self._storage.where())
-        self._storage.delete(claim.path for claim in self._storage.files(LOCK) if claim.path != self._path)
+        self._write(self._wish)
+        try:
+            self._give_way(to_wishes=False)
+            time.sleep(SETTLE_S)
+            self._give_way(to_wishes=True)
+            self._write(self._path)
+            self._give_way(to_wishes=False)
+        except BaseException:
+            self._withdraw()
+            raise
+        alive = {claim.path for claim in self._others()}  # wishes that will give way
+        gone = [claim.path for claim in self._storage.files(LOCK) if claim.path not in alive | {self._path}]
+        self._storage.delete(gone)
         self._thread.start()
         return self
 
@@ -95,27 +110,37 @@ class _Claim:
     ) -> None:
         self._stop.set()
         self._thread.join()
-        self._storage.delete([self._path])
+        self._withdraw()
 
     def confirm(self) -> None:
         """Claim it once more, and look whether it has passed to another run, as when this one was stopped for long."""
-        self._write()
-        if self._others():
-            raise _busy(self._storage.where())
+        self._write(self._path)
+        self._give_way(to_wishes=False)
+
+    def _give_way(self, *, to_wishes: bool) -> None:
+        """Give up if another run has a claim, or a wish that comes before this one's."""
+        for other in self._others():
+            if not other.path.endswith(WISH) or (to_wishes and other.path < self._wish):
+                raise _busy(self._storage.where())
 
     def _others(self) -> list[StoredFile]:
-        """Claims of other runs that are alive. Of two runs that claim at the same moment, both see the other."""
+        """Claims and wishes of other runs that are alive."""
         claims = self._storage.files(LOCK)
         newest = max((claim.modified_s for claim in claims), default=0.0)
-        return [claim for claim in claims if claim.path != self._path and newest - claim.modified_s < LIFE_S]
+        mine = (self._path, self._wish)
+        return [claim for claim in claims if claim.path not in mine and newest - claim.modified_s < LIFE_S]
+
+    def _withdraw(self) -> None:
+        with suppress(OSError):  # it dies by itself
+            self._storage.delete([self._wish, self._path])
 
     def _beat(self) -> None:
         while not self._stop.wait(BEAT_S):
             with suppress(OSError):  # the next beat may get through
-                self._write()
+                self._write(self._path)
 
-    def _write(self) -> None:
-        with self._storage.publish(self._path) as temporary:
+    def _write(self, path: str) -> None:
+        with self._storage.publish(path) as temporary:
             temporary.touch()
 
 

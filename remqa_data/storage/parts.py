@@ -14,6 +14,7 @@ import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -22,16 +23,15 @@ import pyarrow as pa
 from pydantic import TypeAdapter, ValidationError
 
 from remqa_data.errors import DamagedPartError, DatasetError
-from remqa_data.files import is_leftover, sha256_of
+from remqa_data.files import name_of_leftover, sha256_of
 from remqa_data.processes.executors import Executor, LocalExecutor
 from remqa_data.storage.backend import Storage, storage_at
 from remqa_data.storage.manifest import MANIFEST, FileInfo, Manifest, config_hash, write_manifest
+from remqa_data.storage.ownership import PARTS, SPLITS, is_known, remove_parts
 from remqa_data.storage.shards import Shard, ShardWriter, file_info
 from remqa_data.tables.rows import Row
 from remqa_data.tables.schema import TABLES
 
-PARTS = ".parts"
-SPLITS = ("train", "val", "test")
 _NOTE = "part.json"
 _REQUESTS = 32
 """Notes that are read at the same time."""
@@ -243,14 +243,15 @@ def tidy(storage: Storage, files: Iterable[FileInfo]) -> None:
             raise DatasetError(
                 f"{storage.where(path)} was written by another run meanwhile; go on with remqa-gen --resume"
             )
-    storage.delete(path for path in found if path.partition("/")[0] in TABLES and path not in written)
-    storage.delete(path for path in found if "/" not in path and is_leftover(path))
+    ours = [path for path in found if is_known(path) and path not in written]
+    storage.delete(path for path in ours if path.partition("/")[0] in TABLES)
+    storage.delete(path for path in ours if "/" not in path and name_of_leftover(path))
 
 
 def finish(storage: Storage, manifest: Manifest) -> None:
     """Write the manifest, which makes this a finished dataset, then remove the parts."""
     write_manifest(storage.root, manifest)
-    storage.delete_folder(PARTS)
+    remove_parts(storage)
 
 
 def count_questions(parts: Iterable[Part]) -> dict[str, dict[str, int]]:
@@ -265,14 +266,13 @@ def count_questions(parts: Iterable[Part]) -> dict[str, dict[str, int]]:
 
 
 def _rows(storage: Storage, piece: Piece) -> Iterator[pa.Table]:
-    """The rows of a piece, a row group in memory at a time."""
-    try:
-        with storage.fetch(piece.file.path) as path:
-            if sha256_of(path) != piece.file.sha256:
-                raise _damaged(storage, piece)
-            yield from _sliced(path, piece.file.table, piece.first, piece.rows)
-    except FileNotFoundError:
-        raise _damaged(storage, piece) from None
+    """The rows of a piece, a row group in memory at a time; a file that is not as it was written is read once more."""
+    for _ in range(2):
+        with suppress(FileNotFoundError), storage.fetch(piece.file.path) as path:
+            if sha256_of(path) == piece.file.sha256:
+                yield from _sliced(path, piece.file.table, piece.first, piece.rows)
+                return
+    raise _damaged(storage, piece)
 
 
 def _sliced(path: Path, table: str, first: int, rows: int) -> Iterator[pa.Table]:

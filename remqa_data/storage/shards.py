@@ -20,7 +20,8 @@ import pyarrow.parquet as pq
 
 from remqa_data.errors import DamagedShardError, DatasetError, ForgedRowError, SchemaError, one_line
 from remqa_data.files import atomic_path, sha256_of
-from remqa_data.storage.manifest import FileInfo, load_manifest
+from remqa_data.storage.backend import Storage
+from remqa_data.storage.manifest import FileInfo, Manifest, load_manifest
 from remqa_data.storage.shard_cache import local_shard
 from remqa_data.tables.row_checks import find_problem
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow
@@ -215,6 +216,20 @@ def check_files(root: str | os.PathLike[str]) -> None:
         damage = find_damage(root, file)
         if damage is not None:
             raise damage
+
+
+def check_sizes(storage: Storage, manifest: Manifest) -> None:
+    """Check that every file of a dataset is there and as long as it was, without reading it.
+
+    Raises
+    ------
+    DamagedShardError
+        For the first file that is not.
+    """
+    found = {file.path: file.bytes for file in storage.files()}
+    for file in manifest.files:
+        if found.get(file.path) != file.bytes:
+            raise DamagedShardError(storage.where(file.path), "it is missing or not as long as the manifest says")
 
 
 def find_damage(root: str | os.PathLike[str], file: FileInfo) -> DamagedShardError | None:

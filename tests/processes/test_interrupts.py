@@ -22,7 +22,8 @@ from tests.helpers.damaged_files import files_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("setsid") is None, reason="needs a pseudo-terminal")]
 
-PROGRAM = Path(__file__).with_name("crash_run.py")
+ROOT = Path(__file__).parents[2]
+PROGRAM = "tests.helpers.crash_run"
 PATIENCE_S = 120.0
 STOP_S = 4.0
 """Twice what is promised: other tests run at the same time."""
@@ -67,8 +68,10 @@ class Terminal:
 def at_terminal(out: Path, *options: str, workers: int = 2, **environment: str) -> Terminal:
     ours, theirs = pty.openpty()
     arguments = ["--scenes", "12", "--out", str(out), "--workers", str(workers), *options]
-    command = ["setsid", "--ctty", sys.executable, str(PROGRAM), *arguments]
-    process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env={**os.environ, **environment})
+    command = ["setsid", "--ctty", sys.executable, "-m", PROGRAM, *arguments]
+    process = subprocess.Popen(
+        command, stdin=theirs, stdout=theirs, stderr=theirs, cwd=ROOT, env={**os.environ, **environment}
+    )
     os.close(theirs)
     return Terminal(process, ours)
 

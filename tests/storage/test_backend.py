@@ -9,7 +9,8 @@ import pytest
 
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import BusyDatasetError, DamagedPartError, DamagedShardError, DatasetError, StorageError
-from remqa_data.storage.backend import Bucket, Folder, Storage, storage_at
+from remqa_data.storage.backend import Folder, Storage, storage_at
+from remqa_data.storage.bucket import Bucket
 from remqa_data.storage.locks import LOCK, exclusive
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.parts import Parts, assemble
