@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import csv
 import heapq
-import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -160,12 +159,6 @@ def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]
                 answers[scene][kind] = quota
     in_order = {scene: {kind: quotas[kind] for kind in KINDS if kind in quotas} for scene, quotas in answers.items()}
     return [SceneQuota(room.scene, room.room_type, splits[room.scene], in_order[room.scene]) for room in rooms]
-
-
-def groups_needed(answers: Mapping[str, int]) -> int:
-    """How many groups a quota takes, if a group asks once for each count, or twice for yes and twice for no."""
-    per_answer = GROUP_SIZE // len(answers)
-    return max(math.ceil(count / per_answer) for count in answers.values())
 
 
 # ---- dealing

@@ -7,7 +7,7 @@ thresholds, not under another reading of its words (see `remqa_data.language.ref
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
@@ -169,18 +169,6 @@ class Expressions:
             unique = len(exact) == 1 and candidates(program, self._loose) == exact
             self._picks[program] = exact[0] if unique else None
         return self._picks[program]
-
-
-def expressions_for(graph: SceneGraph, target_id: str) -> list[Expression]:
-    """All expressions that pick out one object, best first; see `Expressions.of`, which is faster for many objects."""
-    return Expressions(graph).of(target_id)
-
-
-def all_expressions(graph: SceneGraph, types: Collection[str] | None = None) -> list[Expression]:
-    """The expressions of all objects of some types (by default of all), in the order of the graph's nodes."""
-    room = Expressions(graph)
-    wanted = [record.id for record in graph.objects.values() if types is None or record.type in types]
-    return [expression for object_id in wanted for expression in room.of(object_id)]
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,10 @@ import pytest
 from remqa_data.floorplans.ithor.scenes import load_scene, scene_names
 from remqa_data.floorplans.ithor.table import recorded_objects
 from remqa_data.sim.navigation.grid import reachable_grid
-from remqa_data.sim.navigation.viewpoints import front_points, pose_that_sees_and_reaches
+from remqa_data.sim.navigation.viewpoints import front_points
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
+from tests.helpers.poses import pose_that_sees_and_reaches
 
 SOME = ("FloorPlan1", "FloorPlan210", "FloorPlan316", "FloorPlan415")
 OPENABLE_RECEPTACLES = ("Cabinet", "Drawer", "Fridge", "Microwave", "Safe", "LaundryHamper", "Box", "Toilet")

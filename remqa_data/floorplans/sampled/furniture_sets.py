@@ -102,19 +102,6 @@ class FurnitureSet:
         return replace(self, rows=rows, spots=spots, low=low, high=high)
 
 
-def pieces_of(objects: Sequence[RecordedObject], shell: RoomShell) -> list[FurnitureSet]:
-    """The pieces of a recorded room: all that is not carried by something else, with what is built into or hangs on it.
-
-    Parameters
-    ----------
-    objects : sequence of RecordedObject
-        As `ithor.understood` gives them.
-    shell : RoomShell
-        Their room.
-    """
-    return [piece_from(group, objects, shell) for group in groups_of(objects)]
-
-
 def groups_of(objects: Sequence[RecordedObject]) -> list[list[RecordedObject]]:
     """The objects of each piece, the main one first."""
     standing = [o for o in objects if o.type != "Floor" and _stands_alone(o)]

@@ -16,7 +16,6 @@ from remqa_data.sim.navigation.grid import (
     CROUCHED_CAMERA_HEIGHT_M,
     Cell,
     ReachableGrid,
-    cells_in_reach,
 )
 from remqa_data.sim.render.camera import Camera
 
@@ -71,21 +70,6 @@ def facing_poses(
         for horizon in sorted(HORIZONS_DEG, key=lambda h: (abs(h - down), h))[:2]:
             for heading in headings:
                 yield AgentPose(cell, heading, horizon, is_standing)
-
-
-def pose_that_sees_and_reaches(view: WorldView, grid: ReachableGrid, object_id: str, points: F64) -> AgentPose | None:
-    """The nearest pose that sees an object and from which the arm reaches one of some points of it, or None.
-
-    A standing pose is preferred; low drawers under a deep worktop are only seen by an agent that crouches.
-    """
-    index = view.world.ids.index(object_id)
-    middle = np.mean(view.world.box(object_id), axis=0)
-    cells = cells_in_reach(grid, points)
-    for is_standing in (True, False):
-        for pose in facing_poses(grid, cells, middle, is_standing=is_standing):
-            if pixels_per_object(view, pose.camera(grid))[index] >= MIN_PIXELS:
-                return pose
-    return None
 
 
 def front_points(view: WorldView, object_id: str, count: int = 5) -> F64:

@@ -1,4 +1,6 @@
+import math
 from collections import Counter
+from collections.abc import Mapping
 
 import pytest
 from hypothesis import assume, given, settings
@@ -7,11 +9,11 @@ from hypothesis import strategies as st
 from remqa_data.errors import QuotaError, UnknownNameError
 from remqa_data.floorplans.ithor.table import recorded_objects, scene_names
 from remqa_data.generators.questions.allotment import (
+    GROUP_SIZE,
     SceneCapacity,
     allot,
     capacities,
     choose_scenes,
-    groups_needed,
     split_of,
 )
 from remqa_data.generators.questions.groups import group_shapes
@@ -50,6 +52,12 @@ def check(quotas, totals, rooms) -> None:
             assert groups_needed(quota.answers[kind]) <= room.most[kind]
             shapes = group_shapes(quota.answers[kind], 1 if kind == "COUNTING" else 2, quota.scene)
             assert len(shapes) == groups_needed(quota.answers[kind])
+
+
+def groups_needed(answers: Mapping[str, int]) -> int:
+    """How many groups a quota takes, if a group asks once for each count, or twice for yes and twice for no."""
+    per_answer = GROUP_SIZE // len(answers)
+    return max(math.ceil(count / per_answer) for count in answers.values())
 
 
 def test_the_published_totals() -> None:

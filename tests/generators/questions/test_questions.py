@@ -3,7 +3,7 @@ import json
 import pytest
 
 from remqa_data.catalog import object_type, question_types
-from remqa_data.generators.questions.expressions import Expression, expressions_for
+from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.questions import (
     Candidate,
     confusable,
@@ -23,7 +23,7 @@ def place(type_name: str, manipulation="Open", relation="in", spots: int = 4) ->
 
 
 def candidate(kind, where: StandIn, type_name: str) -> Candidate[StandIn]:
-    phrase = expressions_for(kitchen_graph(), where.object_id)[0]
+    phrase = Expressions(kitchen_graph()).of(where.object_id)[0]
     return Candidate(kind, where, phrase, type_name)
 
 

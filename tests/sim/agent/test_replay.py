@@ -7,8 +7,9 @@ from remqa_data.scene import Scene
 from remqa_data.sim.agent.replay import Replay, move_action, open_action, pick_up_action
 from remqa_data.sim.navigation.grid import cells_in_reach
 from remqa_data.sim.navigation.paths import shortest_actions
-from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses, front_points, pose_that_sees_and_reaches
+from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses, front_points
 from remqa_data.sim.physics.world import World
+from tests.helpers.poses import pose_that_sees_and_reaches
 
 
 @pytest.fixture(scope="module")
