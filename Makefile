@@ -15,7 +15,8 @@ INSTALLED_DEV := .venv/.installed-dev
 PINS := pyproject.toml constraints.txt
 
 SCENES ?= 120
-DATASET := out/remqa
+# A folder for each number of rooms, so that one does not stand in the way of another.
+DATASET := out/remqa$(if $(filter-out 120,$(SCENES)),-$(SCENES))
 
 .DEFAULT_GOAL := help
 .PHONY: help setup dataset test test-fast test-newest lint bench clean
@@ -25,7 +26,7 @@ help:  ## list the targets
 
 setup: $(INSTALLED_DEV)  ## make .venv and install the package with its development tools
 
-dataset: $(INSTALLED)  ## the main job: the whole benchmark, in out/remqa; `make dataset SCENES=12` for less
+dataset: $(INSTALLED)  ## the main job: the whole benchmark, in out/remqa; `make dataset SCENES=12` for less, in out/remqa-12
 	$(BIN)/remqa-gen --scenes $(SCENES) --out $(DATASET) --resume
 
 test: lint  ## lint, then all tests on two cores

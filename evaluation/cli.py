@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from remqa_data.command_line import OneLineErrors
-from remqa_data.errors import SubmissionError
+from remqa_data.command_line import OneLineErrors, output
+from remqa_data.errors import SubmissionError, nearest_names
 from remqa_data.evaluation.submission.tracks import Track
 
 if TYPE_CHECKING:
@@ -23,10 +24,19 @@ class ScoreByDefault(OneLineErrors):
     """A group in which `remqa-eval FILE ...` means `remqa-eval score FILE ...`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
-        """Put the command's name before the file's."""
-        if args and args[0] not in self.commands and args[0] not in ("-h", "--help"):
+        """Put the command's name before the file's; a word that is nearly a command and no file is left to be refused."""
+        if args and args[0] not in self.commands and not self._is_own(args) and not self._is_slip(args[0]):
             args = [SCORE, *args]
         return super().parse_args(ctx, args)
+
+    def _is_own(self, args: list[str]) -> bool:
+        """Whether options come first that are those of the group: alone, or before a command."""
+        own = [name for parameter in self.params for name in parameter.opts]
+        rest = [arg for arg in args if arg not in (*own, "-h", "--help")]
+        return args[0] in (*own, "-h", "--help") and (not rest or rest[0] in self.commands)
+
+    def _is_slip(self, word: str) -> bool:
+        return bool(nearest_names(word, self.commands)) and not Path(word).exists()
 
 
 app = typer.Typer(
@@ -104,32 +114,35 @@ def score(
         from remqa_data.evaluation.report.html import write_report
 
         write_report(out / "report.html", results, submission, truth)
-    print_results(Console(), results)
-    typer.echo(f"{out}: results.json, results.md{', report.html' * report}")
+    say = output()
+    if not (say.is_quiet or say.is_json):
+        print_results(Console(), results)
+    say.say(f"{out}: results.json, results.md{', report.html' * report}")
+    say.result(**results.model_dump(mode="json", exclude={"samples"}))
 
 
 @app.command()
-def oracle(data: Data, output: Out, track: OfTrack = "remqa", split: Split = "test") -> None:
+def oracle(data: Data, path: Out, track: OfTrack = "remqa", split: Split = "test") -> None:
     """Write what an agent that knows everything submits."""
-    _write_reference("oracle", data, output, track, split, 0)
+    _write_reference("oracle", data, path, track, split, 0)
 
 
 @app.command()
 def random(
     data: Data,
-    output: Out,
+    path: Out,
     track: OfTrack = "remqa",
     split: Split = "test",
     seed: Annotated[int, typer.Option(min=0)] = 0,
 ) -> None:
     """Write what an agent that does anything submits."""
-    _write_reference("random", data, output, track, split, seed)
+    _write_reference("random", data, path, track, split, seed)
 
 
 @app.command()
-def blind(data: Data, output: Out, track: OfTrack = "remqa", split: Split = "test") -> None:
+def blind(data: Data, path: Out, track: OfTrack = "remqa", split: Split = "test") -> None:
     """Write what an agent submits that reads the question, stands still and guesses."""
-    _write_reference("blind", data, output, track, split, 0)
+    _write_reference("blind", data, path, track, split, 0)
 
 
 @app.command()
@@ -146,9 +159,12 @@ def compare(
     from remqa_data.evaluation.report.tables import print_grid
 
     compared = run(first, second, seed)
-    print_grid(Console(), comparison_grid(first, second, compared))
+    say = output()
+    if not (say.is_quiet or say.is_json):
+        print_grid(Console(), comparison_grid(first, second, compared))
     for line in comparison_notes(first, second, compared):
-        typer.echo(line)
+        say.say(line)
+    say.result(measures=[asdict(measure) for measure in compared])
 
 
 @app.command()
@@ -159,7 +175,7 @@ def schema() -> None:
     typer.echo(schema_json(), nl=False)
 
 
-def _write_reference(agent: Agent, data: Path, output: Path, track: Track, split: str, seed: int) -> None:
+def _write_reference(agent: Agent, data: Path, path: Path, track: Track, split: str, seed: int) -> None:
     import numpy as np
 
     from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
@@ -169,18 +185,18 @@ def _write_reference(agent: Agent, data: Path, output: Path, track: Track, split
 
     rows = reference_rows(agent, data, track, split, np.random.default_rng(seed))
     header = Header(track=track, split=split, dataset=dataset_sha256(load_manifest(data)), agent=agent)
-    write_submission(output, header, rows)
-    typer.echo(f"{output}: {len(rows)} rows")
+    write_submission(path, header, rows)
+    output().say(f"{path}: {len(rows)} rows")
+    output().result(file=path, rows=len(rows))
 
 
 class _progress:
     """Shows how many questions have been replayed, on a terminal."""
 
     def __init__(self, total: int) -> None:
-        from rich.console import Console
         from rich.progress import Progress
 
-        console = Console(stderr=True)
+        console = output().console()
         self.bar = Progress(console=console, transient=True, disable=not console.is_terminal)
         self.task = self.bar.add_task("replaying", total=total)
 

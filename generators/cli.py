@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from remqa_data.command_line import OneLineErrors
+from remqa_data.command_line import OneLineErrors, output
+from remqa_data.errors import ConfigError
 from remqa_data.published import MEAN_WORDS
 
 if TYPE_CHECKING:
@@ -18,9 +18,13 @@ if TYPE_CHECKING:
 
 
 class Resumable(OneLineErrors):
-    """A command that goes on after it was stopped."""
+    """A command that goes on after it was stopped, and takes options only."""
 
     when_stopped = "stopped; the rooms that are finished are kept, go on with --resume"
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Say that there are no commands."""
+        raise ConfigError(f"there is no command {args[0]!r}; give options only, such as --config {args[0]}")
 
 
 app = typer.Typer(
@@ -44,7 +48,9 @@ def generate(
     out: Annotated[
         str, typer.Option(metavar="DIR", help="Folder of the dataset, or a place such as s3://bucket/prefix.")
     ] = "out/remqa",
-    config: Annotated[Path | None, typer.Option(metavar="FILE", help="A file such as configs/paper.yaml.")] = None,
+    config: Annotated[
+        str, typer.Option(metavar="NAME", help="A preset, paper or tiny, or a YAML file like those in configs/.")
+    ] = "paper",
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of the whole dataset.")] = None,
     workers: Annotated[
         int | None,
@@ -67,12 +73,12 @@ def generate(
     resume: Annotated[bool, typer.Option("--resume", help="Go on with an interrupted run.")] = False,
 ) -> None:
     """Generate a dataset of rooms, walks and questions, every sample checked in the simulator."""
-    from remqa_data.generators.config import load_config, paper_config
+    from remqa_data.generators.config import load_config
     from remqa_data.generators.pipeline import check_place
     from remqa_data.generators.pipeline import generate as run
     from remqa_data.processes.executors import make_executor
 
-    settings = paper_config() if config is None else load_config(config)
+    settings = load_config(config)
     if layouts is not None:
         settings = settings.with_layouts(layouts)
     if seed is not None:
@@ -84,18 +90,22 @@ def generate(
     started = time.monotonic()
     with _progress(len(settings.scene_names)) as on_scene:
         manifest = run(out, settings, makes, on_scene, overwrite=overwrite)
-    _summary(out, settings, manifest.questions, time.monotonic() - started)
+    seconds = time.monotonic() - started
+    _summary(out, settings, manifest.questions, seconds)
+    rows = {table: manifest.rows(table) for table in ("scenes", "frames", "expressions", "questions")}
+    output().result(
+        dataset=out, rooms=len(settings.scene_names), seconds=seconds, rows=rows, questions=manifest.questions
+    )
 
 
 class _progress:
     """Calls back with each finished room: a bar on a terminal, else a line for each room."""
 
     def __init__(self, total: int) -> None:
-        from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
         self.total, self.done, self.questions, self.frames = total, 0, 0, 0
-        self.console = Console(stderr=True)
+        self.console = output().console()
         columns = (
             TextColumn("{task.description}"),
             BarColumn(),
@@ -120,11 +130,10 @@ class _progress:
         counts = f"{self.questions} questions, {self.frames} frames"
         self.bar.update(self.task, advance=1, description=counts)
         if not self.console.is_terminal:
-            typer.echo(f"{self.done}/{self.total} {scene}: {counts} so far", err=True)
+            output().note(f"{self.done}/{self.total} {scene}: {counts} so far")
 
 
 def _summary(out: str, settings: Config, questions: Mapping[str, Mapping[str, int]], seconds: float) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     from remqa_data.storage.shards import read_table
@@ -139,4 +148,4 @@ def _summary(out: str, settings: Config, questions: Mapping[str, Mapping[str, in
             mean = f"{sum(words) / len(words):.2f}" if words else "-"
             asked = settings.totals[split][kind]  # type: ignore[index]
             table.add_row(split, kind, str(count), str(asked), mean, f"{MEAN_WORDS[kind]:.1f}")
-    Console().print(table)
+    output().show(table)

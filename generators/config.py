@@ -20,7 +20,7 @@ from pydantic import (
     model_validator,
 )
 
-from remqa_data.errors import ConfigError, UnknownNameError, one_line
+from remqa_data.errors import ConfigError, UnknownNameError, nearest_names, one_line
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
 from remqa_data.generators.questions.allotment import GROUP_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
@@ -194,8 +194,19 @@ class Config(_Section):
         return self.model_copy(update={"seed": seed})
 
 
+def presets() -> tuple[str, ...]:
+    """Names of the configurations that come with the package, such as "tiny"."""
+    files = (Path(entry.name) for entry in resources.files("remqa_data.configs").iterdir())
+    return tuple(sorted(file.stem for file in files if file.suffix == ".yaml"))
+
+
 def load_config(path: str | os.PathLike[str]) -> Config:
     """Read a configuration.
+
+    Parameters
+    ----------
+    path : path or str
+        A YAML file, or the name of a preset, see `presets`; a file of that name comes first.
 
     Raises
     ------
@@ -203,19 +214,23 @@ def load_config(path: str | os.PathLike[str]) -> Config:
         If the file cannot be read, or a key is missing, unknown or has a wrong value: one line that names the file, the
         key and the reason.
     """
+    name = os.fspath(path)
+    if name in presets() and not Path(path).is_file():
+        return parse_config((resources.files("remqa_data.configs") / f"{name}.yaml").read_text(encoding="utf-8"), name)
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
-        raise ConfigError(f"{os.fspath(path)}: {reason}; give a YAML file such as configs/paper.yaml") from None
-    return parse_config(text, os.fspath(path))
+        near = nearest_names(name, presets(), count=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        msg = f"{name}: {reason}; give a YAML file, or one of the presets {', '.join(presets())}{hint}"
+        raise ConfigError(msg) from None
+    return parse_config(text, name)
 
 
 def paper_config() -> Config:
-    """The configuration of the published benchmark; `configs/paper.yaml` in a checkout says the same."""
-    return parse_config(
-        (resources.files("remqa_data.templates") / "paper.yaml").read_text(encoding="utf-8"), "paper.yaml"
-    )
+    """The configuration of the published benchmark, `configs/paper.yaml`."""
+    return load_config("paper")
 
 
 def parse_config(text: str, where: str = "configuration") -> Config:

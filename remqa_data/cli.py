@@ -7,8 +7,7 @@ from typing import Annotated
 
 import typer
 
-from remqa_data.command_line import OneLineErrors
-from remqa_data.version import __version__
+from remqa_data.command_line import OneLineErrors, output
 
 app = typer.Typer(
     name="remqa-data",
@@ -24,19 +23,8 @@ def main() -> None:
     app()
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"remqa-data {__version__}")
-        raise typer.Exit
-
-
 @app.callback()
-def _options(
-    version: Annotated[
-        bool,
-        typer.Option("--version", help="Print the version and stop.", callback=_print_version, is_eager=True),
-    ] = False,
-) -> None:
+def _about() -> None:
     """Rooms for remote embodied manipulation question answering."""
 
 
@@ -47,13 +35,12 @@ def assets(
     columns: Annotated[int, typer.Option(min=1, help="Variants side by side.")] = 4,
 ) -> None:
     """Write contact sheets of object types: their variants, closed and open."""
-    from rich.console import Console
     from rich.progress import Progress
 
     from remqa_data.assets import TYPES
     from remqa_data.generators.figures.asset_sheets import write_sheets
 
-    console = Console(stderr=True)
+    console = output().console()
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("sheets", total=len(types or TYPES))
 
@@ -61,52 +48,56 @@ def assets(
             bar.update(task, description=name, advance=1)
 
         written = write_sheets(sheet, types or (), columns, progress=on_type)
-    typer.echo(f"{len(written)} {'sheet' if len(written) == 1 else 'sheets'} in {sheet}")
+    output().say(f"{len(written)} {'sheet' if len(written) == 1 else 'sheets'} in {sheet}")
+    output().result(sheets=written)
 
 
 @app.command()
 def play(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
     question_id: Annotated[str, typer.Argument(help="A question of it, such as FloorPlan1-COUNTING-00-c2.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="The film to write, an MP4.")] = Path(
-        "episode.mp4"
-    ),
+    film: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="The film to write, .mp4 or .webm.")
+    ] = Path("episode.mp4"),
 ) -> None:
     """Film a question: what the agent sees, the agent from outside, and the map that it draws."""
     from remqa_data.env.video import write_film
 
-    frames = write_film(root, question_id, output)
-    typer.echo(f"{output}: {frames} frames")
+    frames = write_film(root, question_id, film)
+    output().say(f"{film}: {frames} frames")
+    output().result(film=film, frames=frames)
 
 
 @app.command()
 def preview(
     scene: Annotated[str, typer.Argument(help="A floor plan, such as FloorPlan1.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")] = Path(
-        "preview.png"
-    ),
+    picture: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")
+    ] = Path("preview.png"),
     size: Annotated[int, typer.Option(min=32, max=2048, help="Width and height of each view in pixels.")] = 300,
 ) -> None:
     """Draw a room: a map with walls, objects and reachable cells, and eight views."""
     from remqa_data.generators.figures.preview import write_preview
 
-    write_preview(scene, output, size_px=size)
-    typer.echo(str(output))
+    write_preview(scene, picture, size_px=size)
+    output().say(str(picture))
+    output().result(picture=picture)
 
 
 @app.command()
 def show(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
     question_id: Annotated[str, typer.Argument(help="A question of it, such as FloorPlan1-COUNTING-00-c2.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")] = Path(
-        "sample.png"
-    ),
+    picture: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")
+    ] = Path("sample.png"),
 ) -> None:
     """Draw a question: the views before and after the manipulation, and the way there on a map."""
     from remqa_data.generators.figures.sample_picture import write_sample_picture
 
-    write_sample_picture(root, question_id, output)
-    typer.echo(str(output))
+    write_sample_picture(root, question_id, picture)
+    output().say(str(picture))
+    output().result(picture=picture)
 
 
 @app.command()

@@ -1,35 +1,176 @@
-"""What the three commands share.
+"""What the three commands share: --version, --quiet and --json, errors in one line, and word of what takes long.
 
 An error on purpose (`RemqaError`) or a file that cannot be read or written becomes one line on stderr and exit code 2.
+The library logs and never prints; what a command has to say goes through `output()`.
 """
 
 from __future__ import annotations
 
-from typing import Any
+import json
+import logging
+from collections.abc import Callable
+from contextvars import ContextVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from remqa_data.errors import RemqaError, one_line
+from remqa_data.kernels.progress import Compiling, listening
 from remqa_data.processes.interrupts import PromptInterrupts
+from remqa_data.version import __version__
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a command says, and to whom; its options decide.
+
+    Attributes
+    ----------
+    is_quiet : bool
+        Nothing but errors.
+    is_json : bool
+        One JSON object on stdout, and nothing else there.
+    """
+
+    is_quiet: bool = False
+    is_json: bool = False
+
+    def say(self, text: str) -> None:
+        """Print a line for people on stdout."""
+        if not (self.is_quiet or self.is_json):
+            typer.echo(text)
+
+    def show(self, table: Any) -> None:
+        """Print something of rich on stdout."""
+        from rich.console import Console
+
+        if not (self.is_quiet or self.is_json):
+            Console().print(table)
+
+    def note(self, text: str) -> None:
+        """Print a line about progress on stderr."""
+        if not self.is_quiet:
+            typer.echo(text, err=True)
+
+    def result(self, **facts: Any) -> None:
+        """Print what came of the command, for programs; a path is written as text."""
+        if self.is_json:
+            typer.echo(json.dumps(facts, default=str, ensure_ascii=False))
+
+    def console(self) -> Console:
+        """Where progress bars are drawn; draw none unless it `is_terminal`."""
+        from rich.console import Console
+
+        return Console(stderr=True, quiet=self.is_quiet, force_terminal=False if self.is_quiet else None)
+
+
+def output() -> Output:
+    """How the command that runs now speaks."""
+    return _OUTPUT.get()
 
 
 class OneLineErrors(TyperGroup):
-    """Commands whose errors on purpose become one line on stderr and exit code 2; they stop at once when told to."""
+    """Commands whose errors on purpose become one line on stderr and exit code 2; they stop at once when told to.
+
+    The group has --version, and all its commands have --quiet and --json.
+    """
 
     when_stopped = "stopped"
     """What to say to Ctrl-C and SIGTERM."""
 
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        self.params += _options(_version)
+        for command in (self, *self.commands.values()):
+            command.params += _options(_speech)
+
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
+        """Read the command line, with no option given yet."""
+        _OUTPUT.set(Output())
+        return super().make_context(*arguments, **options)
+
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""
+        logging.getLogger("remqa_data").addHandler(_LOGGED)
         try:
-            with PromptInterrupts(f"{self.name}: {self.when_stopped}"):
+            with PromptInterrupts(f"{self.name}: {self.when_stopped}"), listening(_tell_compiling):
                 return super().invoke(ctx)
         except (RemqaError, OSError, RuntimeError) as error:
             if isinstance(error, RuntimeError) and _NO_THREAD not in str(error):
                 raise
             typer.echo(f"{self.name}: {one_line(_in_words(error))}", err=True)
             raise typer.Exit(2) from error
+
+
+_PLAIN = Output()
+_OUTPUT: ContextVar[Output] = ContextVar("output", default=_PLAIN)
+
+
+def _print_version(ctx: typer.Context, wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"{ctx.command.name} {__version__}")
+        raise typer.Exit
+
+
+def _be_quiet(wanted: bool) -> None:
+    _OUTPUT.set(replace(_OUTPUT.get(), is_quiet=_OUTPUT.get().is_quiet or wanted))
+
+
+def _speak_json(wanted: bool) -> None:
+    _OUTPUT.set(replace(_OUTPUT.get(), is_json=_OUTPUT.get().is_json or wanted))
+
+
+def _options(function: Callable[..., None]) -> list[Any]:
+    """The options of a function, to be added to commands that it knows nothing of."""
+    app = typer.Typer(add_completion=False)
+    app.command()(function)
+    return list(typer.main.get_command(app).params)
+
+
+def _version(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version.", callback=_print_version, is_eager=True, expose_value=False
+        ),
+    ] = False,
+) -> None: ...
+
+
+def _speech(
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="Print errors only.", callback=_be_quiet, expose_value=False)
+    ] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object.", callback=_speak_json, expose_value=False)
+    ] = False,
+) -> None: ...
+
+
+class _Logged(logging.Handler):
+    """Warnings of the library, a line each on stderr."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        output().note(record.getMessage())
+
+
+_LOGGED = _Logged(logging.WARNING)
+
+
+def _tell_compiling(kernel: Compiling) -> None:
+    """How far the compiler is: a line that counts on a terminal, else one when it begins."""
+    console = output().console()
+    if console.is_terminal:
+        end = "\n" if kernel.number == kernel.known else ""
+        console.file.write(f"\rcompiling kernels, once: {kernel.number} of {kernel.known}{end}")
+        console.file.flush()
+    elif kernel.number == 1:
+        output().note(f"compiling {kernel.known} kernels, once; this takes about a minute")
 
 
 _NO_THREAD = "can't start new thread"

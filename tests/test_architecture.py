@@ -6,7 +6,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "remqa_data"
-UPSTAIRS = ("generators", "evaluation", "agents", "templates")
+UPSTAIRS = ("generators", "evaluation", "agents", "configs", "templates")
 MOST_MODULES = 16
 """In one folder, besides its `__init__`."""
 

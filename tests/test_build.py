@@ -15,7 +15,7 @@ import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "remqa_data"
-FOLDERS = ("agents", "evaluation", "generators", "templates")
+FOLDERS = ("agents", "configs", "evaluation", "generators", "templates")
 IGNORED = shutil.ignore_patterns(".*", "__pycache__", "out", "build", "dist", "*.egg-info")
 
 

@@ -13,7 +13,7 @@ from remqa_data import errors, extras
 from remqa_data.errors import MissingExtraError
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = ("generators", "evaluation", "agents", "templates")
+FOLDERS = ("generators", "evaluation", "agents", "configs", "templates")
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from importlib import metadata
 from pathlib import Path
 
-import typer
-from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from remqa_data.command_line import output
 from remqa_data.errors import MissingExtraError
 from remqa_data.generators.audit.balance import asked_questions
 from remqa_data.generators.audit.blind import TOLERANCE, BlindScore, blind_scores
@@ -25,23 +24,30 @@ def verify_and_report(root: Path, sample: int | None, seed: int, workers: int) -
     Whether everything holds. That guessing from words is better than chance is shown but is no failure: it is a
     statistic, in which there is luck, and not a truth of any one question.
     """
-    console = Console(stderr=True)
+    console = output().console()
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("replaying questions", total=None)
         result = verify(root, sample, seed, workers, lambda done, total: bar.update(task, completed=done, total=total))
     for failure in result.failures:
-        typer.echo(f"{failure.where}: {failure.truth}: {failure.reason}")
+        output().say(f"{failure.where}: {failure.truth}: {failure.reason}")
     manifest = load_manifest(root)
     if result.failures:
         _tell_versions(manifest)
-    typer.echo(f"{len(result.checked) - len(result.failed)} of {len(result.checked)} questions hold")
+    output().say(f"{len(result.checked) - len(result.failed)} of {len(result.checked)} questions hold")
     try:
         scores = blind_scores(asked_questions(root, manifest))
     except MissingExtraError as error:
-        typer.echo(f"whether words give answers away was not checked: {error}")
+        output().say(f"whether words give answers away was not checked: {error}")
+        scores = []
     else:
         _tell_scores(scores)
+    output().result(
+        holds=not result.failures,
+        questions=len(result.checked),
+        failures=[vars(failure) for failure in result.failures],
+        words_alone=[vars(score) for score in scores],
+    )
     return not result.failures
 
 
@@ -54,7 +60,7 @@ def _tell_versions(manifest: Manifest) -> None:
         if manifest.versions.get(name) != v
     ]
     if others:
-        typer.echo(f"made with {', '.join(others)}: install these versions before you trust what is said of pictures")
+        output().say(f"made with {', '.join(others)}: install these versions before you trust what is said of pictures")
 
 
 def _tell_scores(scores: list[BlindScore]) -> None:
@@ -67,10 +73,10 @@ def _tell_scores(scores: list[BlindScore]) -> None:
         across = "-" if score.accuracy_across_rooms is None else f"{100 * score.accuracy_across_rooms:.1f}"
         figures = (f"{100 * share:.1f}" for share in (score.chance, score.accuracy))
         table.add_row(score.kind, str(score.questions), *figures, f"± {100 * score.chance_error:.1f}", across)
-    Console().print(table)
+    output().show(table)
     for score in scores:
         if score.is_excess:
             more = 100 * (score.accuracy - score.chance)
-            typer.echo(
+            output().say(
                 f"{score.kind}: words alone are right {more:.1f} points more often than chance; aim: {100 * TOLERANCE:.0f}"
             )

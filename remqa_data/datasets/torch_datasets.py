@@ -64,7 +64,7 @@ class _TableDataset(Dataset[Sample], Generic[Sample]):
         if self._loaded is None:
             arrays = self._reader.columns(self.columns)
             self._loaded = {k: v for name in self.columns for k, v in _values(name, arrays[name].chunk(0)).items()}
-        sample: dict[str, Any] = {name: values(row) for name, values in self._loaded.items()}
+        sample = JoinedByCollate({name: values(row) for name, values in self._loaded.items()})
         if self.images:
             reader, image_row = self._image_place(row)
             for name, data in zip(self.images, reader.images(image_row, self.images), strict=True):
@@ -191,12 +191,24 @@ class ExpressionDataset(_TableDataset[ExpressionSample]):
 
 
 def collate(samples: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Join samples into a batch, for `DataLoader(..., collate_fn=collate)`.
+    """Join samples into a batch; a `DataLoader` does it of itself, unless a transform returns something else.
 
     Tensors are stacked and numbers become a tensor; texts, lists and tensors of variable length
     (`remqa_data.datasets.sample_types.RAGGED`) become a list with one entry for each sample.
     """
     return {key: _collated(key, [sample[key] for sample in samples]) for key in samples[0]}
+
+
+class JoinedByCollate(dict[str, Any]):
+    """A sample; PyTorch's `default_collate` joins such samples with `collate`."""
+
+
+def _join(samples: Sequence[JoinedByCollate], *, collate_fn_map: Any = None) -> dict[str, Any]:
+    return collate(samples)
+
+
+# The way to extend `default_collate` that its documentation names.
+require("torch.utils.data._utils.collate", "torch").default_collate_fn_map[JoinedByCollate] = _join
 
 
 _Values = Callable[[int], Any]

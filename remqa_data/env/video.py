@@ -31,11 +31,12 @@ FRAMES_PER_S = 4
 REACHING_FRAMES, LAST_FRAMES = 6, 10
 """Frames in which the arm goes to the target, and for which the end stays."""
 QUESTION_COLUMNS = 90
-CODEC = "mp4v"
+CODECS = {".mp4": "vp09", ".webm": "VP90"}
+"""VP9, which browsers play, as each container calls it; OpenCV's wheels have no encoder for H.264 or AV1."""
 
 
 def write_film(root: Path, question_id: str, path: Path) -> int:
-    """Write the oracle's episode of a question of a dataset as .mp4; returns the number of frames.
+    """Write the oracle's episode of a question of a dataset as .mp4 or .webm; returns the number of frames.
 
     Raises
     ------
@@ -46,12 +47,16 @@ def write_film(root: Path, question_id: str, path: Path) -> int:
     OutputError
         If films of this kind cannot be written here, or the film was not written whole.
     """
+    if path.suffix not in CODECS:
+        raise OutputError(f"{path}: give a name that ends with {' or '.join(CODECS)}")
     with atomic_path(path) as temporary:
         frames = _of_one_size(list(film(root, question_id)))
         height, width = frames[0].shape[:2]
-        writer = cv2.VideoWriter(str(temporary), cv2.VideoWriter.fourcc(*CODEC), FRAMES_PER_S, (width, height))
+        writer = cv2.VideoWriter(
+            str(temporary), cv2.VideoWriter.fourcc(*CODECS[path.suffix]), FRAMES_PER_S, (width, height)
+        )
         if not writer.isOpened():
-            raise OutputError(f"{path}: OpenCV cannot write this kind of film; give a name that ends with .mp4")
+            raise OutputError(f"{path}: this OpenCV cannot write VP9; install opencv-python-headless")
         for frame in frames:
             writer.write(np.ascontiguousarray(frame[..., ::-1]))
         writer.release()

@@ -247,6 +247,17 @@ def test_workers_yield_what_one_process_yields(root, kind, start) -> None:
             assert same, key
 
 
+@pytest.mark.parametrize("kind", [RemqaDataset, FrameDataset, ExpressionDataset])
+def test_a_shuffled_loader_needs_no_collate(root, kind) -> None:
+    dataset = kind(root, "train", transform=lambda sample: sample)
+    for workers in (0, 1):
+        loader = DataLoader(dataset, batch_size=3, shuffle=True, num_workers=workers)
+        batches = list(loader)
+        name = next(key for key in dataset.columns if key.endswith("_id"))
+        assert sorted(text for batch in batches for text in batch[name]) == sorted(sample[name] for sample in dataset)
+        assert all(batch["rgb" if "rgb" in batch else "start_rgb"].dtype == torch.uint8 for batch in batches)
+
+
 def test_a_dataset_is_small_when_it_is_pickled(root) -> None:
     dataset = RemqaDataset(root, "train", transform=only_answer)
     first = dataset[0]

@@ -4,6 +4,7 @@ import resource
 from collections.abc import Iterator
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -11,7 +12,7 @@ from remqa_data.env import video as play
 from remqa_data.errors import OutputError
 from remqa_data.generators.figures.asset_sheets import write_sheets
 
-FRAMES, FILM_BYTES = 30, 50_000
+FRAMES, FILM_BYTES = 30, 40_000
 
 
 @pytest.fixture
@@ -35,6 +36,29 @@ def noise(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_whole_film_gets_its_name(tmp_path: Path) -> None:
     assert play.write_film(tmp_path, "Q", tmp_path / "film.mp4") == FRAMES
     assert (tmp_path / "film.mp4").stat().st_size > FILM_BYTES
+
+
+@pytest.mark.usefixtures("noise")
+@pytest.mark.parametrize("suffix", [".mp4", ".webm"])
+def test_browsers_can_play_a_film(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"film{suffix}"
+    play.write_film(tmp_path, "Q", path)
+    reader = cv2.VideoCapture(str(path))
+    assert int(reader.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little") == b"VP90"
+    _, first = reader.read()
+    rng = np.random.default_rng(0)
+    shown = rng.integers(0, 256, (64, 96, 3), dtype=np.uint8)[..., ::-1]
+    assert np.corrcoef(first.ravel(), shown.ravel())[0, 1] > 0.5
+    if suffix == ".mp4":
+        # The record of https://www.webmproject.org/vp9/mp4: profile 0 (8 bits, 4:2:0) is what all browsers decode.
+        record = path.read_bytes().partition(b"vpcC")[2]
+        assert (record[4], record[6] >> 4, record[6] >> 1 & 7) in ((0, 8, 0), (0, 8, 1))
+
+
+@pytest.mark.usefixtures("noise")
+def test_another_kind_of_film_is_refused_before_anything_is_drawn(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match=r"film\.avi: give a name that ends with \.mp4 or \.webm"):
+        play.write_film(tmp_path, "Q", tmp_path / "film.avi")
 
 
 @pytest.mark.usefixtures("noise", "small_disk")

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from remqa_data.errors import ConfigError
-from remqa_data.generators.config import load_config, parse_config
+from remqa_data.generators.config import load_config, parse_config, presets
 from remqa_data.generators.questions.allotment import allot, capacities, split_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -20,6 +20,20 @@ def test_the_published_numbers() -> None:
     }
     assert len(config.scene_names) * config.configurations * config.walk.frames_per_configuration > 10_000
     assert sum(split_of(name) == "test" for name in config.scene_names) == 20
+
+
+def test_a_preset_is_loaded_by_its_name_and_a_file_of_that_name_comes_first(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "paper").mkdir()  # a folder is no configuration
+    assert presets() == ("paper", "tiny")
+    for name in presets():
+        assert load_config(name) == load_config(CONFIGS / f"{name}.yaml")
+    (tmp_path / "tiny").write_text(PAPER, encoding="utf-8")
+    assert load_config("tiny") == load_config("paper")
+    with pytest.raises(
+        ConfigError, match=r"^tny: No such file or directory; .* presets paper, tiny; did you mean 'tiny'"
+    ):
+        load_config("tny")
 
 
 @pytest.mark.parametrize("name", ["paper.yaml", "tiny.yaml"])

@@ -1,0 +1,106 @@
+"""What the three commands share."""
+
+import json
+import logging
+import sys
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from remqa_data import __version__
+from remqa_data.kernels.progress import Compiling, tell
+from tests.helpers.dataset_rows import write_dataset
+from tests.helpers.submissions import written
+
+COMMANDS = {
+    "remqa-data": ["assets", "play", "preview", "show", "verify"],
+    "remqa-gen": [],
+    "remqa-eval": ["score", "oracle", "random", "blind", "compare", "schema"],
+}
+HOMES = {"remqa-data": "remqa_data", "remqa-gen": "remqa_data.generators", "remqa-eval": "remqa_data.evaluation"}
+
+
+def invoke(name: str, *arguments: object) -> Result:
+    return CliRunner().invoke(import_module(f"{HOMES[name]}.cli").app, [str(word) for word in arguments])
+
+
+@pytest.fixture
+def drawing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stands in for the drawing of rooms, which compiles a kernel and warns."""
+
+    def write_preview(scene: str, path: Path, size_px: int) -> None:
+        for number in (1, 2):
+            tell(Compiling("shade", number, 2))
+        logging.getLogger("remqa_data.sim").warning("kept in %s", "/tmp")
+
+    module = ModuleType("remqa_data.generators.figures.preview")
+    module.write_preview = write_preview  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("data")
+    write_dataset(root)
+    return root
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_tells_its_version(name) -> None:
+    done = invoke(name, "--version")
+    assert (done.exit_code, done.stdout) == (0, f"{name} {__version__}\n")
+
+
+@pytest.mark.parametrize(("name", "command"), [(n, c) for n, commands in COMMANDS.items() for c in (*commands, "")])
+def test_every_command_can_be_quiet_and_speak_json(name, command) -> None:
+    help_text = invoke(name, *command.split(), "--help").stdout
+    assert "--quiet" in help_text
+    assert "--json" in help_text
+
+
+def test_a_command_says_what_it_wrote_and_that_kernels_are_compiled_once(drawing) -> None:
+    done = invoke("remqa-data", "preview", "FloorPlan1", "-o", "a.png")
+    assert done.stdout == "a.png\n"
+    assert done.stderr == "compiling 2 kernels, once; this takes about a minute\nkept in /tmp\n"
+
+
+@pytest.mark.parametrize("words", [["--json", "preview", "FloorPlan1"], ["preview", "FloorPlan1", "--json"]])
+def test_json_is_one_object_on_stdout(drawing, words) -> None:
+    assert json.loads(invoke("remqa-data", *words, "-o", "a.png").stdout) == {"picture": "a.png"}
+
+
+def test_a_quiet_command_says_nothing_but_errors(drawing) -> None:
+    done = invoke("remqa-data", "preview", "FloorPlan1", "-q")
+    assert (done.exit_code, done.output) == (0, "")
+    done = invoke("remqa-gen", "-q", "--config", "nowhere.yaml")
+    assert done.exit_code == 2
+    assert done.stderr.startswith("remqa-gen: nowhere.yaml: No such file")
+    assert "a.png" in invoke("remqa-data", "preview", "FloorPlan1", "-o", "a.png").stdout  # the next one speaks again
+
+
+@pytest.mark.parametrize(
+    ("name", "word", "hint"),
+    [
+        ("remqa-data", "verfy", "Did you mean 'verify'?"),
+        ("remqa-eval", "compar", "Did you mean 'compare'?"),
+        ("remqa-eval", "scores", "Did you mean 'score'?"),
+        ("remqa-gen", "tiny", "give options only, such as --config tiny"),
+    ],
+)
+def test_a_word_that_is_nearly_a_command_is_not_taken_for_a_file(name, word, hint) -> None:
+    done = invoke(name, word)
+    assert done.exit_code == 2
+    assert hint in done.stderr
+
+
+def test_a_file_whose_name_is_nearly_a_command_is_a_file_when_it_is_there(data, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    written(tmp_path / "score.jsonl", "qa", [{"question_id": "Kitchen3-q0", "answer": "yes"}])
+    for words in (["score.jsonl"], ["--json", "score", "score.jsonl"]):
+        done = invoke("remqa-eval", *words, "--data", data, "--no-report", "-o", tmp_path / "out")
+        assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout)["track"] == "qa"
+    assert json.loads((tmp_path / "out" / "results.json").read_text())["counts"] == json.loads(done.stdout)["counts"]
