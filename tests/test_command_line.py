@@ -86,7 +86,7 @@ def test_a_quiet_command_says_nothing_but_errors(drawing) -> None:
     [
         ("remqa-data", "verfy", "Did you mean 'verify'?"),
         ("remqa-eval", "compar", "Did you mean 'compare'?"),
-        ("remqa-eval", "scores", "Did you mean 'score'?"),
+        ("remqa-eval", "scores", "Did you mean 'score'"),
         ("remqa-gen", "tiny", "give options only, such as --config tiny"),
     ],
 )
