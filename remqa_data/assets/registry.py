@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import lru_cache
+from types import ModuleType
 
 import numpy as np
 
 from remqa_data.assets.core.builder import Builder
 from remqa_data.assets.core.kind import Kind
 from remqa_data.assets.core.model import Asset, AssetSpec
-from remqa_data.assets.types.bathroom import basins as plumbing
-from remqa_data.assets.types.bathroom import shower
-from remqa_data.assets.types.bathroom import toiletries as bathroom
-from remqa_data.assets.types.bathroom import towels as textiles
-from remqa_data.assets.types.fixtures import candles as lighting
-from remqa_data.assets.types.fixtures import lamps
-from remqa_data.assets.types.fixtures import wall_and_floor as wall
-from remqa_data.assets.types.furniture import beds as bedding
-from remqa_data.assets.types.furniture import desks, seating, sofas, storage, tables
-from remqa_data.assets.types.kitchen import appliances, bottles, cookware, food, kitchen_supplies, tableware, utensils
+from remqa_data.assets.types.bathroom import basins, faucets, shower, tissue, toiletries, toilets, towels
+from remqa_data.assets.types.fixtures import candles, lamps, wall_and_floor
+from remqa_data.assets.types.furniture import beds, desks, seating, sofas, storage, tables
+from remqa_data.assets.types.kitchen import (
+    appliances,
+    bottles,
+    coffee_machines,
+    cookware,
+    food,
+    fridges,
+    kitchen_supplies,
+    stoves,
+    tableware,
+    utensils,
+)
 from remqa_data.assets.types.small import (
     bins,
     books,
@@ -37,42 +44,36 @@ from remqa_data.assets.types.small import (
 )
 from remqa_data.errors import AssetError, UnknownNameError
 
-KINDS: dict[str, Kind] = {
-    **storage.KINDS,
-    **containers.KINDS,
-    **bins.KINDS,
-    **desks.KINDS,
-    **tables.KINDS,
-    **tableware.KINDS,
-    **kitchen_supplies.KINDS,
-    **food.KINDS,
-    **utensils.KINDS,
-    **bottles.KINDS,
-    **cookware.KINDS,
-    **bathroom.KINDS,
-    **textiles.KINDS,
-    **wall.KINDS,
-    **bedding.KINDS,
-    **decor.KINDS,
-    **lamps.KINDS,
-    **lighting.KINDS,
-    **plants.KINDS,
-    **plush.KINDS,
-    **seating.KINDS,
-    **sofas.KINDS,
-    **statues.KINDS,
-    **books.KINDS,
-    **boots.KINDS,
-    **carried.KINDS,
-    **clocks.KINDS,
-    **electronics.KINDS,
-    **sports.KINDS,
-    **stationery.KINDS,
-    **vacuums.KINDS,
-    **appliances.KINDS,
-    **plumbing.KINDS,
-    **shower.KINDS,
-}
+MODULES: tuple[ModuleType, ...] = (
+    *(basins, faucets, shower, tissue, toiletries, toilets, towels),
+    *(candles, lamps, wall_and_floor),
+    *(beds, desks, seating, sofas, storage, tables),
+    *(appliances, bottles, coffee_machines, cookware, food, fridges, kitchen_supplies, stoves, tableware, utensils),
+    *(bins, books, boots, carried, clocks, containers, decor, electronics, plants, plush),
+    *(sports, stationery, statues, vacuums),
+)
+"""Those that announce object types in a mapping `KINDS`."""
+
+
+def merged_kinds(modules: Iterable[ModuleType]) -> dict[str, Kind]:
+    """The object types of some modules.
+
+    Raises
+    ------
+    AssetError
+        If two of them announce the same type.
+    """
+    homes: dict[str, str] = {}
+    kinds: dict[str, Kind] = {}
+    for module in modules:
+        for type_, kind in module.KINDS.items():
+            if type_ in kinds:
+                raise AssetError(f"{type_} is drawn by {homes[type_]} and by {module.__name__}; remove one of them")
+            homes[type_], kinds[type_] = module.__name__, kind
+    return kinds
+
+
+KINDS = merged_kinds(MODULES)
 TYPES = tuple(sorted(KINDS))
 
 

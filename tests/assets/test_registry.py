@@ -1,13 +1,18 @@
 """What holds for every object type: it fills its box, its variants differ, it is lit from outside and can be simulated."""
 
+import re
 from collections import defaultdict
+from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 
-from remqa_data.assets import TYPES, Asset, AssetSpec, build, variant_count
+from remqa_data.assets import TYPES, Asset, AssetSpec, build, registry, variant_count
 from remqa_data.assets.core.sizes import typical_size
+from remqa_data.assets.registry import KINDS, MODULES, merged_kinds
 from remqa_data.catalog import catalog, object_type
+from remqa_data.errors import AssetError
 from remqa_data.floorplans.ithor.table import recorded_objects, scene_names
 from remqa_data.generators.figures.asset_sheets import picture
 
@@ -144,3 +149,17 @@ def test_the_same_spec_gives_the_same_mesh() -> None:
             for s, t in zip(a.surfaces, b.surfaces, strict=True):
                 assert np.array_equal(s.vertices, t.vertices)
                 assert s.material == t.material
+
+
+def test_a_type_that_two_modules_draw_is_an_error() -> None:
+    first, second = ModuleType("shelves"), ModuleType("cupboards")
+    first.KINDS = {"Shelf": KINDS["Shelf"]}  # type: ignore[attr-defined]
+    second.KINDS = {"Cabinet": KINDS["Cabinet"], "Shelf": KINDS["Shelf"]}  # type: ignore[attr-defined]
+    with pytest.raises(AssetError, match="Shelf is drawn by shelves and by cupboards"):
+        merged_kinds([first, second])
+
+
+def test_every_module_of_object_types_is_registered() -> None:
+    types = Path(registry.__file__).with_name("types")
+    announcing = {path for path in types.rglob("*.py") if re.search(r"^KINDS\b", path.read_text(), re.MULTILINE)}
+    assert announcing == {Path(str(module.__file__)) for module in MODULES}

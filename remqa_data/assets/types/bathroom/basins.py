@@ -24,7 +24,6 @@ from remqa_data.assets.parts.hollows import (
     solid_body,
     suite,
 )
-from remqa_data.assets.types.bathroom import faucets, toilets
 from remqa_data.geometry.types import F64, Box, Rect
 
 STANDS_M = 0.45
@@ -395,6 +394,4 @@ KINDS = {
     "SinkBasin": Kind(sink_basin),
     "Bathtub": Kind(bathtub),
     "BathtubBasin": Kind(bathtub_basin),
-    **faucets.KINDS,
-    **toilets.KINDS,
 }

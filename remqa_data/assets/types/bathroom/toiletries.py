@@ -254,7 +254,6 @@ def _bristles(b: Builder, radius: float, low: float, high: float) -> None:
 
 
 KINDS = {
-    **tissue.KINDS,
     "SoapBar": Kind(soap_bar),
     "SprayBottle": Kind(spray_bottle),
     "ScrubBrush": Kind(scrub_brush),

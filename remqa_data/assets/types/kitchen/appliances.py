@@ -9,7 +9,6 @@ from remqa_data.assets.core.kind import Kind
 from remqa_data.assets.looks import enamel, materials
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.cutting import solid_around
-from remqa_data.assets.types.kitchen import coffee_machines, fridges, stoves
 from remqa_data.geometry.types import F64
 
 FOUR_SLOTS_M = 0.27
@@ -160,7 +159,4 @@ def _slots(b: Builder, top: F64, y: float, long: float, foot: float) -> None:
 KINDS = {
     "Microwave": Kind(microwave),
     "Toaster": Kind(toaster),
-    **fridges.KINDS,
-    **coffee_machines.KINDS,
-    **stoves.KINDS,
 }
