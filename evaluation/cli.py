@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -13,6 +12,7 @@ import typer
 from remqa_data.command_line import OneLineErrors, output
 from remqa_data.errors import SubmissionError, nearest_names
 from remqa_data.evaluation.submission.tracks import Track
+from remqa_data.processes.cores import worker_count
 
 if TYPE_CHECKING:
     from remqa_data.evaluation.submission.reference import Agent
@@ -67,7 +67,12 @@ def _about() -> None:
 def score(
     predictions: Annotated[Path, typer.Argument(metavar="FILE", help="A submission, .jsonl or .parquet.")],
     data: Data,
-    split: Annotated[str | None, typer.Option(help="Which questions; by default what the file says.")] = None,
+    split: Annotated[
+        str | None, typer.Option(help="Refuse a file for another split; by default its own is scored.")
+    ] = None,
+    track: Annotated[
+        Track | None, typer.Option(help="Refuse a file for another track; by default its own is scored.")
+    ] = None,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for results and report.")] = Path(
         "out/eval"
     ),
@@ -93,19 +98,18 @@ def score(
         require("jinja2", "report", "or leave the report out with --no-report")
     submission = open_submission(predictions)
     header = submission.header
-    if split is not None and split != header.split:
-        raise SubmissionError(
-            predictions, "the header", f"the predictions are for split {header.split!r}, not {split!r}"
-        )
+    for name, wanted, found in (("track", track, header.track), ("split", split, header.split)):
+        if wanted not in (None, found):
+            raise SubmissionError(
+                predictions, "the header", f"the predictions are for {name} {found!r}, not {wanted!r}"
+            )
     truth = load_ground_truth(data, header.track, header.split)
     sha256 = dataset_sha256(truth.manifest)
     if header.dataset is not None and header.dataset != sha256:
         reason = f"the predictions are for dataset {header.dataset[:16]}, but {data} is {sha256[:16]}"
         raise SubmissionError(predictions, "the header", reason)
     with _progress(len(truth.ids)) as on_replayed:
-        scores = run(
-            submission, truth, replay=not no_replay, workers=workers or os.cpu_count() or 1, progress=on_replayed
-        )
+        scores = run(submission, truth, replay=not no_replay, workers=worker_count(workers), progress=on_replayed)
     results = make_results(submission, truth, scores, replay=not no_replay, seed=seed)
     write_results(out / "results.json", results)  # first, so that nothing after it can lose what was replayed
     with atomic_path(out / "results.md") as temporary:
@@ -206,3 +210,7 @@ class _progress:
 
     def __exit__(self, *error: object) -> None:
         self.bar.stop()
+
+
+if __name__ == "__main__":
+    main()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,6 +10,7 @@ import typer
 
 from remqa_data.command_line import OneLineErrors, output
 from remqa_data.errors import ConfigError
+from remqa_data.processes.cores import worker_count
 from remqa_data.published import MEAN_WORDS
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def generate(
     if scenes is not None:
         settings = settings.with_scenes(scenes)
     check_place(out, overwrite=overwrite, resume=resume)
-    makes = make_executor(executor, workers or os.cpu_count() or 1, ray_address)
+    makes = make_executor(executor, worker_count(workers), ray_address)
     started = time.monotonic()
     with _progress(len(settings.scene_names)) as on_scene:
         manifest = run(out, settings, makes, on_scene, overwrite=overwrite)
@@ -135,10 +135,11 @@ class _progress:
 
 def _summary(out: str, settings: Config, questions: Mapping[str, Mapping[str, int]], seconds: float) -> None:
     from rich.table import Table
+    from rich.text import Text
 
     from remqa_data.storage.shards import read_table
 
-    table = Table(title=f"{out}: {len(settings.scene_names)} rooms in {seconds:.0f} s")
+    table = Table(title=Text(f"{out}: {len(settings.scene_names)} rooms in {seconds:.0f} s"))  # Text: no markup
     for heading in ("split", "kind", "questions", "asked for", "mean words", "published words"):
         table.add_column(heading, justify="left" if heading in ("split", "kind") else "right")
     for split, kinds in questions.items():
@@ -149,3 +150,7 @@ def _summary(out: str, settings: Config, questions: Mapping[str, Mapping[str, in
             asked = settings.totals[split][kind]  # type: ignore[index]
             table.add_row(split, kind, str(count), str(asked), mean, f"{MEAN_WORDS[kind]:.1f}")
     output().show(table)
+
+
+if __name__ == "__main__":
+    main()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -13,9 +14,6 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    NonNegativeInt,
-    PositiveFloat,
-    PositiveInt,
     ValidationError,
     model_validator,
 )
@@ -25,6 +23,7 @@ from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
 from remqa_data.generators.questions.allotment import GROUP_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
 from remqa_data.generators.walks.walk import WalkSettings
+from remqa_data.limits import MOST_IMAGE_PX, MOST_SEED
 from remqa_data.storage.manifest import config_hash
 from remqa_data.tables.images import RgbFormat
 from remqa_data.tables.rows import QuestionKind
@@ -37,16 +36,28 @@ MOST_SAMPLED = 1_000_000
 _NAMES = {"ithor": "from FloorPlan1 to FloorPlan430", "sampled": "such as Sampled-kitchen-000000"}
 
 
+MOST_CONFIG_BYTES = 1 << 18
+MOST_CONFIG_DEPTH = 8
+"""Lists and mappings inside of one another; it takes four."""
+MOST_QUESTIONS = 10_000_000
+"""Of one kind in one split; the published benchmark has 1,653."""
+MOST_FRAMES, MOST_POSES = 100_000, 36
+"""Frames of one walk, and headings or horizons at one place."""
+
+
 class _Section(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+Count = Annotated[int, Field(ge=0, le=MOST_QUESTIONS)]
 
 
 class KindCounts(_Section):
     """A number for each kind of question."""
 
-    EXISTENCE: NonNegativeInt
-    COUNTING: NonNegativeInt
-    SPATIAL: NonNegativeInt
+    EXISTENCE: Count
+    COUNTING: Count
+    SPATIAL: Count
 
     def by_kind(self) -> dict[QuestionKind, int]:
         """As a dictionary."""
@@ -63,10 +74,14 @@ class Totals(_Section):
 class WalkConfig(_Section):
     """How frames are taken; see `walk.WalkSettings`."""
 
-    frames_per_configuration: PositiveInt
-    headings_deg: tuple[int, ...] = Field(min_length=1, strict=False)
-    horizons_deg: tuple[int, ...] = Field(min_length=1, strict=False)
-    cells_per_frame: PositiveFloat
+    frames_per_configuration: Annotated[int, Field(ge=1, le=MOST_FRAMES)]
+    headings_deg: tuple[Annotated[int, Field(ge=-360, le=360)], ...] = Field(
+        min_length=1, max_length=MOST_POSES, strict=False
+    )
+    horizons_deg: tuple[Annotated[int, Field(ge=-90, le=90)], ...] = Field(
+        min_length=1, max_length=MOST_POSES, strict=False
+    )
+    cells_per_frame: Annotated[float, Field(gt=0, le=MOST_FRAMES)]
 
     def settings(self, size_px: int) -> WalkSettings:
         """What `walk.walk` takes."""
@@ -82,7 +97,7 @@ class WalkConfig(_Section):
 class ImageConfig(_Section):
     """How frames are stored."""
 
-    size_px: Annotated[int, Field(ge=32, le=4096)]
+    size_px: Annotated[int, Field(ge=32, le=MOST_IMAGE_PX)]
     rgb_format: RgbFormat
 
 
@@ -109,7 +124,7 @@ class Config(_Section):
         How they are stored.
     """
 
-    seed: NonNegativeInt
+    seed: Annotated[int, Field(ge=0, le=MOST_SEED)]
     layouts: Layouts
     scenes: Annotated[int, Field(ge=1)] | Annotated[tuple[str, ...], Field(min_length=1, strict=False)]
     configurations: Annotated[int, Field(ge=GROUP_SIZE, le=32)]
@@ -127,9 +142,9 @@ class Config(_Section):
                 raise ValueError(msg + _for_more(self.layouts))
             return self
         unknown = [name for name in self.scenes if not _is_room(self.layouts, name)]
-        twice = [name for name in self.scenes if self.scenes.count(name) > 1]
+        twice = [name for name, count in Counter(self.scenes).items() if count > 1]
         if unknown or twice:
-            wrong = f"there is no room {unknown[0]!r}" if unknown else f"{twice[0]!r} is named twice"
+            wrong = f"there is no room {unknown[0]!r:.80}" if unknown else f"{twice[0]!r} is named twice"
             msg = f"scenes: {wrong}; name rooms {_NAMES[self.layouts]}, each once"
             raise ValueError(msg)
         return self
@@ -190,7 +205,15 @@ class Config(_Section):
         return self.model_copy(update={"layouts": layouts})
 
     def with_seed(self, seed: int) -> Config:
-        """The same with another seed."""
+        """The same with another seed.
+
+        Raises
+        ------
+        ConfigError
+            If no such seed can be stored.
+        """
+        if not 0 <= seed <= MOST_SEED:
+            raise ConfigError(f"seed: {seed} is not between 0 and {MOST_SEED}")
         return self.model_copy(update={"seed": seed})
 
 
@@ -236,9 +259,10 @@ def paper_config() -> Config:
 def parse_config(text: str, where: str = "configuration") -> Config:
     """Read a configuration from its text; see `load_config`."""
     try:
+        _check_plain(text, where)
         data: Any = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ConfigError(f"{where}: not YAML: {one_line(error)}") from None
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: a date such as 2020-99-99, a number of 5,000 digits
+        raise ConfigError(f"{where}: not YAML: {one_line(error)[:300]}") from None
     if not isinstance(data, Mapping):
         raise ConfigError(f"{where}: expected keys such as 'seed', found {type(data).__name__}")
     try:
@@ -247,14 +271,30 @@ def parse_config(text: str, where: str = "configuration") -> Config:
         raise ConfigError(f"{where}: {_first_problem(error)}") from None
 
 
+def _check_plain(text: str, where: str) -> None:
+    """Refuse what a configuration never needs, and what a few bytes of can ask for any amount of time."""
+    if len(text) > MOST_CONFIG_BYTES:
+        raise ConfigError(f"{where}: {len(text):,} characters; a configuration has at most {MOST_CONFIG_BYTES:,}")
+    depth = 0
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
+            raise ConfigError(f"{where}: line {event.start_mark.line + 1}: anchors and aliases (& and *) are not read")
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if depth > MOST_CONFIG_DEPTH:
+            raise ConfigError(f"{where}: line {event.start_mark.line + 1}: nested too deep")
+
+
 def _first_problem(error: ValidationError) -> str:
     problem = error.errors()[0]
     # Of a value that may be of two types, pydantic tells the branch after the key; the key is enough.
     key = ".".join(
         str(part) for part in problem["loc"] if part not in ("constrained-int", "int") and "tuple" not in str(part)
     )
-    reason = problem["msg"].removeprefix("Value error, ")
-    return f"{key}: {reason}" if key else reason
+    reason = one_line(problem["msg"].removeprefix("Value error, "))
+    return f"{one_line(key)[:80]}: {reason}" if key else reason
 
 
 def _most_rooms(layouts: Layouts) -> int:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
@@ -19,6 +20,7 @@ from typer.core import TyperGroup
 from remqa_data.errors import RemqaError, one_line
 from remqa_data.kernels.progress import Compiling, listening
 from remqa_data.processes.interrupts import PromptInterrupts
+from remqa_data.processes.surroundings import address_space_problem, name_problem, open_standard_streams
 from remqa_data.version import __version__
 
 if TYPE_CHECKING:
@@ -93,6 +95,15 @@ class OneLineErrors(TyperGroup):
         """Read the command line, with no option given yet."""
         _OUTPUT.set(Output())
         return super().make_context(*arguments, **options)
+
+    def main(self, args: Sequence[str] | None = None, *others: Any, **options: Any) -> Any:
+        """Run the command line, unless nothing can come of it here."""
+        open_standard_streams()
+        problem = address_space_problem() or name_problem(sys.argv[1:] if args is None else args)
+        if problem is not None:
+            typer.echo(f"{self.name}: {problem}", err=True)
+            raise SystemExit(2)
+        return super().main(args, *others, **options)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""

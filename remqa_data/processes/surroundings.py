@@ -1,0 +1,47 @@
+"""What a command is given to run in: its standard streams, its address space, its arguments."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+LEAST_ADDRESS_SPACE = 3 << 30
+"""What compilers and threads of libraries take, though most of it is never used: with less they hang or crash."""
+
+
+def open_standard_streams() -> None:
+    """Where a standard stream is closed, as by `2>&-`, open it on nothing.
+
+    Otherwise the next file that is opened gets its number, and whatever is said to the stream goes into that file.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # gets the least number that is free, which is this one
+    for name, number in (("stdout", 1), ("stderr", 2)):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(number, "w", encoding="utf-8", closefd=False))
+
+
+def address_space_problem() -> str | None:
+    """What is wrong if the system lets this process have too little room."""
+    try:
+        import resource
+    except ImportError:  # not on Windows
+        return None
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if limit == resource.RLIM_INFINITY or limit >= LEAST_ADDRESS_SPACE:
+        return None
+    return f"the address space is limited to {limit >> 20} MB (ulimit -v); at least {LEAST_ADDRESS_SPACE >> 20} MB are needed"
+
+
+def name_problem(arguments: Sequence[str]) -> str | None:
+    """What is wrong with a name that is no UTF-8, which no file of a dataset can have."""
+    for argument in arguments:
+        try:
+            argument.encode()
+        except UnicodeEncodeError:
+            return f"{argument!a} is no UTF-8; choose another name"
+    return None
