@@ -13,6 +13,7 @@ from remqa_data.errors import MissingExtraError
 from remqa_data.generators.audit.balance import asked_questions
 from remqa_data.generators.audit.blind import TOLERANCE, BlindScore, blind_scores
 from remqa_data.generators.audit.verify import verify
+from remqa_data.processes.cores import worker_count
 from remqa_data.storage.manifest import VERSIONED, Manifest, load_manifest
 
 
@@ -24,6 +25,7 @@ def verify_and_report(root: Path, sample: int | None, seed: int, workers: int) -
     Whether everything holds. That guessing from words is better than chance is shown but is no failure: it is a
     statistic, in which there is luck, and not a truth of any one question.
     """
+    workers = worker_count(workers)
     console = output().console()
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:

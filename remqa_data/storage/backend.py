@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any, Protocol
 
+from remqa_data.errors import DatasetError
 from remqa_data.files import atomic_path, walk
 
 _SCHEME = re.compile(r"([a-z][a-z0-9+.-]+):/+")
@@ -82,7 +83,14 @@ def storage_at(root: str | os.PathLike[str]) -> Storage:
 
     A Path of a URI will do as well. Credentials, region and endpoint of a bucket come from where pyarrow looks for
     them, for S3 from variables such as AWS_ACCESS_KEY_ID and AWS_ENDPOINT_URL, and from ~/.aws.
+
+    Raises
+    ------
+    DatasetError
+        For a folder that is given as a URI.
     """
+    if os.fspath(root).startswith("file:/"):
+        raise DatasetError(f"{root}: give the folder by its path, {_SCHEME.sub('/', os.fspath(root), count=1)}")
     from remqa_data.storage.bucket import Bucket
 
     return Bucket(_uri(root)) if is_remote(root) else Folder(Path(root))

@@ -69,7 +69,7 @@ def evaluate(root: Path, track: str = "remqa") -> None:
     import numpy as np
 
     from remqa_data.evaluation.report.html import write_report
-    from remqa_data.evaluation.scoring.ground_truth import load_truth
+    from remqa_data.evaluation.scoring.ground_truth import load_ground_truth
     from remqa_data.evaluation.scoring.results import make_results
     from remqa_data.evaluation.scoring.scoring import score
     from remqa_data.evaluation.submission.reader import Header, open_submission, write_submission
@@ -79,7 +79,7 @@ def evaluate(root: Path, track: str = "remqa") -> None:
     rows = reference_rows("oracle", root, track, "test", np.random.default_rng(0))  # type: ignore[arg-type]
     write_submission(path, Header(track=track, split="test"), rows[:2])  # type: ignore[arg-type]
     submission = open_submission(path)
-    truth = load_truth(root, track, "test")  # type: ignore[arg-type]
+    truth = load_ground_truth(root, track, "test")  # type: ignore[arg-type]
     results = make_results(submission, truth, score(submission, truth), replay=True)
     write_report(root / "report.html", results, submission, truth)
 
