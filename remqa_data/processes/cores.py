@@ -16,7 +16,7 @@ MOST_WORKERS_PER_CORE = 32
 def usable_cores() -> int:
     """How many cores this process may use: those it is bound to, and no more than its control group has time on."""
     bound = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, min(bound, math.ceil(_quota_of_cores(Path("/")))))
+    return max(1, math.ceil(min(bound, _quota_of_cores(Path("/")))))
 
 
 def worker_count(wanted: int | None) -> int:

@@ -1,0 +1,90 @@
+"""What a command line can get wrong, in whole processes: one line on stderr, exit code 2, and nothing has been written."""
+
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+MODULES = {
+    "remqa-gen": "remqa_data.generators.cli",
+    "remqa-eval": "remqa_data.evaluation.cli",
+    "remqa-data": "remqa_data.cli",
+}
+TINY = str(Path(__file__).parents[1] / "configs" / "tiny.yaml")
+
+ARGUMENTS: dict[str, tuple[str | bytes, ...]] = {
+    "a seed that no int64 holds": ("remqa-gen", "--config", TINY, "--seed", "9223372036854775808"),
+    "a million workers": ("remqa-gen", "--config", TINY, "--workers", "1000000"),
+    "a folder as a URI": ("remqa-gen", "--config", TINY, "--out", "file:///tmp/somewhere"),
+    "a folder that is a file": ("remqa-gen", "--config", TINY, "--out", TINY),
+    "a folder that is no UTF-8": ("remqa-gen", "--config", TINY, "--out", b"out-\xff"),
+    "a configuration that is no UTF-8": ("remqa-gen", "--config", b"\xff.yaml"),
+    "a configuration that is not there": ("remqa-gen", "--config", "nobody.yaml"),
+    "a configuration that is a folder": ("remqa-gen", "--config", "."),
+    "no such executor": ("remqa-gen", "--config", TINY, "--executor", "nobody"),
+    "too many scenes": ("remqa-gen", "--scenes", "1000000000000"),
+    "no such layouts": ("remqa-gen", "--layouts", "[/bad]"),
+    "a submission that is not there": ("remqa-eval", "nobody.jsonl", "--data", "nowhere"),
+    "a submission of another kind": ("remqa-eval", TINY, "--data", "nowhere"),
+    "no dataset": ("remqa-eval", "oracle", "--data", "[/bad]", "-o", "oracle.jsonl"),
+    "nothing to verify": ("remqa-data", "verify", "\x1b[2J"),
+    "a million workers to verify": ("remqa-data", "verify", "nowhere", "--workers", "1000000"),
+    "nothing to show": ("remqa-data", "show", "nowhere", "nobody"),
+}
+
+
+def run(name: str, *arguments: str | bytes, folder: Path, **options: object) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])}
+    command = [sys.executable, "-m", MODULES[name], *arguments]
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120, check=False, **options
+    )
+
+
+@pytest.mark.parametrize("what", ARGUMENTS)
+def test_a_wrong_argument_is_one_line_and_nothing_is_written(what: str, tmp_path: Path) -> None:
+    name, *arguments = ARGUMENTS[what]
+    assert isinstance(name, str)
+    done = run(name, *arguments, folder=tmp_path)
+    lines = done.stderr.splitlines()
+    assert (done.returncode, len(lines)) == (2, 1), done.stderr
+    assert lines[0].isprintable()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_with_stderr_closed_a_command_ends_as_it_should(tmp_path: Path) -> None:
+    command = f"{sys.executable} -m remqa_data.generators.cli --config nobody.yaml 2>&-"
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])}
+    done = subprocess.run(
+        ["sh", "-c", command], cwd=tmp_path, env=environment, capture_output=True, timeout=120, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (2, b"", b"")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_too_little_address_space_is_one_line(tmp_path: Path) -> None:
+    least = 1 << 30
+    done = run(
+        "remqa-gen",
+        *("--config", TINY, "--out", "out"),
+        folder=tmp_path,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (least, least)),
+    )
+    assert done.returncode == 2
+    assert (
+        done.stderr == "remqa-gen: the address space is limited to 1024 MB (ulimit -v); at least 3072 MB are needed\n"
+    )
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can become somebody who may not read everything")
+def test_a_umask_that_forbids_everything_is_one_line(tmp_path: Path) -> None:
+    tmp_path.chmod(0o777)
+    for parent in tmp_path.parents[:3]:
+        parent.chmod(parent.stat().st_mode | 0o755)
+    done = run("remqa-gen", "--config", TINY, "--out", "out", folder=tmp_path, umask=0o777, user=65534)
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done.stderr
+    assert "Permission denied" in done.stderr
