@@ -278,13 +278,17 @@ def _check_plain(text: str, where: str) -> None:
     depth = 0
     for event in yaml.parse(text, Loader=yaml.SafeLoader):
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
-            raise ConfigError(f"{where}: line {event.start_mark.line + 1}: anchors and aliases (& and *) are not read")
+            raise ConfigError(f"{where}: {_line_of(event)}anchors and aliases (& and *) are not read")
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
         if depth > MOST_CONFIG_DEPTH:
-            raise ConfigError(f"{where}: line {event.start_mark.line + 1}: nested too deep")
+            raise ConfigError(f"{where}: {_line_of(event)}nested too deep")
+
+
+def _line_of(event: yaml.Event) -> str:
+    return "" if event.start_mark is None else f"line {event.start_mark.line + 1}: "
 
 
 def _first_problem(error: ValidationError) -> str:
