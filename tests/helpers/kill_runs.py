@@ -1,8 +1,9 @@
-"""Kills `remqa-gen` again and again, and looks whether the dataset is the same in the end.
+"""Kills or interrupts `remqa-gen` again and again, and looks whether the dataset is the same in the end.
 
-`python -m tests.helpers.kill_runs --kills 50` starts so many runs of 24 rooms, kills each once at a random moment, now its
-driver and now a worker, goes on with it, and compares all bytes with those of a run that nothing happened to. Rooms are made
-up in no time (see `crash_run`); with `--rooms real` they are bathrooms with few questions, and 50 kills take half an hour.
+`python -m tests.helpers.kill_runs --strikes 50` strikes runs at random moments, now the driver and now a worker, goes on with
+them, strikes again, and when one has come to its end compares all bytes with those of a run that nothing happened to. With
+`--how interrupt` it presses Ctrl-C at the run's terminal, once or twice, or sends SIGTERM, and looks that every process is
+gone and how soon. Rooms are made up in no time (see `crash_run`); with `--rooms real` they are bathrooms with few questions.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from remqa_data.storage.manifest import load_manifest
 from tests.helpers.damaged_files import files_of
+from tests.helpers.terminal import Terminal, at_terminal
 
 HERE = Path(__file__).parent
 PROGRAMS = {
@@ -28,12 +29,19 @@ PROGRAMS = {
     "real": ["-c", "from remqa_data.generators.cli import main; main()", "--config", str(HERE / "kill_runs.yaml")],
 }
 WORKERS = 2
+NOTHING = "nothing"
+
+
+def run_command(out: Path, rooms: str = "made up", scenes: int = 24) -> list[str]:
+    """What starts a run, or goes on with it."""
+    arguments = ["--scenes", str(scenes), "--out", str(out), "--workers", str(WORKERS), "--resume"]
+    return [sys.executable, *PROGRAMS[rooms], *arguments]
 
 
 def start(out: Path, rooms: str = "made up", scenes: int = 24) -> subprocess.Popen[bytes]:
     """Start a run, or go on with it."""
-    command = [sys.executable, *PROGRAMS[rooms], "--scenes", str(scenes), "--out", str(out), "--workers", str(WORKERS)]
-    return subprocess.Popen([*command, "--resume"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    command = run_command(out, rooms, scenes)
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def kill_once(process: subprocess.Popen[bytes], after_s: float, rng: np.random.Generator) -> str:
@@ -43,7 +51,7 @@ def kill_once(process: subprocess.Popen[bytes], after_s: float, rng: np.random.G
     except subprocess.TimeoutExpired:
         pass
     else:
-        return "nothing"
+        return NOTHING
     with suppress(psutil.Error):  # it may end at this moment
         workers = [p for p in psutil.Process(process.pid).children() if "spawn_main" in " ".join(p.cmdline())]
         if workers and rng.random() < 0.5:
@@ -54,42 +62,64 @@ def kill_once(process: subprocess.Popen[bytes], after_s: float, rng: np.random.G
     return "the driver"
 
 
-def finish(out: Path, process: subprocess.Popen[bytes], rooms: str = "made up") -> int:
-    """Let a run end, and go on with it if its driver was killed; the exit code of the last start."""
-    return process.wait() if process.poll() != -9 else start(out, rooms).wait()
+def interrupt_once(terminal: Terminal, after_s: float, rng: np.random.Generator) -> str:
+    """Stop a run at its terminal after some time; says how and how long that took, or that the run was over."""
+    begun = time.monotonic()
+    terminal.read_until(lambda: terminal.process.poll() is not None or time.monotonic() > begun + after_s)
+    if terminal.process.poll() is not None:
+        return NOTHING
+    how = ("Ctrl-C", "Ctrl-C twice", "SIGTERM")[int(rng.integers(3))]
+    strike = terminal.process.terminate if how == "SIGTERM" else terminal.press_ctrl_c
+    took_s = terminal.stop(*[strike] * (2 if how == "Ctrl-C twice" else 1))
+    told = "told" if terminal.shown.count(": stopped") == 1 and "Traceback" not in terminal.shown else "NOT TOLD"
+    return f"{how}, {told}, {took_s:.1f} s"
+
+
+def strike_until_the_end(out: Path, asked: argparse.Namespace, within_s: float, rng: np.random.Generator) -> list[str]:
+    """Strike a run and go on with it, until it comes to its end before it is struck; what was done to it."""
+    command, done = run_command(out, asked.rooms, asked.scenes), []
+    while True:
+        if asked.how == "kill":
+            process = start(out, asked.rooms, asked.scenes)
+            struck = kill_once(process, rng.uniform(0.0, within_s), rng)
+            process.wait()
+        else:
+            terminal = at_terminal(command)
+            process, struck = terminal.process, interrupt_once(terminal, rng.uniform(0.0, within_s), rng)
+        if struck != NOTHING:
+            done.append(struck)
+        if process.returncode == 0:
+            return done
+        assert process.returncode in (-9, 130, 143), f"exit code {process.returncode}"
 
 
 def main() -> None:
-    """Kill, go on, compare."""
+    """Strike, go on, compare."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--kills", type=int, default=50)
+    parser.add_argument("--strikes", type=int, default=50)
+    parser.add_argument("--how", choices=["kill", "interrupt"], default="kill")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--scenes", type=int, default=24)
     parser.add_argument("--rooms", choices=list(PROGRAMS), default="made up")
     asked = parser.parse_args()
     rng = np.random.default_rng(asked.seed)
     with tempfile.TemporaryDirectory() as folder:
         whole = Path(folder) / "whole"
         began = time.monotonic()
-        assert start(whole, asked.rooms).wait() == 0
+        assert start(whole, asked.rooms, asked.scenes).wait() == 0
         usual_s, expected = time.monotonic() - began, files_of(whole)
-        assert len(load_manifest(whole).files) >= 4
-        same = struck = 0
-        number = 0
-        while struck < asked.kills:
-            number += 1
-            out = Path(folder) / str(number)
-            process = start(out, asked.rooms)
-            after_s = rng.uniform(0.0, 0.8 * usual_s)
-            killed = kill_once(process, after_s, rng)
-            is_same = finish(out, process, asked.rooms) == 0 and files_of(out) == expected
-            struck, same = struck + (killed != "nothing"), same + is_same
-            print(
-                f"{number}: killed {killed} after {after_s:.1f} s: {'same' if is_same else 'OTHER'} bytes", flush=True
-            )
+        print(f"a run takes {usual_s:.0f} s and writes {len(expected)} files", flush=True)
+        struck, runs, same = 0, 0, 0
+        while struck < asked.strikes:
+            out = Path(folder) / str(runs)
+            done = strike_until_the_end(out, asked, usual_s, rng)
+            is_same = files_of(out) == expected
+            struck, runs, same = struck + len(done), runs + 1, same + is_same
+            print(f"{'same' if is_same else 'OTHER'} bytes after {len(done)}: {'; '.join(done)}", flush=True)
             if not is_same:
-                os.rename(out, f"{tempfile.gettempdir()}/remqa-killed-{number}")
-        print(f"{struck} kills in {number} runs, of which {same} ended with the same bytes")
-        sys.exit(same != number)
+                os.rename(out, f"{tempfile.gettempdir()}/remqa-struck-{runs}")
+        print(f"{struck} strikes in {runs} runs, of which {same} ended with the same bytes")
+        sys.exit(same != runs)
 
 
 if __name__ == "__main__":

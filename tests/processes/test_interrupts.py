@@ -3,77 +3,30 @@
 The runs are `remqa-gen` in processes of their own, with rooms that are made up (see `crash_run`).
 """
 
-import os
-import pty
-import select
 import shutil
 import signal
-import subprocess
 import sys
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import psutil
 import pytest
 
 from tests.helpers.damaged_files import files_of
+from tests.helpers.terminal import Terminal
+from tests.helpers.terminal import at_terminal as command_at_terminal
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("setsid") is None, reason="needs a pseudo-terminal")]
 
-ROOT = Path(__file__).parents[2]
 PROGRAM = "tests.helpers.crash_run"
-PATIENCE_S = 120.0
 STOP_S = 4.0
 """Twice what is promised: other tests run at the same time."""
-CTRL_C = b"\x03"
 LINE = "remqa-gen: stopped; the rooms that are finished are kept, go on with --resume"
 
 
-@dataclass
-class Terminal:
-    """A command at a terminal, and what it has shown there."""
-
-    process: subprocess.Popen[bytes]
-    end: int
-    shown: str = ""
-
-    def press(self, key: bytes) -> None:
-        os.write(self.end, key)
-
-    def read_until(self, condition: Callable[[], bool], patience_s: float = PATIENCE_S) -> None:
-        begun = time.monotonic()
-        while not condition():
-            assert time.monotonic() < begun + patience_s, f"it did not happen; shown: {self.shown}"
-            if select.select([self.end], [], [], 0.02)[0]:
-                try:
-                    self.shown += os.read(self.end, 65536).decode(errors="replace")
-                except OSError:  # nobody is there any more
-                    time.sleep(0.02)
-
-    def stop(self, *strikes: Callable[[], None], apart_s: float = 0.1) -> float:
-        """Strike, and wait for the end of the command and all its children; seconds from the first strike on."""
-        family = [psutil.Process(self.process.pid), *psutil.Process(self.process.pid).children(recursive=True)]
-        begun = time.monotonic()
-        for strike in strikes:
-            strike()
-            time.sleep(apart_s)
-        self.read_until(lambda: self.process.poll() is not None)
-        _, alive = psutil.wait_procs(family, timeout=PATIENCE_S)
-        assert not alive
-        return time.monotonic() - begun - apart_s * (len(strikes) - 1)
-
-
 def at_terminal(out: Path, *options: str, workers: int = 2, **environment: str) -> Terminal:
-    ours, theirs = pty.openpty()
     arguments = ["--scenes", "12", "--out", str(out), "--workers", str(workers), *options]
-    command = ["setsid", "--ctty", sys.executable, "-m", PROGRAM, *arguments]
-    process = subprocess.Popen(
-        command, stdin=theirs, stdout=theirs, stderr=theirs, cwd=ROOT, env={**os.environ, **environment}
-    )
-    os.close(theirs)
-    return Terminal(process, ours)
+    return command_at_terminal([sys.executable, "-m", PROGRAM, *arguments], **environment)
 
 
 def parts_in(out: Path) -> int:
@@ -96,8 +49,8 @@ def test_a_run_stops_at_once_says_so_and_goes_on(whole: Path, tmp_path: Path, ho
     terminal = at_terminal(out, workers=workers, CRASH_ROOM_S="0.5")
     terminal.read_until(lambda: parts_in(out) >= 2)
     strikes = {
-        "once": [lambda: terminal.press(CTRL_C)],
-        "twice": [lambda: terminal.press(CTRL_C)] * 2,
+        "once": [terminal.press_ctrl_c],
+        "twice": [terminal.press_ctrl_c] * 2,
         "terminated": [lambda: terminal.process.send_signal(signal.SIGTERM)],
     }[how]
     assert terminal.stop(*strikes) < STOP_S
@@ -114,7 +67,7 @@ def test_a_run_stops_at_once_says_so_and_goes_on(whole: Path, tmp_path: Path, ho
 def test_what_cannot_be_interrupted_is_ended(tmp_path: Path, workers: int) -> None:
     terminal = at_terminal(tmp_path / "out", workers=workers, CRASH_STUCK="1")
     terminal.read_until(lambda: terminal.shown.count("stuck") == workers)
-    assert terminal.stop(lambda: terminal.press(CTRL_C)) < STOP_S
+    assert terminal.stop(terminal.press_ctrl_c) < STOP_S
     assert terminal.process.returncode == 128 + signal.SIGINT
     assert LINE in terminal.shown
 
@@ -125,7 +78,7 @@ def test_a_run_that_is_starting_its_workers_stops(tmp_path: Path, after_s: float
     terminal = at_terminal(out, CRASH_ROOM_S="0.5")
     terminal.read_until(lambda: len(psutil.Process(terminal.process.pid).children()) > 0)
     time.sleep(after_s)
-    assert terminal.stop(lambda: terminal.press(CTRL_C)) < STOP_S
+    assert terminal.stop(terminal.press_ctrl_c) < STOP_S
     assert LINE in terminal.shown
     assert "Traceback" not in terminal.shown
 
@@ -134,7 +87,7 @@ def test_a_run_whose_merging_is_interrupted_leaves_no_half_shard(whole: Path, tm
     out = tmp_path / "out"
     terminal = at_terminal(out, CRASH_ROOM_S="0")
     terminal.read_until(lambda: any(out.glob("*/train-*")))
-    terminal.stop(lambda: terminal.press(CTRL_C))
+    terminal.stop(terminal.press_ctrl_c)
     assert {path.name for path in out.glob("*/[!.]*.parquet")} <= {path.name for path in whole.glob("*/*.parquet")}
     again = at_terminal(out, "--resume", workers=1, CRASH_ROOM_S="0")
     again.read_until(lambda: again.process.poll() is not None)
@@ -149,7 +102,7 @@ def test_a_run_that_was_started_to_ignore_ctrl_c_does(tmp_path: Path) -> None:
     finally:
         signal.signal(signal.SIGINT, before)
     terminal.read_until(lambda: "generating" in terminal.shown or terminal.process.poll() is not None)
-    terminal.press(CTRL_C)
+    terminal.press_ctrl_c()
     terminal.read_until(lambda: terminal.process.poll() is not None)
     assert terminal.process.returncode == 0
     assert LINE not in terminal.shown

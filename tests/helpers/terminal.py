@@ -1,0 +1,71 @@
+"""A command at a terminal of its own, and what happens when Ctrl-C is pressed there."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import subprocess
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import psutil
+
+ROOT = Path(__file__).parents[2]
+PATIENCE_S = 600.0
+CTRL_C = b"\x03"
+
+
+@dataclass
+class Terminal:
+    """A command, the other end of its terminal, and what it has shown there."""
+
+    process: subprocess.Popen[bytes]
+    end: int
+    shown: str = ""
+
+    def press_ctrl_c(self) -> None:
+        os.write(self.end, CTRL_C)
+
+    def read_until(self, condition: Callable[[], bool], patience_s: float = PATIENCE_S) -> None:
+        begun = time.monotonic()
+        while not condition():
+            assert time.monotonic() < begun + patience_s, f"it did not happen; shown: {self.shown}"
+            if select.select([self.end], [], [], 0.02)[0]:
+                try:
+                    self.shown += os.read(self.end, 65536).decode(errors="replace")
+                except OSError:  # nobody is there any more
+                    time.sleep(0.02)
+
+    def stop(self, *strikes: Callable[[], None], apart_s: float = 0.1) -> float:
+        """Strike, and wait for the end of the command and all its children; seconds from the first strike on."""
+        family = []
+        with suppress(psutil.NoSuchProcess):  # it may end at this moment
+            me = psutil.Process(self.process.pid)
+            family = [me, *me.children(recursive=True)]
+        begun = time.monotonic()
+        for strike in strikes:
+            strike()
+            time.sleep(apart_s)
+        self.read_until(lambda: self.process.poll() is not None)
+        _, alive = psutil.wait_procs(family, timeout=PATIENCE_S)
+        assert not alive
+        return time.monotonic() - begun - apart_s * (len(strikes) - 1)
+
+
+def at_terminal(command: Sequence[str], **environment: str) -> Terminal:
+    """Start a command at a terminal of its own."""
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen(
+        ["setsid", "--ctty", *command],
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        cwd=ROOT,
+        env={**os.environ, **environment},
+    )
+    os.close(theirs)
+    return Terminal(process, ours)
