@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from remqa_data.command_line import OneLineErrors, output
+from remqa_data.command_line import OneLineErrors, announce_compiling, output
 from remqa_data.errors import SubmissionError, nearest_names
-from remqa_data.evaluation.submission.tracks import Track
+from remqa_data.evaluation.submission.tracks import Track, is_walked
 from remqa_data.processes.cores import worker_count
 
 if TYPE_CHECKING:
@@ -108,6 +108,8 @@ def score(
     if header.dataset is not None and header.dataset != sha256:
         reason = f"the predictions are for dataset {header.dataset[:16]}, but {data} is {sha256[:16]}"
         raise SubmissionError(predictions, "the header", reason)
+    replays = is_walked(header.track) and not no_replay
+    announce_compiling(worker_count(workers) if replays else 1)
     with _progress(len(truth.ids)) as on_replayed:
         scores = run(submission, truth, replay=not no_replay, workers=worker_count(workers), progress=on_replayed)
     results = make_results(submission, truth, scores, replay=not no_replay, seed=seed)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from remqa_data.command_line import OneLineErrors, output
+from remqa_data.command_line import OneLineErrors, announce_compiling, output
 from remqa_data.errors import ConfigError
 from remqa_data.processes.cores import worker_count
 from remqa_data.published import MEAN_WORDS
@@ -76,7 +76,7 @@ def generate(
     from remqa_data.generators.config import load_config
     from remqa_data.generators.pipeline import check_place
     from remqa_data.generators.pipeline import generate as run
-    from remqa_data.processes.executors import make_executor
+    from remqa_data.processes.executors import LocalExecutor, make_executor
 
     settings = load_config(config)
     if layouts is not None:
@@ -87,6 +87,7 @@ def generate(
         settings = settings.with_scenes(scenes)
     check_place(out, overwrite=overwrite, resume=resume)
     makes = make_executor(executor, worker_count(workers), ray_address)
+    announce_compiling(makes.workers if isinstance(makes, LocalExecutor) else 1)
     started = time.monotonic()
     with _progress(len(settings.scene_names)) as on_scene:
         manifest = run(out, settings, makes, on_scene, overwrite=overwrite)

@@ -76,6 +76,14 @@ def output() -> Output:
     return _OUTPUT.get()
 
 
+def announce_compiling(workers: int) -> None:
+    """Say that workers will compile kernels, if they will: what other processes compile is not told while it happens."""
+    from remqa_data.compiled import is_cache_empty
+
+    if workers > 1 and is_cache_empty():
+        output().note("the workers compile their kernels, once; this takes a minute or two")
+
+
 class OneLineErrors(TyperGroup):
     """Commands whose errors on purpose become one line on stderr and exit code 2; they stop at once when told to.
 

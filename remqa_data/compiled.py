@@ -61,6 +61,12 @@ def _compile(function: Function, *, reorder: bool) -> Function:
         config.CACHE_DIR = usual  # type: ignore[attr-defined]
 
 
+def is_cache_empty() -> bool:
+    """Whether nothing has been compiled yet with these sources where machine code is kept."""
+    folder = Path(_cache_folder(config.CACHE_DIR))  # type: ignore[attr-defined]
+    return next(folder.rglob("*.nbi"), None) is None
+
+
 @cache
 def _cache_folder(usual: str) -> str:
     here = Path(__file__).parent

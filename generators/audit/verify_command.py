@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from remqa_data.command_line import output
+from remqa_data.command_line import announce_compiling, output
 from remqa_data.errors import MissingExtraError
 from remqa_data.generators.audit.balance import asked_questions
 from remqa_data.generators.audit.blind import TOLERANCE, BlindScore, blind_scores
@@ -26,6 +26,7 @@ def verify_and_report(root: Path, sample: int | None, seed: int, workers: int) -
     statistic, in which there is luck, and not a truth of any one question.
     """
     workers = worker_count(workers)
+    announce_compiling(workers)
     console = output().console()
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from remqa_data.command_line import announce_compiling
 from remqa_data.kernels.cache import kernel_cache
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of a user are those of POSIX")
@@ -58,17 +59,25 @@ def test_a_temporary_folder_that_others_can_write_is_not_trusted(closed) -> None
     assert kernel_cache("", closed / "beside") not in (folder, other)
 
 
+def test_a_command_says_that_its_workers_will_compile_only_while_nothing_is_compiled(capsys, monkeypatch) -> None:
+    for empty, workers, said in ((True, 2, True), (True, 1, False), (False, 2, False)):
+        monkeypatch.setattr("remqa_data.compiled.is_cache_empty", lambda empty=empty: empty)
+        announce_compiling(workers)
+        assert ("workers compile their kernels, once" in capsys.readouterr().err) == said
+
+
 def test_a_kernel_compiles_where_neither_package_nor_home_can_be_written(tmp_path) -> None:
     (tmp_path / "file").touch()
     code = (
         "import pathlib, remqa_data.kernels.cache as k; lasting = k._lasting\n"
         "k._lasting = lambda wanted, beside: lasting(wanted, pathlib.Path.home() / 'beside')\n"
+        "from remqa_data.compiled import is_cache_empty\n"
         "from remqa_data.sim.render.mipmap import _floor\n"
-        "import numpy; print(_floor(numpy.float32(-1.5)))"
+        "import numpy; print(is_cache_empty(), _floor(numpy.float32(-1.5)), is_cache_empty())"
     )
     home = str(tmp_path / "file" / "home")
     environment = {**os.environ, "HOME": home, "NUMBA_CACHE_DIR": home, "TMPDIR": str(tmp_path)}
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (0, "-2\n"), done.stderr
+    assert (done.returncode, done.stdout) == (0, "True -2 False\n"), done.stderr
     assert done.stderr.count("\n") == 1
     assert list(tmp_path.glob("remqa-data-*/compiled-*/**/*.nbi"))
