@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -30,26 +31,44 @@ def _about() -> None:
 
 @app.command()
 def assets(
-    sheet: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the sheets, one PNG for each type.")],
     types: Annotated[list[str] | None, typer.Argument(metavar="[TYPE]...", help="Object types; all if none.")] = None,
-    columns: Annotated[int, typer.Option(min=1, help="Variants side by side.")] = 4,
+    sheet: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder for contact sheets, one PNG for each type.")
+    ] = None,
+    glb: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder for meshes, one glTF file for each variant.")
+    ] = None,
+    columns: Annotated[int, typer.Option(min=1, help="Variants side by side on a sheet.")] = 4,
 ) -> None:
-    """Write contact sheets of object types: their variants, closed and open."""
+    """Write contact sheets of object types, their variants closed and open, or their meshes."""
     from rich.progress import Progress
 
     from remqa_data.assets import TYPES
-    from remqa_data.generators.figures.asset_sheets import write_sheets
 
+    if sheet is None and glb is None:
+        raise typer.BadParameter("name a folder with --sheet DIR or --glb DIR")
     console = output().console()
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("sheets", total=len(types or TYPES))
+        task = bar.add_task("assets", total=len(types or TYPES) * ((sheet is not None) + (glb is not None)))
 
         def on_type(name: str) -> None:
             bar.update(task, description=name, advance=1)
 
-        written = write_sheets(sheet, types or (), columns, progress=on_type)
-    output().say(f"{len(written)} {'sheet' if len(written) == 1 else 'sheets'} in {sheet}")
-    output().result(sheets=written)
+        sheets: list[Path] = []
+        meshes: list[Path] = []
+        if sheet is not None:
+            from remqa_data.generators.figures.asset_sheets import write_sheets
+
+            sheets = write_sheets(sheet, types or (), columns, progress=on_type)
+        if glb is not None:
+            from remqa_data.generators.figures.asset_meshes import write_meshes
+
+            meshes = write_meshes(glb, types or (), progress=on_type)
+    if sheets:
+        output().say(f"{len(sheets)} {'sheet' if len(sheets) == 1 else 'sheets'} in {sheet}")
+    if meshes:
+        output().say(f"{len(meshes)} {'mesh' if len(meshes) == 1 else 'meshes'} in {glb}")
+    output().result(sheets=sheets, meshes=meshes)
 
 
 @app.command()
@@ -98,6 +117,23 @@ def show(
     write_sample_picture(root, question_id, picture)
     output().say(str(picture))
     output().result(picture=picture)
+
+
+@app.command()
+def stats(
+    root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
+    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the table there, too.")] = None,
+) -> None:
+    """Count and measure the questions by split and kind, beside what the paper has published."""
+    from remqa_data.files import atomic_path
+    from remqa_data.generators.figures.question_statistics import question_statistics
+
+    table = question_statistics(root)
+    if csv is not None:
+        with atomic_path(csv) as temporary:
+            table.to_csv(temporary)
+    output().say(table.to_string())
+    output().result(questions=json.loads(table.reset_index().to_json(orient="records")))
 
 
 @app.command()

@@ -49,6 +49,21 @@ def test_assets_writes_one_sheet_for_each_type(tmp_path):
     assert "2 sheets" in result.output
 
 
+def test_assets_writes_a_mesh_for_each_variant(tmp_path):
+    result = invoke("assets", "--glb", str(tmp_path / "glb"), "Mug")
+    assert result.exit_code == 0, result.output
+    names = sorted(path.name for path in (tmp_path / "glb").iterdir())
+    assert names[:2] == ["Mug-0.glb", "Mug-1.glb"]
+    assert f"{len(names)} meshes" in result.output
+
+
+def test_assets_without_a_folder_says_which_options_name_one():
+    result = invoke("assets", "Mug")
+    assert result.exit_code == 2
+    assert "--sheet" in result.output
+    assert "--glb" in result.output
+
+
 def test_an_unknown_type_is_one_line_with_the_nearest_names_and_writes_nothing(tmp_path):
     result = invoke("assets", "--sheet", str(tmp_path / "sheets"), "Mug", "Drawr")
     assert result.exit_code == 2

@@ -185,31 +185,39 @@ def _record_set(spec: TableSpec) -> dict[str, Any]:
         "@id": spec.name,
         "name": spec.name,
         "description": spec.description,
-        "field": [entry for field in spec.schema for entry in _croissant_fields(spec.name, field, field.name, ())],
+        "field": [entry for field in spec.schema for entry in _croissant_fields(spec.name, field, field.name)],
     }
 
 
-def _croissant_fields(table: str, field: pa.Field, column: str, path: tuple[str, ...]) -> list[dict[str, Any]]:
-    """One Croissant field, or those nested in a struct; a list of structs is a repeated field with sub-fields."""
+def _croissant_fields(
+    table: str, field: pa.Field, column: str, lists: tuple[str, ...] = (), path: tuple[str, ...] = ()
+) -> list[dict[str, Any]]:
+    """One Croissant field, or those nested in a struct; a list of structs is a repeated field with sub-fields.
+
+    `lists` are the paths to the lists around the field, `path` is the way to it from the innermost one.
+    """
     is_image = field.type == IMAGE_TYPE
     if pa.types.is_struct(field.type) and not is_image:
-        return [e for child in field.type for e in _croissant_fields(table, child, column, (*path, child.name))]
+        return [e for child in field.type for e in _croissant_fields(table, child, column, lists, (*path, child.name))]
     is_list = pa.types.is_list(field.type)
     item = field.type.value_type if is_list else field.type
-    name = "/".join((table, column, *path))
+    name = "/".join((table, column, *(part for step in (*lists, *path) for part in step.split(".") if part)))
     entry = {
         "@type": "cr:Field",
         "@id": name,
         "name": name,
         "description": (field.metadata or {}).get(b"description", b"").decode(),
-        **({"repeated": True} if is_list else {}),
+        **({"repeated": True} if is_list or lists else {}),
     }
-    if pa.types.is_struct(item) and not is_image:
-        inner = [e for child in item for e in _croissant_fields(table, child, column, (*path, child.name))]
+    if is_list and pa.types.is_struct(item):
+        around = (*lists, ".".join(path))
+        inner = [e for child in item for e in _croissant_fields(table, child, column, around, (child.name,))]
         return [{**entry, "subField": inner}]
     source: dict[str, Any] = {"fileSet": {"@id": f"{table}-files"}, "extract": {"column": column}}
-    if inside := ".".join((*path, "bytes") if is_image else path):
-        source["transform"] = {"jsonPath": inside}
+    # One after the other: what follows a list is taken of each of its items.
+    steps = [{"jsonPath": step} for step in (*lists, ".".join((*path, "bytes") if is_image else path)) if step]
+    if steps:
+        source["transform"] = steps if len(steps) > 1 else steps[0]
     return [{**entry, "dataType": "sc:ImageObject" if is_image else _data_type(item), "source": source}]
 
 

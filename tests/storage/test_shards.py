@@ -270,7 +270,7 @@ def test_the_card_tells_every_field_the_counts_and_where_it_comes_from(finished)
 
 
 def test_croissant_refers_only_to_what_it_defines(finished) -> None:
-    # mlcroissant 1.1 loaded such a file and read records of all four tables, by hand.
+    # mlcroissant 1.1.1 loaded such a file and read records of all four tables, lists of structs too, by hand.
     root, manifest = finished
     stored = json.loads((root / "croissant.json").read_text())
     assert stored == croissant(manifest)
@@ -299,7 +299,11 @@ def test_croissant_has_every_column_lists_of_structs_with_their_fields(finished)
     yaw = next(field for field in goals["subField"] if field["@id"] == "questions/goal_poses/yaw_deg")
     assert yaw["dataType"] == "sc:Float"
     assert yaw["source"]["extract"]["column"] == "goal_poses"
-    assert yaw["source"]["transform"]["jsonPath"] == "yaw_deg"
+    assert yaw["source"]["transform"] == {"jsonPath": "yaw_deg"}
+    voxels = next(field for field in by_name["scenes"]["field"] if field["@id"] == "scenes/semantic_map/voxels")
+    assert [field["name"].rpartition("/")[2] for field in voxels["subField"]] == ["x", "y", "z", "label"]
+    # A list inside a struct: first the list, then of each of its items the number.
+    assert voxels["subField"][0]["source"]["transform"] == [{"jsonPath": "voxels"}, {"jsonPath": "x"}]
 
 
 def test_the_card_and_croissant_say_how_to_cite_and_no_clock_is_asked(finished) -> None:
