@@ -11,13 +11,13 @@ The facts are in `templates/objects.yaml`, which also says where they come from.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib import resources
 from types import MappingProxyType
 from typing import Any, Literal
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from remqa_data.errors import CatalogError, UnknownNameError, one_line
 
@@ -38,6 +38,7 @@ Manipulation = Literal["Open", "Move", "Pickup"]
 Room = Literal["kitchen", "living_room", "bedroom", "bathroom"]
 
 SOURCE = "objects.yaml"
+TRAITS_SOURCE = "traits.yaml"
 
 
 class ObjectType(BaseModel):
@@ -63,6 +64,8 @@ class ObjectType(BaseModel):
         Kinds of room in which the type occurs.
     question_type : bool
         Whether it is one of the 60 types that questions use.
+    traits : frozenset of str
+        What else the code needs to know of it, such as "on_wall"; `templates/traits.yaml` says what each means.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -76,6 +79,14 @@ class ObjectType(BaseModel):
     materials: tuple[str, ...] = ()
     rooms: tuple[Room, ...] = Field(min_length=1)
     question_type: bool = Field(default=False, strict=True)
+    traits: frozenset[str] = frozenset()
+
+    @field_validator("traits")
+    @classmethod
+    def _traits_are_documented(cls, names: frozenset[str]) -> frozenset[str]:
+        if unknown := names - traits().keys():
+            raise ValueError(f"{min(unknown)!r} is not among the traits of {TRAITS_SOURCE}")
+        return names
 
     @model_validator(mode="after")
     def _manipulation_is_possible(self) -> ObjectType:
@@ -191,6 +202,30 @@ def question_types() -> tuple[str, ...]:
     60
     """
     return tuple(name for name, kind in catalog().items() if kind.question_type)
+
+
+@lru_cache(maxsize=1)
+def traits() -> Mapping[str, str]:
+    """What each trait means, by name."""
+    text = (resources.files("remqa_data.templates") / TRAITS_SOURCE).read_text(encoding="utf-8")
+    return MappingProxyType({str(name): str(meaning) for name, meaning in yaml.safe_load(text).items()})
+
+
+@cache
+def types_with(trait: str) -> frozenset[str]:
+    """The names of the types that have a trait.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such trait.
+
+    >>> sorted(types_with("in_wall"))
+    ['Blinds', 'Curtains', 'Window']
+    """
+    if trait not in traits():
+        raise UnknownNameError("trait", trait, traits())
+    return frozenset(name for name, kind in catalog().items() if trait in kind.traits)
 
 
 def plural(name: str) -> str:

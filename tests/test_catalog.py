@@ -1,17 +1,30 @@
 import json
 from importlib import resources
+from pathlib import Path
 
 import pandas as pd
 import pytest
 import yaml
 
-from remqa_data.catalog import ObjectType, catalog, object_type, plural, question_types, read_catalog, with_article
+from remqa_data.catalog import (
+    ObjectType,
+    catalog,
+    object_type,
+    plural,
+    question_types,
+    read_catalog,
+    traits,
+    types_with,
+    with_article,
+)
 from remqa_data.errors import CatalogError, RemqaError, UnknownNameError
 
 OPENABLE = {  # as the iTHOR documentation lists them
     "Blinds", "Book", "Box", "Cabinet", "Drawer", "Fridge", "Kettle", "Laptop", "LaundryHamper", "Microwave", "Safe",
     "ShowerCurtain", "ShowerDoor", "Toilet",
 }  # fmt: skip
+ROOT = Path(__file__).parents[1]
+CODE = [ROOT / "remqa_data" / "floorplans", ROOT / "remqa_data" / "sim", ROOT / "generators"]
 A_MUG = {
     "words": ["mug", "mugs"],
     "can": ["pickupable", "receptacle"],
@@ -189,3 +202,22 @@ def test_a_missing_field_is_named(field):
 def test_what_is_not_a_catalog_is_refused(text):
     with pytest.raises(CatalogError, match=r"objects\.yaml"):
         read_catalog(text)
+
+
+def test_a_trait_that_is_not_documented_is_refused() -> None:
+    text = "Mug: {words: [mug, mugs], can: [pickupable], manipulation: Pickup, rooms: [kitchen], traits: [magic]}"
+    with pytest.raises(CatalogError, match=r"Mug\.traits: .*'magic' is not among the traits of traits\.yaml"):
+        read_catalog(text)
+
+
+def test_every_trait_is_somebodys_and_is_asked_for() -> None:
+    code = "\n".join(path.read_text(encoding="utf-8") for top in CODE for path in top.rglob("*.py"))
+    assert len(traits()) > 20
+    for trait in traits():
+        assert types_with(trait), trait
+        assert f'types_with("{trait}")' in code, trait
+
+
+def test_an_unknown_trait_is_an_error() -> None:
+    with pytest.raises(UnknownNameError, match="unknown trait 'on_wal'.*on_wall"):
+        types_with("on_wal")

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from remqa_data.assets.core.sizes import typical_size
-from remqa_data.catalog import object_type, question_types
+from remqa_data.catalog import object_type, question_types, types_with
 from remqa_data.floorplans.ithor.placements import probability
 from remqa_data.generators.arrangement.fill_ratios import fill_ratios
 from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
@@ -39,8 +39,8 @@ def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) 
     found = []
     for type_ in question_types():
         kind = object_type(type_)
-        is_found = room_type in kind.rooms or type_ in rules.found_anywhere
-        if not kind.pickupable or type_ in rules.never_hidden or type_ == place.type or not is_found:
+        is_found = room_type in kind.rooms or type_ in types_with("found_anywhere")
+        if not kind.pickupable or type_ in types_with("never_hidden") or type_ == place.type or not is_found:
             continue
         grown = 1.0 + rules.size_spread
         size = tuple(side * grown for side in typical_size(type_))

@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from remqa_data.catalog import object_type, question_types
+from remqa_data.catalog import object_type, question_types, types_with
 from remqa_data.generators.arrangement.areas import Area, Spot
 from remqa_data.generators.arrangement.hiding_goals import (
     GoalPoses,
@@ -168,7 +168,7 @@ class _Finder:
 
     def under_liftable(self, object_id: str) -> HidingPlace | None:
         type_ = self.world.type_of(object_id)
-        if type_ not in self.rules.pickup_types or not object_type(type_).pickupable or type_ not in self.questioned:
+        if type_ not in types_with("pickup_cover") or not object_type(type_).pickupable or type_ not in self.questioned:
             return None
         area = self._area_beneath(object_id, self.rules.min_pickup_side_m, math.inf)
         if area is None or self._contents(object_id) or self._holds_what_is_beneath(object_id, area):
@@ -177,7 +177,7 @@ class _Finder:
 
     def under_moveable(self, object_id: str) -> HidingPlace | None:
         type_ = self.world.type_of(object_id)
-        if type_ not in self.rules.move_types or not object_type(type_).moveable or type_ not in self.questioned:
+        if type_ not in types_with("move_cover") or not object_type(type_).moveable or type_ not in self.questioned:
             return None
         area = self._area_beneath(object_id, self.rules.min_move_side_m, self.rules.max_move_side_m)
         if area is None or self._holds_what_is_beneath(object_id, area):
@@ -203,7 +203,7 @@ class _Finder:
         width, depth, _ = asset.spec.size
         if min(width, depth) < min_side or max(width, depth) > max_side:
             return None
-        share = rules.round_share if asset.spec.type in rules.round_types else rules.square_share
+        share = rules.round_share if asset.spec.type in types_with("round_outline") else rules.square_share
         low = self.boxes[object_id][0]
         x, y, _ = state.position
         yaw = math.degrees(math.atan2(matrix[1, 0], matrix[0, 0]))

@@ -16,9 +16,6 @@ class HidingRules(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    pickup_types: frozenset[str]
-    move_types: frozenset[str]
-    round_types: frozenset[str]
     min_pickup_side_m: float = Field(gt=0)
     min_move_side_m: float = Field(gt=0)
     max_move_side_m: float = Field(gt=0)
@@ -40,8 +37,6 @@ class HidingRules(BaseModel):
     size_spread: float = Field(ge=0, lt=1)
     gap_m: float = Field(ge=0)
     pixel_margin: float = Field(gt=0)
-    never_hidden: frozenset[str]
-    found_anywhere: frozenset[str]
     epsilon: float = Field(ge=0)
     moved_share: float = Field(ge=0, le=1)
 

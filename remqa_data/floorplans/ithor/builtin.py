@@ -15,6 +15,7 @@ import numpy.typing as npt
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.looks import materials
 from remqa_data.assets.mesh.cutting import solid_around
+from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import HOSTS, SIDES, RoomShell
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.geometry.types import F64, Box, Rect
@@ -35,7 +36,7 @@ FRONT_M = 0.03
 """A carcass ends this far behind the fronts of its doors and drawers, handles included."""
 WAY_OUT_M = 0.6
 
-BASE_TYPES = frozenset({"Cabinet", "Drawer", "Sink", "SinkBasin"})
+BASE_TYPES = types_with("kitchen_base")
 
 
 def counter_plan(

@@ -6,17 +6,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import HOSTS, host_of
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.geometry.types import F64, Box
 
-HANGING = frozenset({"Towel", "HandTowel"})
+HANGING = types_with("hangs_on_holder")
 """What hangs on something and so does not say where its surface is."""
-SEATS = ("Sofa", "ArmChair", "Bed", "Chair", "Stool", "Ottoman", "DogBed")
+SEATS = types_with("seat")
 LEVELS_APART_M = 0.08
-STACKED, STACKED_M = frozenset({"Cabinet", "Drawer", "Shelf"}), 0.04
+STACKED, STACKED_M = types_with("built_in"), 0.04
 """Of these types are cupboards made; one lies on another when no more than this is between them."""
-SUNK = frozenset({"Sink", "SinkBasin", "Bathtub", "BathtubBasin"})
+SUNK = types_with("sunk_in")
 """What is let into a worktop."""
 THIN_M = 0.2
 """A worktop that is no thicker than this holds no cabinets and drawers."""

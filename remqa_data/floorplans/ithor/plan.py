@@ -8,52 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
 from remqa_data.geometry.types import F64, Rect
 
-ON_WALLS = frozenset(
-    [
-        "Blinds",
-        "Curtains",
-        "HandTowel",
-        "HandTowelHolder",
-        "LightSwitch",
-        "Mirror",
-        "Painting",
-        "Poster",
-        "Towel",
-        "TowelHolder",
-        "ToiletPaperHanger",
-        "Window",
-    ]
-)
+ON_WALLS = types_with("on_wall")
 """Types that hang on a wall: their back is the wall."""
-IN_WALLS = frozenset({"Window", "Curtains", "Blinds"})
+IN_WALLS = types_with("in_wall")
 """Types whose recorded box reaches into or through the wall."""
-BACKED = frozenset(
-    [
-        "Bed",
-        "Bathtub",
-        "BathtubBasin",
-        "Desk",
-        "Dresser",
-        "Faucet",
-        "Safe",
-        "Shelf",
-        "ShelvingUnit",
-        "ShowerHead",
-        "SideTable",
-        "Sink",
-        "SinkBasin",
-        "Sofa",
-        "Toilet",
-        "TVStand",
-    ]
-)
+BACKED = types_with("has_back")
 """Furniture that stands with its back to a wall when it stands at one."""
-BEFORE_WALLS = frozenset({"Fridge", "ShelvingUnit", "Toilet", "TVStand"})
+BEFORE_WALLS = types_with("back_is_no_sight")
 """Furniture whose back is no sight: there is a wall behind it."""
-IN_FURNITURE = ("Drawer", "Cabinet", "Shelf")
+IN_FURNITURE = types_with("built_in")
 WALL_SLACK_M = 0.60
 WALL_EVIDENCE_SLACK_M = 2.6
 """A floor's recorded box may reach this far behind the wall (the second: where something hangs on the wall)."""
@@ -111,7 +78,7 @@ def fit_shell(objects: Sequence[RecordedObject]) -> RoomShell:
     standing = [
         float(o.low[2])
         for o in objects
-        if any(p.startswith("Floor|") for p in o.parents) and o.size[2] > 0.1 and not o.type.startswith(IN_FURNITURE)
+        if any(p.startswith("Floor|") for p in o.parents) and o.size[2] > 0.1 and o.type not in IN_FURNITURE
     ]
     floor_z = float(np.percentile(standing, 20, method="lower")) if standing else float(floor.high[2])
     bounds = []
@@ -241,9 +208,7 @@ def host_of(o: RecordedObject, blockers: Sequence[RecordedObject]) -> RecordedOb
     return min(hosts, key=lambda b: float(np.prod(b.high - b.low)), default=None)
 
 
-HOSTS = frozenset(
-    ["Desk", "Dresser", "SideTable", "TVStand", "CoffeeTable", "DiningTable", "ShelvingUnit", "Bed", "Cabinet"]
-)
+HOSTS = types_with("houses_built_in")
 """Furniture that may contain drawers, shelves and cabinets recorded as objects of their own."""
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from remqa_data.assets import AssetSpec, build, variant_count
 from remqa_data.assets.parts.fronts import FINISHES
 from remqa_data.assets.types.small.electronics import closed_laptop_size
+from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.building import building
 from remqa_data.floorplans.ithor.builtin import counter_plan, drawer_housings, stoves, under_counter
 from remqa_data.floorplans.ithor.hosting import HANGING, is_built_in, levels, pockets
@@ -32,43 +33,9 @@ __all__ = ["load_scene", "scene_names"]
 FIT_TOLERANCE = 0.05
 CORNER_DESK_M = 1.25
 """A desk deeper than this goes round a corner."""
-OPEN_TYPES = frozenset({"Laptop", "Box"})
+OPEN_TYPES = types_with("recorded_open")
 """Types that are recorded open, so that their recorded box is that of the open object."""
-SUITES = frozenset(
-    [
-        "Bathtub",
-        "BathtubBasin",
-        "Blinds",
-        "Cabinet",
-        "Chair",
-        "CoffeeTable",
-        "CounterTop",
-        "Curtains",
-        "Desk",
-        "DiningTable",
-        "Drawer",
-        "Dresser",
-        "HandTowel",
-        "HandTowelHolder",
-        "LightSwitch",
-        "Shelf",
-        "ShelvingUnit",
-        "ShowerDoor",
-        "ShowerGlass",
-        "SideTable",
-        "Sink",
-        "SinkBasin",
-        "Sofa",
-        "ArmChair",
-        "Stool",
-        "StoveBurner",
-        "StoveKnob",
-        "Towel",
-        "TowelHolder",
-        "TVStand",
-        "Window",
-    ]
-)
+SUITES = types_with("suite")
 """Types whose pieces in one room share a variant and a seed."""
 SUITE_OF = {
     "SinkBasin": "Sink",
@@ -77,20 +44,7 @@ SUITE_OF = {
     "HandTowel": "Towel",
 } | dict.fromkeys(("Dresser", "Desk", "SideTable", "TVStand"), "Drawer")
 """Types whose looks go together: what is let into what, and furniture with the drawers in it."""
-ONE_FINISH = frozenset(
-    [
-        "Cabinet",
-        "Drawer",
-        "Dresser",
-        "Desk",
-        "SideTable",
-        "TVStand",
-        "CoffeeTable",
-        "Shelf",
-        "ShelvingUnit",
-        "CounterTop",
-    ]
-)
+ONE_FINISH = types_with("one_finish")
 """Types that share one seed in a room, and with it one wood or paint."""
 HOLDERS = ("ToiletPaperHanger|", "HandTowelHolder|", "TowelHolder|")
 """What these hold hangs, too."""

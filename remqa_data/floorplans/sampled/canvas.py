@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import SIDES
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.floorplans.sampled.furniture_sets import FurnitureSet, RestingSpot
@@ -24,7 +25,7 @@ SWEEP_M = 0.5
 MARGIN_M = 0.03
 STEP_M = GRID_M / 2
 DOOR_CLEAR_M = 0.7
-OPENS_FORWARD = frozenset({"Drawer", "Cabinet", "Fridge", "Safe", "Microwave", "Toilet", "ShowerDoor"})
+OPENS_FORWARD = types_with("opens_forward")
 Mask = npt.NDArray[np.bool_]
 
 FACING = {side: (int(np.abs(inward).argmax()), float(inward.sum())) for side, inward in SIDES.items()}

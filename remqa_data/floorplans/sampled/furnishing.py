@@ -8,6 +8,7 @@ from itertools import islice
 
 import numpy as np
 
+from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import IN_WALLS, ON_WALLS
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.floorplans.sampled.canvas import QUARTERS_AT, Canvas, Wall, clearances
@@ -19,7 +20,7 @@ TRIES = 60
 SEAT_GAP_M, SOFA_TO_TABLE_M, SOFA_TO_TV_M = 0.03, (0.4, 0.6), (1.8, 3.2)
 FROM_DOOR_M = (0.06, 0.3)
 NEXT_TO_M = (0.03, 0.12)
-SEATS = frozenset({"Chair", "Stool"})
+SEATS = types_with("drawn_up_seat")
 CORNER_CHANCE = 0.45
 UPRIGHT, FORWARD = np.eye(3), np.array([0.0, -1.0, 0.0])
 """No turn at all, and where pieces face in their own frame."""

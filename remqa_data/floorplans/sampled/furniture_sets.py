@@ -14,20 +14,21 @@ from dataclasses import dataclass, replace
 import networkx as nx
 import numpy as np
 
+from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import IN_WALLS, ON_WALLS, SIDES, RoomShell, host_of
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.geometry.types import F64
 
-BUILT = frozenset({"Drawer", "Cabinet", "Shelf", "CounterTop", "Sink", "SinkBasin", "Faucet"})
+BUILT = types_with("cupboard_part")
 """Types of which cupboards and washstands are made."""
-BATHING = frozenset({"Bathtub", "BathtubBasin", "ShowerHead", "ShowerDoor", "ShowerGlass", "ShowerCurtain", "Faucet"})
-CABIN = frozenset({"ShowerHead", "ShowerGlass", "ShowerDoor"})
+BATHING = types_with("bathing")
+CABIN = types_with("shower_cabin")
 """What a shower cabin has."""
-WORKTOPS = frozenset({"CounterTop", "Sink"})
+WORKTOPS = types_with("worktop")
 """What has a base on the floor, recorded or not."""
 WET = frozenset({"Bathtub", "Shower"})
-HANGS_ON = frozenset({"TowelHolder", "HandTowelHolder", "ToiletPaperHanger"})
-UNEVEN = frozenset({"Toilet", "Bathtub", "BathtubBasin", "Sink", "SinkBasin", "GarbageCan", "ToiletPaperHanger"})
+HANGS_ON = types_with("holder")
+UNEVEN = types_with("uneven")
 """What things stand on only at certain points."""
 SPOT_SLACK_M = 0.02
 TOUCHING_M = 0.06

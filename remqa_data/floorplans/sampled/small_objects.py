@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.placements import receptacle_weights
 from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
 from remqa_data.floorplans.sampled.canvas import Canvas
@@ -28,16 +29,14 @@ LEVELS |= dict.fromkeys(("Bed", "Sofa", "ArmChair"), (0.5,))
 """What holds things below its top, and at which quantiles of the recorded heights."""
 LID_M = {"Fridge": 0.02, "Cabinet": 0.02, "Drawer": 0.02, "Shelf": 0.005}
 """What things must not stick out of: they end this far below its top."""
-SUNK, OVER_SUNK_M = frozenset({"Sink", "SinkBasin", "StoveBurner"}), 0.1
+SUNK, OVER_SUNK_M = types_with("kept_clear_above"), 0.1
 """Nothing stands over these that is not in or on them."""
-NO_PLACES = frozenset({"Floor", "Chair", "Stool"})
+NO_PLACES = types_with("never_laid_on")
 NOT_ON = {"Television": frozenset({"CoffeeTable", "DiningTable"})}
 """Tables amid the room, where one would see the back of it."""
-FLAT = frozenset(
-    {"CoffeeTable", "CounterTop", "Desk", "DiningTable", "Dresser", "SideTable", "TVStand", "Toilet", "Sink"}
-)
+FLAT = types_with("flat_top")
 """Where things lie for which there is no room where such things were recorded."""
-AT_BACK = frozenset({"DeskLamp", "Television", "HousePlant", "Microwave", "CoffeeMachine", "Toaster"})
+AT_BACK = types_with("stands_at_back")
 """What stands at the back of what it stands on."""
 
 

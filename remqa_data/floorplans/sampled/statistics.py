@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import IN_WALLS, RoomShell
 from remqa_data.floorplans.ithor.scenes import understood
 from remqa_data.floorplans.ithor.table import RecordedObject, recorded_objects, scene_names
@@ -31,16 +32,13 @@ WINDOW_DEPTH_M = 0.35
 WET_BULKY_M = 1.7
 BULKY_M = (2.75, 1.5)
 """Longer and deeper pieces are no patterns, but beds and sofas: they were made for their room."""
-STORING = frozenset({"Cabinet", "Drawer", "Shelf"})
+STORING = types_with("built_in")
 """A cupboard has one of these; else it is a tap on a wall, or a worktop alone."""
 CABIN_M = 0.9
 """The least width of a shower cabin."""
-ON_FLOORS = frozenset(
-    {"BaseballBat", "BasketBall", "Boots", "Box", "Dumbbell", "Plunger", "ScrubBrush", "TeddyBear", "TennisRacket"}
-    | {"WateringCan"}
-)
+ON_FLOORS = types_with("stands_about")
 """What can be carried and was recorded standing about on the floor, in a way of its own."""
-ON_SURFACES = frozenset({"CoffeeMachine", "Microwave", "Vase", "Statue", "TableTopDecor"})
+ON_SURFACES = types_with("stands_on_furniture")
 """What stands on furniture, even where the recording does not say on which."""
 
 

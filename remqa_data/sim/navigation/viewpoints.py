@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.catalog import types_with
 from remqa_data.geometry.types import F64, I32
 from remqa_data.sim.navigation.grid import (
     CAMERA_HEIGHT_M,
@@ -86,4 +87,4 @@ def front_points(view: WorldView, object_id: str, count: int = 5) -> F64:
     return np.asarray(local @ pose[:3, :3].T + pose[:3, 3])
 
 
-OPENS_UPWARDS = frozenset({"Box", "LaundryHamper", "Toilet", "Kettle", "Laptop", "Book"})
+OPENS_UPWARDS = types_with("opens_upwards")
