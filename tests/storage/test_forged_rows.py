@@ -1,0 +1,74 @@
+"""A row that no generation writes is an error on purpose, in whatever reads it, and takes little time and memory."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from remqa_data.errors import ForgedRowError, RemqaError
+from remqa_data.storage.manifest import Manifest
+from remqa_data.storage.shards import read_rows
+from remqa_data.tables.images import ImageFormatError, decode_rgb, encode_rgb, image_size
+from remqa_data.tables.rows import QuestionRow
+from tests.helpers.forged_rows import IMAGES, Forgery, forge, image_forgeries, schema_forgeries
+from tests.helpers.hostile_reading import QUICK, READERS, attempt
+
+CASES = {forgery.name: forgery for forgery in (*schema_forgeries(), *image_forgeries())}
+SOME = list(CASES)[::15]
+
+
+def read_forged(root: Path, out: Path, forgery: Forgery) -> None:
+    forged = forge(root, out, forgery)
+    for name, reader in QUICK.items():
+        outcome = attempt(reader, forged)
+        assert outcome.held, f"{name}: {outcome}"
+        assert "\n" not in outcome.said
+        assert len(outcome.said) < 1000
+
+
+def test_there_are_enough_cases() -> None:
+    assert len(CASES) > 400
+    assert len(READERS) >= 9
+
+
+@pytest.mark.parametrize("name", SOME)
+def test_a_forged_row_is_refused_or_harmless(name: str, finished: tuple[Path, Manifest], tmp_path: Path) -> None:
+    read_forged(finished[0], tmp_path / "forged", CASES[name])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in CASES if name not in SOME])
+def test_every_forged_row_is_refused_or_harmless(name: str, finished: tuple[Path, Manifest], tmp_path: Path) -> None:
+    read_forged(finished[0], tmp_path / "forged", CASES[name])
+
+
+def test_the_error_names_the_file_the_row_and_the_field(finished: tuple[Path, Manifest], tmp_path: Path) -> None:
+    root = forge(finished[0], tmp_path / "forged", CASES["questions.initial_pose.yaw_deg: nan"])
+    with pytest.raises(ForgedRowError) as caught:
+        list(read_rows(root, QuestionRow, "test"))
+    assert (caught.value.row, caught.value.field) == (0, "initial_pose.yaw_deg")
+    assert str(caught.value).startswith(f"{root}/questions/test-00000")
+    assert "nan; expected -720 to 720" in str(caught.value)
+
+
+@pytest.mark.parametrize(("what", "image"), IMAGES)
+def test_an_image_that_is_none_or_too_large_is_refused_before_it_is_decoded(what: str, image) -> None:
+    data = image()
+    if what == "a PNG of one bit":  # which is fine as a picture
+        assert decode_rgb(data).shape == (300, 300, 3)
+        return
+    if what != "a PNG cut off":  # of a size that may be
+        size = image_size(data)
+        assert size is None or min(size) == 0 or max(size) > 4096
+    with pytest.raises(ImageFormatError):
+        decode_rgb(data)
+
+
+@pytest.mark.parametrize("form", ["jpeg", "png"])
+def test_the_size_of_an_image_is_read_from_its_first_bytes(form) -> None:
+    assert image_size(encode_rgb(np.zeros((7, 12, 3), np.uint8), form=form).bytes) == (12, 7)
+
+
+def test_a_missing_row_is_no_stack_trace(finished: tuple[Path, Manifest]) -> None:
+    with pytest.raises(RemqaError):
+        list(read_rows(finished[0], QuestionRow, "nobody"))
