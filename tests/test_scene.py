@@ -1,12 +1,15 @@
 import json
+import time
 
 import pytest
 
 from remqa_data.assets.core.model import AssetSpec
 from remqa_data.assets.looks.materials import OAK
-from remqa_data.errors import SceneFormatError, UnknownNameError
+from remqa_data.assets.registry import build
+from remqa_data.errors import RemqaError, SceneFormatError, UnknownNameError, one_line
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.scene import Scene, SceneObject, StructureBox
+from tests.helpers.forged_rows import room_forgeries
 
 
 def small_scene() -> Scene:
@@ -64,3 +67,16 @@ def test_objects_by_id() -> None:
     assert small_scene().object("Mug|1").type == "Mug"
     with pytest.raises(UnknownNameError, match=r"did you mean 'Mug\|1'"):
         small_scene().object("Mug|2")
+
+
+@pytest.mark.parametrize("forgery", room_forgeries(), ids=lambda forgery: forgery.what)
+def test_a_room_that_cannot_be_is_refused_or_built_in_no_time(forgery):
+    text = forgery.change(small_scene().to_json().decode())
+    started = time.process_time()
+    try:
+        scene = Scene.from_json(text, "stored")
+        for thing in scene.objects:
+            build(thing.asset)
+    except RemqaError as error:
+        assert len(one_line(error)) < 500
+    assert time.process_time() - started < 20
