@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import resource
 import signal
+import sys
 import tempfile
 import traceback
 from collections.abc import Callable
@@ -162,6 +163,9 @@ def _read(reader: Callable[[Path], None], root: Path, answer: int) -> int:
     resource.setrlimit(resource.RLIMIT_CPU, (CPU_S + 5, CPU_S + 5))
     resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
     signal.alarm(WALL_S)
+    for library, stop in (("torch", "set_num_threads"), ("cv2", "setNumThreads")):
+        if library in sys.modules:  # threads of the parent are not there any more
+            getattr(sys.modules[library], stop)(1)
     try:
         reader(root)
     except (RemqaError, OSError) as error:

@@ -13,6 +13,8 @@ from remqa_data.tables.rows import QuestionRow
 from tests.helpers.forged_rows import IMAGES, Forgery, forge, image_forgeries, schema_forgeries
 from tests.helpers.hostile_reading import QUICK, READERS, attempt
 
+pytest.importorskip("remqa_data.datasets.torch_datasets")  # before the forks, which would each import it
+
 CASES = {forgery.name: forgery for forgery in (*schema_forgeries(), *image_forgeries())}
 SOME = list(CASES)[::15]
 
