@@ -219,5 +219,5 @@ def test_every_trait_is_somebodys_and_is_asked_for() -> None:
 
 
 def test_an_unknown_trait_is_an_error() -> None:
-    with pytest.raises(UnknownNameError, match="unknown trait 'on_wal'.*on_wall"):
+    with pytest.raises(UnknownNameError, match=r"unknown trait 'on_wal'.*on_wall"):
         types_with("on_wal")
