@@ -291,6 +291,20 @@ def _line_of(event: yaml.Event) -> str:
     return "" if event.start_mark is None else f"line {event.start_mark.line + 1}: "
 
 
+def stored_config(stored: Mapping[str, Any]) -> Config:
+    """The configuration that a manifest holds.
+
+    Raises
+    ------
+    ConfigError
+        If it is none: names the key and the reason.
+    """
+    try:
+        return Config.model_validate(stored)
+    except ValidationError as error:
+        raise ConfigError(f"stored configuration: {_first_problem(error)}") from None
+
+
 def _first_problem(error: ValidationError) -> str:
     problem = error.errors()[0]
     # Of a value that may be of two types, pydantic tells the branch after the key; the key is enough.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -76,7 +76,8 @@ def generate(
             clear(storage)
         parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "version": __version__})
         made = _made_rooms(parts, quotas, config, executor, progress)
-        files = assemble(parts, made, _shards_per_split(made), executor)
+        shards = shards_per_split((file.table, file.split) for part in made for file in part.files)
+        files = assemble(parts, made, shards, executor)
         manifest = _manifest(config, made, files)
         look(storage)  # once more, hours later: a README.md may be somebody else's
         write_card(storage.root, manifest)
@@ -149,13 +150,17 @@ def _made_rooms(
     return [made[quota.scene] for quota in quotas]
 
 
-def _shards_per_split(made: Sequence[Part]) -> dict[str, int]:
-    """More shards for more rooms, so that they stay about as large."""
-    rooms: Counter[tuple[str, str]] = Counter()
-    for part in made:
-        rooms.update({(file.table, file.split) for file in part.files})
+def shards_per_split(rooms: Iterable[tuple[str, str]]) -> dict[str, int]:
+    """How many shards a table has in each split: more for more rooms, so that they stay about as large.
+
+    Parameters
+    ----------
+    rooms : iterable of (str, str)
+        For each room, the tables and splits in which it has rows.
+    """
+    counts = Counter(rooms)
     return {
-        split: max(fewest, *(math.ceil(count / ROOMS_PER_SHARD) for (_, s), count in rooms.items() if s == split), 0)
+        split: max(fewest, *(math.ceil(count / ROOMS_PER_SHARD) for (_, s), count in counts.items() if s == split), 0)
         for split, fewest in FEWEST_SHARDS.items()
     }
 

@@ -1,1 +1,1 @@
-"""The truths of a dataset, checked from its files."""
+"""What a finished dataset must be: each table's checks in a module of their own."""

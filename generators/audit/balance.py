@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from remqa_data.generators.audit.truths import Failure
+from remqa_data.generators.audit.failures import Failure
 from remqa_data.generators.questions.questions import KINDS, question_rules
 from remqa_data.storage.manifest import Manifest
 from remqa_data.storage.shards import read_table
@@ -54,14 +54,14 @@ def _numbers(questions: Sequence[AskedQuestion], manifest: Manifest) -> Iterator
             yield Failure(name, "consistent", f"{count} questions have this id")
     found = Counter((question.split, question.kind) for question in questions)
     told = {(split, kind): n for split, kinds in manifest.questions.items() for kind, n in kinds.items() if n}
-    for split, kind in sorted(found.keys() | told.keys()):
+    for split, kind in sorted(found.keys() | told.keys(), key=str):
         there, said = found.get((split, kind), 0), told.get((split, kind), 0)
         if there != said:
             yield Failure(f"{split} {kind}", "consistent", f"there are {there} questions; the manifest says {said}")
 
 
 def _shares(where: str, answers: Counter[str], legal: tuple[str, ...]) -> Iterator[Failure]:
-    unknown = sorted(answers.keys() - set(legal))
+    unknown = sorted(answers.keys() - set(legal), key=str)
     if unknown:
         yield Failure(where, "unbiased", f"{unknown[0]!r} is no answer; answers are {', '.join(legal)}")
     counts = [answers[answer] for answer in legal]

@@ -7,18 +7,22 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.catalog import catalog
 from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownNameError, one_line
 from remqa_data.generators.arrangement.hiding_places import surface_points
-from remqa_data.generators.audit.samples import Truth as SampleTruth
+from remqa_data.generators.audit.failures import Broken, Failure, Truth
 from remqa_data.generators.audit.samples import agent_state
 from remqa_data.generators.figures.sample_picture import poses_along, stored_pose
+from remqa_data.generators.questions.questions import question_program, question_text
+from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.language.answers import execute, is_clear
-from remqa_data.language.referring import AnyProgram, resolve
+from remqa_data.language.referring import Program, program_of, resolve
+from remqa_data.relations import Relation
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.agent.replay import DONE, MOVE, OPEN, PICK_UP, Replay
@@ -35,33 +39,19 @@ from remqa_data.tables.images import (
     encode_instances,
     encode_rgb,
 )
-from remqa_data.tables.rows import GridCell, Manipulation, QuestionRow, SceneRow
+from remqa_data.tables.rows import GridCell, Manipulation, QuestionKind, QuestionRow, SceneRow
 
-Truth = SampleTruth | Literal["consistent", "unbiased"]
-"""Those of `samples.Truth`, and two more: `consistent` is that rows say the same as one another and as the room that they
-are about; `unbiased` is that nothing but looking gives the answer away."""
-
+LONGEST_TEXT = 300
+"""Characters; a phrase that leans on one thing has fewer than 100."""
+RELATIONS_OF: dict[QuestionKind, tuple[Relation, ...]] = {
+    "EXISTENCE": ("in",),
+    "COUNTING": ("in",),
+    "SPATIAL": ("in", "under"),
+}
+"""Where a kind of question looks."""
 CHANGED_FACTOR = 4
 """A manipulation changes so many times the pixels that an object needs to be visible."""
 PNG = b"\x89PNG"
-
-
-class Failure(NamedTuple):
-    """What does not hold.
-
-    Attributes
-    ----------
-    where : str
-        Id of a question, or the name of what several of them share.
-    truth : Truth
-        Which truth is broken.
-    reason : str
-        How.
-    """
-
-    where: str
-    truth: Truth
-    reason: str
 
 
 class CheckedRoom:
@@ -95,8 +85,18 @@ class CheckedRoom:
         for stored in self.row.objects:
             if self.records.get(stored.id) != stored:
                 yield Failure(self.name, "consistent", f"{stored.id} is not as its ground truth says")
+        if tuple(stored.id for stored in self.row.objects) != tuple(self.records):
+            yield Failure(self.name, "consistent", "objects are not in the order of the room")
         if self.row.navigation_cells != tuple(GridCell(*cell) for cell in self.grid.cells):
             yield Failure(self.name, "consistent", "the agent can stand on other cells than those listed")
+        if self.row.walk_start_cell not in self.grid.graph:
+            yield Failure(self.name, "reachable", "the walk starts where the agent cannot stand")
+        if self.row.embodiment != EMBODIMENT:
+            yield Failure(self.name, "consistent", "the embodiment is not that of the agent")
+        if (self.scene.name, self.scene.room_type) != (self.row.scene, self.row.room_type):
+            yield Failure(self.name, "consistent", f"scene_json is of {self.scene.name}, a {self.scene.room_type}")
+        if self.scene.to_json() != self.row.scene_json.encode():
+            yield Failure(self.name, "consistent", "scene_json is not written as scenes are")
 
     def question_failures(self, question: QuestionRow) -> Iterator[Failure]:
         """What does not hold of a question about this configuration; it is replayed in a world of its own."""
@@ -112,7 +112,7 @@ class CheckedRoom:
             yield "consistent", f"split and room type are not those of {self.name}"
         if question.object_ids != tuple(self.records):
             yield "consistent", "object_ids are not the objects of the room, in its order"
-        if self._type_of(question.target_id) != question.target_type:
+        if self.type_of(question.target_id) != question.target_type:
             yield "consistent", f"{question.target_id} is no {question.target_type}"
         if question.expression not in question.question:
             yield "consistent", f"the question does not say {question.expression!r}"
@@ -124,21 +124,21 @@ class CheckedRoom:
 
     def _words(self, question: QuestionRow) -> Iterator[Broken]:
         """The answer, and what the expression picks out, by executing the program and reading the expression."""
-        program = _program(question)
+        meant = resolve(understood(question.expression), self.graph)
+        if meant != [question.target_id]:
+            names = ", ".join(meant) or "nothing"
+            yield "unique", f"{question.expression!r} picks out {names}, not {question.target_id}"
+        program = _asked(question)
+        if question.program != json.dumps(program):
+            yield "answer", "the program is not that of the question's words"
         answer = execute(program, self.graph)
         if answer.text != question.answer:
             yield "answer", f"the answer is {answer.text}, not {question.answer}"
         elif answer.ids != question.answer_ids:
             yield "answer", f"the objects that make the answer are {', '.join(answer.ids) or 'none'}"
         for object_id in answer.ids:
-            if self._type_of(object_id) != question.answer_type:
+            if self.type_of(object_id) != question.answer_type:
                 yield "answer", f"{object_id} is no {question.answer_type}"
-        meant = resolve(question.expression, self.graph)
-        if meant != [question.target_id]:
-            yield (
-                "unique",
-                f"{question.expression!r} picks out {', '.join(meant) or 'nothing'}, not {question.target_id}",
-            )
         if not is_clear(program, self.graph, self.loose_graph):
             yield "clear", "something else nearly fits the question"
 
@@ -208,14 +208,12 @@ class CheckedRoom:
         finally:
             replay.close()
 
-    def _type_of(self, object_id: str) -> str:
+    def type_of(self, object_id: str) -> str:
+        """Type of an object; UnknownNameError if there is none."""
         if object_id not in self.records:
             raise UnknownNameError("object", object_id, self.records)
         return self.records[object_id].type
 
-
-Broken = tuple[Truth, str]
-"""Which truth is broken, and how."""
 
 _TRUTH_OF: dict[str, Truth] = {
     "_is_consistent": "consistent",
@@ -228,12 +226,34 @@ _TRUTH_OF: dict[str, Truth] = {
 _WORD_OF: dict[Manipulation, str] = {"Open": OPEN, "Move": MOVE, "Pickup": PICK_UP}
 
 
-def _program(question: QuestionRow) -> AnyProgram:
-    try:
-        steps: AnyProgram = json.loads(question.program)
-    except json.JSONDecodeError as error:
-        raise ProgramError(f"the program is no JSON: {error}") from None
-    return steps
+def understood(text: str) -> Program:
+    """The program of a stored phrase.
+
+    Raises
+    ------
+    ProgramError
+        If it is not understood, or longer than any phrase.
+    """
+    if len(text) > LONGEST_TEXT:
+        raise ProgramError(f"{text[:40]!r}...: {len(text):,} characters are no phrase")
+    return program_of(text)
+
+
+def _asked(question: QuestionRow) -> Program:
+    """The program that the words of a question say.
+
+    Raises
+    ------
+    ProgramError
+        If the question says something else than its expression, kind and type make it say.
+    """
+    where = understood(question.expression)
+    if question.answer_type not in catalog():
+        raise UnknownNameError("object type", question.answer_type, catalog())
+    for relation in RELATIONS_OF[question.kind]:
+        if question.question == question_text(question.kind, question.answer_type, relation, question.expression):
+            return question_program(question.kind, question.answer_type, relation, where)
+    raise ProgramError(f"the words of the question do not ask for a {question.answer_type} by {question.expression!r}")
 
 
 def _number(question: QuestionRow, object_id: str) -> int:

@@ -1,27 +1,32 @@
-"""Checking a dataset from its files alone: checksums, balance, and every question in a freshly loaded world."""
+"""Checking a dataset from its files alone: what it says of itself, then its rooms, each looked at and made again."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
-from remqa_data.errors import RemqaError
 from remqa_data.generators.audit.balance import AskedQuestion, asked_questions, balance_failures
-from remqa_data.generators.audit.truths import CheckedRoom, Failure
+from remqa_data.generators.audit.failures import Failure
+from remqa_data.generators.audit.manifest_check import folder_failures, manifest_failures, other_versions
+from remqa_data.generators.audit.room_check import Found, Piece, RoomCheck, check_room
+from remqa_data.generators.audit.row_order import row_failures, short_walks
+from remqa_data.generators.config import Config, stored_config
+from remqa_data.generators.questions.allotment import allot, capacities
+from remqa_data.generators.scene_plan import Job
 from remqa_data.processes.executors import LocalExecutor
-from remqa_data.storage.manifest import load_manifest
+from remqa_data.storage.manifest import MANIFEST, Manifest, load_manifest
 from remqa_data.storage.shards import Shard, check_files, shard_paths
-from remqa_data.tables.rows import QuestionRow, SceneRow
-from remqa_data.tables.schema import R, table_of, to_rows
+from remqa_data.tables.schema import TABLES
 
 
 @dataclass(frozen=True)
 class Verification:
-    """How many questions were checked, and what does not hold.
+    """What was checked, and what does not hold.
 
     Attributes
     ----------
@@ -29,10 +34,17 @@ class Verification:
         Ids of the questions that were replayed.
     failures : tuple of Failure
         Those of the dataset as a whole, then by room in the order of the dataset.
+    coverage : mapping of str to (int, int)
+        How many rooms were made again, how many rows of each table were worked out anew and compared, and how many
+        questions were replayed; and how many there are.
+    notes : tuple of str
+        With which other versions the dataset was made, which may give other bytes.
     """
 
     checked: tuple[str, ...]
     failures: tuple[Failure, ...]
+    coverage: dict[str, tuple[int, int]]
+    notes: tuple[str, ...]
 
     @property
     def failed(self) -> frozenset[str]:
@@ -46,77 +58,96 @@ def verify(
     seed: int = 0,
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
+    *,
+    rooms: int | None = None,
 ) -> Verification:
     """Check a finished dataset.
+
+    Checksums, schemas, manifest, card, croissant.json, the folder, the number and order of all rows, and balance are
+    always checked in full. Only where these hold is it worth looking into rooms.
 
     Parameters
     ----------
     root : Path
         Folder of the dataset.
     sample : int, optional
-        How many questions to replay, drawn at random; all by default. Checksums, schemas and balance are always checked
-        in full.
+        How many questions to replay, drawn at random; all by default.
     seed : int
-        Of the draw.
+        Of both draws.
     workers : int
         Number of processes. What is found does not depend on it.
     progress : callable, optional
-        Called with the numbers of questions replayed and to replay.
+        Called with the numbers of rooms looked at and to look at.
+    rooms : int, optional
+        How many rooms to make again and to compare row by row, drawn at random; all by default. Rooms with fewer frames
+        than were asked for are always among them.
 
     Raises
     ------
     DatasetError
         If the folder is not a finished dataset, or a shard is damaged.
     """
-    check_files(root)
     manifest = load_manifest(root)
+    check_files(root)
+    failures = [*manifest_failures(root, manifest), *folder_failures(root, manifest)]
+    config = None if failures else stored_config(manifest.config)
+    if config is not None:
+        failures += row_failures(root, manifest, config)
     questions = asked_questions(root, manifest)
-    failures = list(balance_failures(questions, manifest))
-    if sample is not None and sample < len(questions):
-        chosen = np.random.default_rng(seed).choice(len(questions), sample, replace=False)
-        questions = [questions[i] for i in sorted(chosen)]
-    tell, done = progress or (lambda done, total: None), 0
-    tell(done, len(questions))
-    found: dict[str, list[Failure]] = {}
-    for room, wrong in LocalExecutor(workers).run(_check_room, _rooms(root, questions)):
-        found[room.scene] = wrong
-        done += len(room.question_ids)
-        tell(done, len(questions))
-    failures += [failure for scene in dict.fromkeys(q.scene for q in questions) for failure in found[scene]]
-    return Verification(tuple(question.question_id for question in questions), tuple(failures))
+    failures += balance_failures(questions, manifest)
+    notes = tuple(f"made with {name}" for name in other_versions(manifest))
+    if config is None or any(failure.truth in ("complete", "consistent") for failure in failures):
+        return Verification((), tuple(failures), _coverage(manifest, Counter(), 0), notes)
+    rng = np.random.default_rng(seed)
+    asked = _drawn(questions, sample, rng)
+    again = set(_drawn(config.scene_names, rooms, rng))
+    if rooms is not None:
+        again |= short_walks(root, manifest, config)
+    checks = _room_checks(root, manifest, config, asked, again)
+    found = _checked(checks, workers, progress)
+    compared: Counter[str] = Counter()
+    for result in found:
+        compared.update(result.rows)
+        failures += result.failures
+    if sample is None and rooms is None:
+        failures += _unconfirmed(manifest, found, notes)
+    coverage = _coverage(manifest, compared, len(again))
+    return Verification(tuple(question.question_id for question in asked), tuple(failures), coverage, notes)
 
 
-Piece = tuple[Path, int]
-"""A shard and a row group in it."""
+T = TypeVar("T")
 
 
-@dataclass(frozen=True)
-class _RoomJob:
-    """Questions of one room, and where the rows lie."""
-
-    scene: str
-    question_ids: frozenset[str]
-    scene_pieces: tuple[Piece, ...]
-    question_pieces: tuple[Piece, ...]
+def _drawn(names: Sequence[T], count: int | None, rng: np.random.Generator) -> list[T]:
+    """So many of some things, in their order; all by default."""
+    if count is None or count >= len(names):
+        return list(names)
+    return [names[i] for i in sorted(rng.choice(len(names), count, replace=False))]
 
 
-def _rooms(root: Path, questions: Sequence[AskedQuestion]) -> list[_RoomJob]:
-    jobs = []
-    for split, of_split in groupby(questions, lambda question: question.split):
-        wanted: dict[str, list[str]] = {}
-        for question in of_split:
-            wanted.setdefault(question.scene, []).append(question.question_id)
-        pieces = {table: _pieces(root, table, split) for table in ("scenes", "questions")}
-        for scene, ids in wanted.items():
-            places = (tuple(pieces[table].get(scene, ())) for table in ("scenes", "questions"))
-            jobs.append(_RoomJob(scene, frozenset(ids), *places))
-    return jobs
+def _room_checks(
+    root: Path, manifest: Manifest, config: Config, asked: Sequence[AskedQuestion], again: Collection[str]
+) -> list[RoomCheck]:
+    """What is to be checked, by room in the order of the dataset."""
+    wanted: dict[str, set[str]] = defaultdict(set)
+    for question in asked:
+        wanted[question.scene].add(question.question_id)
+    pieces = {table: _pieces(root, manifest, table) for table in TABLES}
+    quotas = allot(capacities(config.scene_names), config.totals)
+    checks = []
+    for quota in quotas:
+        scene = quota.scene
+        if scene in wanted or scene in again:
+            places = {table: tuple(of_table.get(scene, ())) for table, of_table in pieces.items()}
+            job = Job(quota, config) if scene in again else None
+            checks.append(RoomCheck(scene, frozenset(wanted[scene]), places, job))
+    return checks
 
 
-def _pieces(root: Path, table: str, split: str) -> dict[str, list[Piece]]:
+def _pieces(root: Path, manifest: Manifest, table: str) -> dict[str, list[Piece]]:
     """Where the rows of each room lie."""
     found: dict[str, list[Piece]] = {}
-    for path in shard_paths(root, table, split):
+    for path in (path for split in manifest.splits(table) for path in shard_paths(root, table, split)):
         shard = Shard(path, table)
         for group in range(shard.row_groups):
             for scene in shard.read(group, ["scene"])["scene"].unique().to_pylist():
@@ -124,32 +155,29 @@ def _pieces(root: Path, table: str, split: str) -> dict[str, list[Piece]]:
     return found
 
 
-def _check_room(job: _RoomJob) -> list[Failure]:
-    """What does not hold of the chosen questions of a room."""
-    questions = [q for q in _rows(QuestionRow, job.question_pieces) if q.question_id in job.question_ids]
-    rows = {row.configuration: row for row in _rows(SceneRow, job.scene_pieces) if row.scene == job.scene}
-    failures: list[Failure] = []
-    for number, asked in _by_configuration(questions):
-        if number not in rows:
-            reason = f"there is no configuration {number} of {job.scene}"
-            failures += [Failure(question.question_id, "consistent", reason) for question in asked]
-            continue
-        try:
-            room = CheckedRoom(rows[number])
-        except RemqaError as error:
-            failures += [Failure(question.question_id, "consistent", str(error)) for question in asked]
-            continue
-        failures += room.failures()
-        for question in asked:
-            failures += room.question_failures(question)
-    return failures
+def _checked(checks: Sequence[RoomCheck], workers: int, progress: Callable[[int, int], None] | None) -> list[Found]:
+    """What came of the checks, in their order."""
+    tell = progress or (lambda done, total: None)
+    tell(0, len(checks))
+    found: dict[str, Found] = {}
+    for check, result in LocalExecutor(workers).run(check_room, checks):
+        found[check.scene] = result
+        tell(len(found), len(checks))
+    return [found[check.scene] for check in checks]
 
 
-def _by_configuration(questions: Iterable[QuestionRow]) -> list[tuple[int, list[QuestionRow]]]:
-    ordered = sorted(questions, key=lambda question: question.configuration)
-    return [(number, list(asked)) for number, asked in groupby(ordered, lambda question: question.configuration)]
+def _unconfirmed(manifest: Manifest, found: Sequence[Found], notes: Sequence[str]) -> Iterator[Failure]:
+    """What the manifest says and only making all rooms again, with the same versions, confirms."""
+    if notes:
+        yield Failure(MANIFEST, "reproducible", f"{', '.join(notes)}: install these versions to have all confirmed")
+    refused: Counter[str] = Counter()
+    for result in found:
+        refused.update(result.refused)
+    if dict(sorted(refused.items())) != manifest.refused:
+        yield Failure(MANIFEST, "reproducible", f"refused is {manifest.refused}; all rooms together: {dict(refused)}")
 
 
-def _rows(row_type: type[R], pieces: Iterable[Piece]) -> Iterator[R]:
-    for path, group in pieces:
-        yield from to_rows(row_type, Shard(path, table_of(row_type).name).read(group))
+def _coverage(manifest: Manifest, compared: Mapping[str, int], rooms: int) -> dict[str, tuple[int, int]]:
+    """What was looked into, and how much there is of it."""
+    covered = {"rooms": (rooms, manifest.rows("scenes") // max(1, manifest.config.get("configurations", 1)))}
+    return covered | {table: (compared.get(table, 0), manifest.rows(table)) for table in TABLES}

@@ -109,16 +109,7 @@ class Candidate(Generic[P]):
     @property
     def text(self) -> str:
         """The question, such as "Is there a mug in the drawer next to the toaster?"."""
-        return (
-            question_rules()
-            .templates[self.kind]
-            .format(
-                a_obj=with_article(self.type),
-                objs=plural(self.type),
-                relation=relation_rules().words[self.place.relation],
-                re=self.expression.text,
-            )
-        )
+        return question_text(self.kind, self.type, self.place.relation, self.expression.text)
 
     @property
     def words(self) -> int:
@@ -129,6 +120,17 @@ class Candidate(Generic[P]):
     def program(self) -> Program:
         """What `remqa_data.language.answers.execute` executes; JSON-able."""
         return question_program(self.kind, self.type, self.place.relation, self.expression.program)
+
+
+def question_text(kind: QuestionKind, type_name: str, relation: Relation, expression: str) -> str:
+    """The words of a question about things of a type that are in a relation to what an expression picks out.
+
+    >>> question_text("COUNTING", "Mug", "in", "the fridge")
+    'How many mugs are there in the fridge?'
+    """
+    words = relation_rules().words[relation]
+    template = question_rules().templates[kind]
+    return template.format(a_obj=with_article(type_name), objs=plural(type_name), relation=words, re=expression)
 
 
 def question_program(kind: QuestionKind, type_name: str, relation: Relation, where: Program) -> Program:

@@ -41,7 +41,7 @@ def write_card(root: str | os.PathLike[str], manifest: Manifest) -> None:
     """Write README.md and croissant.json into a dataset's folder; do so before the manifest, which comes last."""
     texts = {
         CARD: dataset_card(manifest),
-        CROISSANT: json.dumps(croissant(manifest), indent=1, ensure_ascii=False) + "\n",
+        CROISSANT: croissant_text(manifest),
     }
     for name, text in texts.items():
         with storage_at(root).publish(name) as temporary:
@@ -63,6 +63,11 @@ def dataset_card(manifest: Manifest) -> str:
     lines += ["## Made by", "", *_versions(manifest), "", "## Citation", "", CITED, "", "```bibtex", BIBTEX, "```", ""]
     lines += ["## Licence and provenance", "", f"Apache-2.0. {PROVENANCE}"]
     return "\n".join(lines) + "\n"
+
+
+def croissant_text(manifest: Manifest) -> str:
+    """The text of croissant.json."""
+    return json.dumps(croissant(manifest), indent=1, ensure_ascii=False) + "\n"
 
 
 def croissant(manifest: Manifest) -> dict[str, Any]:

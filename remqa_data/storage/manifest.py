@@ -9,6 +9,8 @@ import hashlib
 import json
 import os
 import platform
+import re
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib import metadata
@@ -135,7 +137,7 @@ def load_manifest(root: str | os.PathLike[str]) -> Manifest:
     Raises
     ------
     DatasetError
-        If there is no such folder, it is not a finished dataset, or its manifest cannot be read.
+        If there is no such folder, it is not a finished dataset, or its manifest cannot be read or names files elsewhere.
     """
     storage = storage_at(root)
     path = storage.where(MANIFEST)
@@ -155,7 +157,27 @@ def load_manifest(root: str | os.PathLike[str]) -> Manifest:
             f"again, or install the remqa-data that made it ({manifest.versions.get('remqa-data')})"
         )
         raise DatasetError(msg)
+    _check_names(path, manifest.files)
     return manifest
+
+
+_PATH = re.compile(r"[A-Za-z0-9_]+/[A-Za-z0-9_][A-Za-z0-9_.-]*", re.ASCII)
+_SHA256 = re.compile(r"[0-9a-f]{64}", re.ASCII)
+
+
+def _check_names(where: str, files: tuple[FileInfo, ...]) -> None:
+    """A manifest may come from anywhere: what it names lies in the folder of a table, and names no other place."""
+    for number, file in enumerate(files):
+        if not _PATH.fullmatch(file.path) or not file.path.startswith(f"{file.table}/"):
+            raise DatasetError(
+                f"{where}: files.{number}.path: {file.path!r:.100} is no name of a file in the dataset's folder "
+                f"{file.table!r:.40}; fetch or generate the dataset again"
+            )
+        if not _SHA256.fullmatch(file.sha256):
+            raise DatasetError(f"{where}: files.{number}.sha256: {file.sha256!r:.100} is no sha256 in hexadecimal")
+    for path, count in Counter(file.path for file in files).items():
+        if count > 1:
+            raise DatasetError(f"{where}: files: {path} is listed {count} times")
 
 
 def _no_dataset(storage: Storage) -> DatasetError:

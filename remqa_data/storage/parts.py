@@ -164,11 +164,9 @@ class Parts:
             for split in SPLITS:
                 sources = [(p.scene, f) for p in parts for f in p.files if (f.table, f.split) == (table, split)]
                 wanted = shards_per_split if isinstance(shards_per_split, int) else shards_per_split[split]
-                total = sum(file.rows for _, file in sources)
-                count = min(wanted, total)
-                bounds = [number * total // count for number in range(count + 1)] if count else [0]
+                bounds = shard_bounds(sum(file.rows for _, file in sources), wanted)
                 for number, pieces in enumerate(self._pieces(sources, bounds)):
-                    path = f"{table}/{split}-{number:05d}-of-{count:05d}.parquet"
+                    path = shard_path(table, split, number, len(bounds) - 1)
                     jobs.append(ShardJob(self.storage.root, path, table, split, tuple(pieces)))
         return jobs
 
@@ -189,6 +187,25 @@ class Parts:
 
     def _note(self, scene: str) -> str:
         return f"{self.folder}/{scene}/{_NOTE}"
+
+
+def shard_bounds(rows: int, wanted: int) -> list[int]:
+    """Where the shards of a table begin and end when its rows are dealt out evenly; none is empty.
+
+    >>> shard_bounds(10, 3), shard_bounds(1, 3), shard_bounds(0, 3)
+    ([0, 3, 6, 10], [0, 1], [0])
+    """
+    count = min(wanted, rows)
+    return [number * rows // count for number in range(count + 1)] if count else [0]
+
+
+def shard_path(table: str, split: str, number: int, count: int) -> str:
+    """Where a shard of several lies in the dataset.
+
+    >>> shard_path("frames", "train", 2, 5)
+    'frames/train-00002-of-00005.parquet'
+    """
+    return f"{table}/{split}-{number:05d}-of-{count:05d}.parquet"
 
 
 def merge(job: ShardJob) -> FileInfo:

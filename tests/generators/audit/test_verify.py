@@ -1,9 +1,8 @@
 """A finished dataset of one room is checked, then told lies of every kind; each must be found, by its truth."""
 
-import json
 import shutil
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,8 @@ from remqa_data.generators.audit.verify import verify
 from remqa_data.generators.config import load_config
 from remqa_data.generators.pipeline import generate
 from remqa_data.scene import Scene
-from remqa_data.storage.manifest import MANIFEST, load_manifest
+from remqa_data.storage.card import write_card
+from remqa_data.storage.manifest import load_manifest, write_manifest
 from remqa_data.storage.shards import ShardWriter, file_info, read_rows
 from remqa_data.tables.images import decode_instances
 from remqa_data.tables.rows import QuestionRow, SceneRow
@@ -53,7 +53,9 @@ def retold(root: Path, out: Path, row_type: type, change: Callable[[Any], Any]) 
         writer.write_rows(rows)
     new = file_info(out / old.path, old.path, table, old.split)
     files = tuple(new if file.path == old.path else file for file in manifest.files)
-    (out / MANIFEST).write_text(json.dumps(asdict(replace(manifest, files=files))))
+    told = replace(manifest, files=files)
+    write_card(out, told)
+    write_manifest(out, told)
     return out
 
 
