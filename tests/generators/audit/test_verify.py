@@ -11,30 +11,25 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from remqa_data.cli import app
+from remqa_data.generators.audit.expressions import expression_failures
+from remqa_data.generators.audit.frames import frame_failures
 from remqa_data.generators.audit.truths import CheckedRoom
 from remqa_data.generators.audit.verify import verify
-from remqa_data.generators.config import load_config
-from remqa_data.generators.pipeline import generate
+from remqa_data.generators.config import Config, stored_config
 from remqa_data.scene import Scene
 from remqa_data.storage.card import write_card
 from remqa_data.storage.manifest import load_manifest, write_manifest
 from remqa_data.storage.shards import ShardWriter, file_info, read_rows
-from remqa_data.tables.images import decode_instances
-from remqa_data.tables.rows import QuestionRow, SceneRow
+from remqa_data.tables.images import StoredImage, decode_instances
+from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, SceneRow
 from remqa_data.tables.schema import table_spec
 
-CONFIGS = Path(__file__).parents[3] / "configs"
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    config = load_config(CONFIGS / "tiny.yaml")
-    none = config.questions.train.model_copy(update=dict.fromkeys(("EXISTENCE", "COUNTING", "SPATIAL"), 0))
-    questions = config.questions.model_copy(update={"train": none})
-    folder = tmp_path_factory.mktemp("dataset")
-    generate(folder, config.model_copy(update={"scenes": ("FloorPlan27",), "questions": questions}))
-    return folder
+def root(real_dataset: Path) -> Path:
+    return real_dataset
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +63,7 @@ def lie(root: Path, out: Path, question_id: str, **changes: object) -> Path:
 
 def broken(root: Path) -> set[tuple[str, str]]:
     """Which truths are broken where."""
-    return {(failure.where, failure.truth) for failure in verify(root).failures}
+    return {(failure.where, failure.truth) for failure in verify(root, rooms=0).failures}
 
 
 def run(*arguments: str) -> Result:
@@ -76,25 +71,31 @@ def run(*arguments: str) -> Result:
 
 
 def test_every_question_holds(root: Path) -> None:
-    result = run(str(root))
+    result = run(str(root), "--all")
     assert result.exit_code == 0, result.output
     assert "12 of 12 questions hold" in result.output
+    assert "1 of 1 rooms; 4 of 4 scenes" in result.output
+    assert "16 of 16 frames" in result.output
+    assert "not everything" not in result.output
 
 
 def test_a_sample_is_drawn_by_its_seed(root: Path) -> None:
-    one, again, other = (verify(root, 3, seed) for seed in (1, 1, 2))
+    one, again, other = (verify(root, 3, seed, rooms=0) for seed in (1, 1, 2))
     assert one.checked == again.checked != other.checked
     assert len(one.checked) == 3
-    assert "3 of 3 questions hold" in run(str(root), "--sample", "3").output
+    told = run(str(root), "--sample", "3", "--rooms", "0").output
+    assert "3 of 3 questions hold" in told
+    assert "3 of 12 questions" in told
+    assert "not everything was checked: use --all" in told
 
 
 def test_a_flipped_answer_is_found_by_one_worker_and_by_two(root: Path, questions, tmp_path: Path) -> None:
     name, question = next((k, q) for k, q in questions.items() if q.answer == "yes")
     wrong = lie(root, tmp_path / "lie", name, answer="no")
-    found = verify(wrong, workers=2)
+    found = verify(wrong, workers=2, rooms=0)
     assert {(name, "answer"), (f"test {question.kind}", "unbiased")} <= {(f.where, f.truth) for f in found.failures}
-    assert verify(wrong) == found
-    result = run(str(wrong))
+    assert verify(wrong, rooms=0) == found
+    result = run(str(wrong), "--rooms", "0")
     assert result.exit_code == 1
     assert f"{name}: answer: the answer is yes, not no" in result.output
     assert "11 of 12 questions hold" in result.output
@@ -124,7 +125,7 @@ def test_a_swapped_end_frame_and_changed_actions_are_found(root: Path, questions
     other = next(q for q in questions.values() if q.end_rgb.bytes != one.end_rgb.bytes)
     wrong = lie(root, tmp_path / "frame", first, end_rgb=other.end_rgb)
     wrong = lie(wrong, tmp_path / "both", last, actions=turned_away(question.actions, manipulation_at(question)))
-    result = run(str(wrong))
+    result = run(str(wrong), "--rooms", "0")
     assert result.exit_code == 1
     assert f"{first}: replayable: end_rgb is not what is seen" in result.output
     assert f"{last}: replayable: start_rgb is not what is seen" in result.output
@@ -231,6 +232,106 @@ def test_the_stored_pictures_keep_the_promise_of_a_question(questions) -> None:
     assert len(numbers) == 3
     assert not np.isin(before, numbers).any()
     assert set(numbers) <= set(np.unique(after).tolist())
+
+
+# ---- frames and expressions against their room, without files
+
+
+@pytest.fixture(scope="module")
+def config(root: Path) -> Config:
+    return stored_config(load_manifest(root).config)
+
+
+@pytest.fixture(scope="module")
+def frames(root: Path) -> list[FrameRow]:
+    return list(read_rows(root, FrameRow, "test", configuration=0))
+
+
+@pytest.fixture(scope="module")
+def expressions(root: Path) -> list[ExpressionRow]:
+    return list(read_rows(root, ExpressionRow, "test", configuration=0))
+
+
+def shifted_box(frame: FrameRow) -> FrameRow:
+    first, *others = frame.objects
+    x1, y1, x2, y2 = first.box_2d
+    return replace(frame, objects=(replace(first, box_2d=(x1, y1, x2 + 1, y2)), *others))
+
+
+def repainted(frame: FrameRow) -> FrameRow:
+    first, *others = frame.objects
+    return replace(frame, objects=(replace(first, color="purple"), *others))
+
+
+def moved(frame: FrameRow, by_m: float) -> FrameRow:
+    x, y, z = frame.agent.position
+    return replace(frame, agent=replace(frame.agent, position=(x + by_m, y, z)))
+
+
+@pytest.mark.parametrize(
+    ("change", "truth"),
+    [
+        (lambda frame, other: replace(frame, rgb=other.rgb), "replayable"),
+        (lambda frame, other: replace(frame, depth=other.depth), "replayable"),
+        (lambda frame, other: replace(frame, instances=other.instances), "replayable"),
+        (lambda frame, other: replace(frame, agent=other.agent), "replayable"),
+        (lambda frame, other: moved(frame, 0.1), "reachable"),
+        (lambda frame, other: moved(frame, 1000.0), "reachable"),
+        (lambda frame, other: replace(frame, agent=replace(frame.agent, yaw_deg=45.0)), "reachable"),
+        (lambda frame, other: replace(frame, objects=frame.objects[1:]), "visible"),
+        (lambda frame, other: replace(frame, objects=frame.objects[::-1]), "visible"),
+        (lambda frame, other: shifted_box(frame), "visible"),
+        (lambda frame, other: repainted(frame), "visible"),
+        (lambda frame, other: replace(frame, added_nodes=()), "consistent"),
+        (lambda frame, other: replace(frame, added_edges=()), "consistent"),
+    ],
+)
+def test_a_frame_that_says_something_else_is_found(rooms, frames, config, change, truth: str) -> None:
+    frame, other = frames[0], frames[-1]
+    found = list(frame_failures(rooms[0], [change(frame, other), *frames[1:]], config))
+    assert (frame.frame_id, truth) in {(failure.where, failure.truth) for failure in found}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda row: replace(row, graph_nodes=row.graph_nodes[::-1]),
+        lambda row: replace(row, graph_edges=row.graph_edges[1:]),
+        lambda row: replace(row, semantic_map=replace(row.semantic_map, voxels=row.semantic_map.voxels[1:])),
+        lambda row: replace(row, map_2d=StoredImage(row.map_2d.bytes[:-1], row.map_2d.path)),
+    ],
+)
+def test_a_graph_or_map_that_frames_do_not_show_is_found(rooms, frames, config, change) -> None:
+    room = CheckedRoom(change(rooms[0].row))
+    found = {(failure.where, failure.truth) for failure in frame_failures(room, frames, config)}
+    assert found == {(room.name, "consistent")}
+
+
+@pytest.mark.parametrize(
+    ("change", "truth"),
+    [
+        (lambda said, other: replace(said, text=other.text), "unique"),
+        (lambda said, other: replace(said, text="the unicorn"), "unique"),
+        (lambda said, other: replace(said, text="the mug on " * 1000 + "the table"), "unique"),
+        (lambda said, other: replace(said, program=other.program), "consistent"),
+        (lambda said, other: replace(said, program=said.program + " "), "consistent"),
+        (lambda said, other: replace(said, target_id=other.target_id), "unique"),
+        (lambda said, other: replace(said, target_id="Unicorn|1"), "unique"),
+        (lambda said, other: replace(said, target_type=other.target_type), "consistent"),
+        (lambda said, other: replace(said, anchor_id=said.target_id), "consistent"),
+        (lambda said, other: replace(said, relation="under"), "consistent"),
+        (lambda said, other: replace(said, kind="superlative"), "consistent"),
+        (lambda said, other: replace(said, split="val"), "consistent"),
+        (lambda said, other: replace(said, frame_id="FloorPlan27-c0-f99"), "visible"),
+        (lambda said, other: replace(said, box_2d=(0, 0, 1, 1)), "visible"),
+    ],
+)
+def test_an_expression_that_says_something_else_is_found(rooms, frames, expressions, change, truth: str) -> None:
+    said = next(said for said in expressions if said.relation == "on")
+    other = next(one for one in expressions if one.target_type != said.target_type)
+    assert not list(expression_failures(rooms[0], frames, expressions))
+    found = expression_failures(rooms[0], frames, [change(said, other)])
+    assert truth in {failure.truth for failure in found}
 
 
 # ---- the dataset as a whole
