@@ -10,7 +10,7 @@ from remqa_data.generators.pipeline import generate
 
 def one_room_config() -> Config:
     """Only the test room of configs/tiny.yaml."""
-    config = load_config(Path(__file__).parents[2] / "configs" / "tiny.yaml")
+    config = load_config(Path(__file__).parents[3] / "configs" / "tiny.yaml")
     none = config.questions.train.model_copy(update=dict.fromkeys(("EXISTENCE", "COUNTING", "SPATIAL"), 0))
     questions = config.questions.model_copy(update={"train": none})
     return config.model_copy(update={"scenes": ("FloorPlan27",), "questions": questions})

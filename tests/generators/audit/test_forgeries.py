@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from forgeries import Copy, Forgery, forgeries
 
 from remqa_data.errors import RemqaError
 from remqa_data.generators.audit import remade, room_check
@@ -17,6 +16,7 @@ from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_rows
 from remqa_data.tables.rows import Row
 from remqa_data.tables.schema import TABLES
+from tests.helpers.forgeries import Copy, Forgery, forgeries
 
 FORGERIES = list(forgeries())
 
