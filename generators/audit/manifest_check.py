@@ -19,7 +19,8 @@ from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import CARD, CROISSANT, croissant_text, dataset_card
 from remqa_data.storage.locks import LOCK
 from remqa_data.storage.manifest import MANIFEST, VERSIONED, Manifest, config_hash
-from remqa_data.storage.parts import SPLITS, shard_bounds, shard_path
+from remqa_data.storage.ownership import SPLITS
+from remqa_data.storage.parts import shard_bounds, shard_path
 from remqa_data.storage.shard_cache import local_shard
 from remqa_data.storage.shards import Shard
 from remqa_data.tables.schema import TABLES, field_docs, table_spec

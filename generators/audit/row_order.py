@@ -16,7 +16,7 @@ from remqa_data.generators.questions.allotment import SceneQuota, allot, capacit
 from remqa_data.generators.scene_job import expression_split
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.storage.manifest import Manifest
-from remqa_data.storage.parts import SPLITS
+from remqa_data.storage.ownership import SPLITS
 from remqa_data.storage.shards import read_table
 
 Key = dict[str, Any]

@@ -51,7 +51,9 @@ def verify_and_report(root: Path, sample: int | None, rooms: int | None, seed: i
     output().result(
         holds=not result.failures,
         questions=len(result.checked),
-        failures=[vars(failure) for failure in result.failures],
+        failures=[failure._asdict() for failure in result.failures],
+        coverage={what: {"checked": done, "rows": total} for what, (done, total) in result.coverage.items()},
+        notes=list(result.notes),
         words_alone=[vars(score) for score in scores],
     )
     return not result.failures

@@ -130,7 +130,7 @@ def _other(rows: list[Values], column: str) -> Any:
 
 SAME_EVERYWHERE: Values = {
     "scene": "FloorPlan4",
-    "room_type": "kitchen",
+    "room_type": "bathroom",
     "split": "train",
     "seed": 1,
     "embodiment": {"camera_height_m": 1.576, "fov_deg": 90.0, "step_m": 0.25, "reach_m": 99.0},

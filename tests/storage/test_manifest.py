@@ -1,0 +1,64 @@
+"""A manifest may come from anywhere: it names files of the dataset, each once, and nothing else."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from remqa_data.errors import DatasetError
+from remqa_data.storage.manifest import MANIFEST, load_manifest
+from remqa_data.storage.shards import read_table
+
+
+def told(dataset: Path, **changes: Any) -> Path:
+    """The dataset with a manifest that says something else of its first file."""
+    path = dataset / MANIFEST
+    manifest = json.loads(path.read_text())
+    manifest["files"][0].update(changes)
+    path.write_text(json.dumps(manifest))
+    return dataset
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "../scenes/train-00000-of-00002.parquet",
+        "scenes/../../train-00000-of-00002.parquet",
+        "scenes/../train-00000-of-00002.parquet",
+        "/etc/passwd",
+        "//host/share/train.parquet",
+        "C:/train.parquet",
+        "scenes\\train-00000-of-00002.parquet",
+        "s3://bucket/train.parquet",
+        "scenes/.hidden.parquet",
+        "scenes/..",
+        "scenes/",
+        "scenes",
+        "",
+        ".",
+        "frames/train-00000-of-00002.parquet",
+        "scenes/train\n.parquet",
+        "scenes/train\x00.parquet",
+        "scenes/" + "a" * 300 + "/x.parquet",
+    ],
+)
+def test_a_path_that_leads_elsewhere_is_refused_wherever_a_dataset_is_read(dataset: Path, path: str) -> None:
+    told(dataset, path=path)
+    with pytest.raises(DatasetError, match=r"files\.0\.path"):
+        load_manifest(dataset)
+    with pytest.raises(DatasetError, match=r"files\.0\.path"):
+        read_table(dataset, "questions", "train")
+
+
+@pytest.mark.parametrize("sha256", ["", "0" * 63, "G" * 64, "../" * 21 + "x", "A" * 64])
+def test_a_checksum_that_is_none_is_refused(dataset: Path, sha256: str) -> None:
+    """A shard of a bucket is kept under its checksum, so this is a name of a file too."""
+    with pytest.raises(DatasetError, match=r"files\.0\.sha256"):
+        load_manifest(told(dataset, sha256=sha256))
+
+
+def test_a_file_that_is_listed_twice_is_refused(dataset: Path) -> None:
+    second = load_manifest(dataset).files[1].path
+    with pytest.raises(DatasetError, match=f"{second} is listed 2 times"):
+        load_manifest(told(dataset, path=second))
