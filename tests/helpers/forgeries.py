@@ -125,7 +125,9 @@ def _other(rows: list[Values], column: str) -> Any:
     """The value of another row; of a column that is everywhere the same, another that is well-formed."""
     own = repr(rows[0][column])
     found = next((row[column] for row in rows if repr(row[column]) != own), None)
-    return deepcopy(found) if found is not None else SAME_EVERYWHERE[column]
+    if found is not None:
+        return deepcopy(found)
+    return SAME_EVERYWHERE[column] if column in SAME_EVERYWHERE else nudged(nudged(rows[0][column]))
 
 
 SAME_EVERYWHERE: Values = {
