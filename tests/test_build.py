@@ -142,7 +142,9 @@ def test_the_sdist_holds_what_the_work_needs_and_builds_the_same_wheel(tree: Pat
     with tarfile.open(build(tree, "sdist", into=tmp_path / "dist")) as archive:
         archive.extractall(tmp_path / "unpacked", filter="data")
     (unpacked,) = (tmp_path / "unpacked").iterdir()
-    expected = set().union(*(files_of(folder) for folder in (*FOLDERS, "benchmarks", "configs", "docs", "tests")))
+    expected = set().union(
+        *(files_of(folder) for folder in (*FOLDERS, "benchmarks", "configs", "docs", "tests", "tools"))
+    )
     expected |= {"CHANGELOG.md", "CITATION.cff", "LICENSE", "Makefile", "NOTICE", "README.md", "constraints.txt"}
     inside = {path.relative_to(unpacked).as_posix() for path in unpacked.rglob("*") if path.is_file()}
     assert sorted(expected - inside) == []
