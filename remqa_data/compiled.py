@@ -1,4 +1,4 @@
-"""Two decorators that compile a function to machine code, with types kept for mypy.
+"""A decorator that compiles a function to machine code, with types kept for mypy.
 
 The machine code is kept on disk, so that only the first run on a machine waits for the compiler. Numba renews it when
 the function's own file changes, but not when a function it calls in another file does; so the folder is named after a
@@ -38,24 +38,15 @@ _SOURCES = (
 
 
 def exact(function: Function) -> Function:
-    """Compile with every rounding as written: for anything that decides which triangle a pixel shows."""
-    return _compile(function, reorder=False)
+    """Compile with every rounding as written, so that each processor computes the same bits.
 
-
-def relaxed(function: Function) -> Function:
-    """Compile with reordered and fused arithmetic: for colours, where the last bit does not matter.
-
-    The result is still the same on the same machine: the reordering happens once, when the code is compiled.
+    Nothing is reordered and no product is fused with a sum (`fastmath` would do both, each processor in its own way).
     """
-    return _compile(function, reorder=True)
-
-
-def _compile(function: Function, *, reorder: bool) -> Function:
     _teller.known += 1
     usual: str = config.CACHE_DIR  # type: ignore[attr-defined]
     config.CACHE_DIR = _cache_folder(usual)  # type: ignore[attr-defined]
     try:
-        decorate = njit(cache=True, nogil=True, error_model="numpy", fastmath=reorder)
+        decorate = njit(cache=True, nogil=True, error_model="numpy")
         return cast(Function, decorate(function))
     finally:
         config.CACHE_DIR = usual  # type: ignore[attr-defined]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 
@@ -54,9 +55,9 @@ class Area:
     def to_room(self, points: npt.ArrayLike) -> F64:
         """(n, 3) points of the area's frame in the room."""
         local = np.asarray(points, dtype=np.float64).reshape(-1, 3)
-        cos, sin = math.cos(math.radians(self.yaw_deg)), math.sin(math.radians(self.yaw_deg))
+        sin, cos = arithmetic.sin_cos_deg(self.yaw_deg)
         turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        return np.asarray(local @ turn.T + self.centre)
+        return np.asarray(arithmetic.turned(local, turn) + self.centre)
 
     def lattice(self, pitch_m: float) -> F64:
         """(nx, ny, 2) x and y of a lattice over the area, in its frame; its outermost points lie on the edges."""

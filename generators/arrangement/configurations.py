@@ -29,6 +29,7 @@ from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.loose_objects import open_surfaces, put_anew
 from remqa_data.generators.arrangement.packing import Put, packed
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Box, Vec3
 from remqa_data.scene import Scene, SceneObject
 from remqa_data.sim.physics.world import World
@@ -238,8 +239,8 @@ def _put_all(
         for object_id, put in zip(ids, puts[key], strict=True):
             bounds = world.assets[object_id].bounds()
             x, y, z = put.position
-            half = math.radians(put.yaw_deg) / 2
-            quaternion = (0.0, 0.0, math.sin(half), math.cos(half))
+            sine, cosine = arithmetic.sin_cos_deg(put.yaw_deg / 2)
+            quaternion = (0.0, 0.0, float(sine), float(cosine))
             world.move_alone(object_id, _parking(world.ids.index(object_id)))  # so that it carries nothing along
             world.move(object_id, (x, y, z - float(bounds[0, 2]) + SKIN_M), quaternion)
 

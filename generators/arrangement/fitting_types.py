@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from remqa_data.floorplans.ithor.placements import probability
 from remqa_data.generators.arrangement.fill_ratios import fill_ratios
 from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
@@ -59,16 +59,16 @@ def visible_pixels(place: HidingPlace, area: Area, type_: str, size: Vec3) -> fl
     shape fills them, and only as far as it reaches above the height from which on the area is seen.
     """
     eye = np.array([place.goal.cell[0] * GRID_M, place.goal.cell[1] * GRID_M, place.floor_z + CAMERA_HEIGHT_M])
-    yaw, down = math.radians(place.goal.yaw_deg), math.radians(place.goal.horizon_deg)
-    forward = np.array([math.cos(yaw) * math.cos(down), math.sin(yaw) * math.cos(down), -math.sin(down)])
+    (sin_yaw, sin_down), (cos_yaw, cos_down) = arithmetic.sin_cos_deg([place.goal.yaw_deg, place.goal.horizon_deg])
+    forward = np.array([cos_yaw * cos_down, sin_yaw * cos_down, -sin_down])
     flat = area.lattice(max(area.half)).reshape(-1, 2)
     away = area.to_room(np.column_stack([flat, np.full(len(flat), size[2] / 2)])) - eye
-    r = np.linalg.norm(away, axis=1)
-    depth = np.maximum(away @ forward, 0.1)
+    r = arithmetic.length(away)
+    depth = np.maximum(arithmetic.dot(away, forward), 0.1)
     from_above, from_beside = fill_ratios(type_)
     top = from_above * size[0] * size[1] * np.maximum(-away[:, 2], 0.0) / r
     raised = max(size[2] - area.seen_from_m, 0.0)
-    side = from_beside * min(size[0], size[1]) * raised * np.linalg.norm(away[:, :2], axis=1) / r
+    side = from_beside * min(size[0], size[1]) * raised * arithmetic.length(away[:, :2]) / r
     return float(np.min((top * (area.seen_from_m == 0.0) + side) * (FRAME_PX / 2) ** 2 * r / depth**3))
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
 from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M
@@ -156,7 +157,7 @@ def blockers(world: World, view: WorldView, hidden: Wished) -> set[str]:
         closed = world.link_poses(place.object_id)
         with manipulated(world, view, place) as carried:
             depth, image = view.depth_and_instances(camera)
-            motion = world.link_poses(place.object_id) @ np.linalg.inv(closed)
+            motion = arithmetic.product(world.link_poses(place.object_id), arithmetic.inverse(closed))
             if place.manipulation == "Open":
                 inside = set(world.contents(place.object_id)) | set(carried)
                 found |= {o for o, d in world.overlapping(place.object_id) if d < -0.005 and o not in inside}
@@ -166,7 +167,7 @@ def blockers(world: World, view: WorldView, hidden: Wished) -> set[str]:
             turn = motion[area.link] if place.manipulation == "Open" else np.eye(4)
             flat = area.lattice(0.03).reshape(-1, 2)
             points = area.to_room(np.column_stack([flat, np.full(len(flat), area.seen_from_m + 0.01)]))
-            x, y, z = camera.project(points @ turn[:3, :3].T + turn[:3, 3]).T
+            x, y, z = camera.project(arithmetic.moved(points, turn)).T
             ok = (z > 0) & (x >= 0) & (y >= 0) & (x < FRAME_PX) & (y < FRAME_PX)
             row, column = y[ok].astype(int), x[ok].astype(int)
             covered = depth[row, column] < z[ok] - 0.02

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from remqa_data.generators.arrangement.areas import Area, largest_rectangle
 from remqa_data.generators.arrangement.hiding_rules import HidingRules
 from remqa_data.generators.arrangement.sightlines import Sightlines, cells_that_reach
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64
 from remqa_data.sim.navigation.grid import AGENT_RADIUS_M, ARM_REACH_M, Outline, outline_distance
 from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses
@@ -120,7 +121,7 @@ def _seen(
     turn = motion[area.link]
     masks = []
     for height in heights:
-        points = area.to_room(at_height(flat, height)) @ turn[:3, :3].T + turn[:3, 3]
+        points = arithmetic.moved(area.to_room(at_height(flat, height)), turn)
         masks.append((hidden & sight.sees(pose, after, points)).reshape(lattice.shape[:2]))
     return masks
 

@@ -26,6 +26,7 @@ from remqa_data.generators.arrangement.hiding_goals import (
 from remqa_data.generators.arrangement.hiding_rules import HidingRules, hiding_rules
 from remqa_data.generators.arrangement.push_targets import push_targets
 from remqa_data.generators.arrangement.sightlines import Sightlines
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import Outline, object_outlines, reachable_grid
@@ -155,7 +156,7 @@ class _Finder:
             for openness in SWEPT:
                 world.open(object_id, openness)
                 swept += object_outlines(world, object_id, first_link=1)
-            motion = world.link_poses(object_id) @ np.linalg.inv(closed)
+            motion = arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed))
             poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept)
             after = {pose: self.sight.depth(pose) for pose in poses}
             world.open(object_id, 0.0)
@@ -206,7 +207,7 @@ class _Finder:
         share = rules.round_share if asset.spec.type in types_with("round_outline") else rules.square_share
         low = self.boxes[object_id][0]
         x, y, _ = state.position
-        yaw = math.degrees(math.atan2(matrix[1, 0], matrix[0, 0]))
+        yaw = math.degrees(arithmetic.arctan2(matrix[1, 0], matrix[0, 0]))
         half = (share * width / 2, share * depth / 2)
         return Area((x, y, float(low[2])), yaw, half, rules.max_under_height_m)
 
@@ -339,7 +340,7 @@ def _inner_areas(world: World, object_id: str, rules: HidingRules) -> list[Area]
     matrix = world.state(object_id).matrix()
     if matrix[2, 2] < 0.99:
         return []
-    yaw = math.degrees(math.atan2(matrix[1, 0], matrix[0, 0]))
+    yaw = math.degrees(arithmetic.arctan2(matrix[1, 0], matrix[0, 0]))
     areas = []
     for space in world.assets[object_id].spaces:
         low, high = np.array(space.box[:3]), np.array(space.box[3:])
@@ -347,7 +348,7 @@ def _inner_areas(world: World, object_id: str, rules: HidingRules) -> list[Area]
         if not space.enclosed or half.min() < rules.min_area_side_m / 2:
             continue
         bottom = np.append((low + high)[:2] / 2, low[2])
-        x, y, z = matrix[:3, :3] @ bottom + matrix[:3, 3]
+        x, y, z = arithmetic.moved(bottom, matrix)
         height = float(high[2] - low[2]) - 0.005
         area = Area((float(x), float(y), float(z)), yaw, (float(half[0]), float(half[1])), height, space.link)
         if _is_solid(world, area):

@@ -11,6 +11,7 @@ import numpy as np
 from remqa_data.assets.core.model import Space
 from remqa_data.catalog import object_type
 from remqa_data.floorplans.ithor.placements import receptacle_weights
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import quaternion_of, rotation_of
 from remqa_data.geometry.types import F64, Box
 from remqa_data.sim.physics.world import World
@@ -97,19 +98,19 @@ def _set_down(world: World, object_id: str, surface: OpenSurface, rng: np.random
     """Put a thing on a surface, turned at random; the ids that moved, or None if it does not fit."""
     state = world.state(object_id)
     angle = float(rng.uniform(0, 2 * math.pi))
-    cos, sin = math.cos(angle), math.sin(angle)
+    sin, cos = arithmetic.sin_cos(angle)
     turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    quaternion = quaternion_of(turn @ rotation_of(state.quaternion))
+    quaternion = quaternion_of(arithmetic.product(turn, rotation_of(state.quaternion)))
     low, high = np.array(surface.space.box[:3]), np.array(surface.space.box[3:])
     pose = world.link_poses(surface.owner)[surface.space.link]
     offset, half, height = _turned(world, object_id, turn)
-    local_half = np.abs(pose[:2, :2].T) @ half
+    local_half = arithmetic.dot(np.abs(pose[:2, :2].T), half)
     room = (high - low)[:2] / 2 - local_half - EDGE_M
     shift = rng.uniform(-1, 1, 2)
     if room.min() < 0 or height > high[2] - low[2] + 0.3:
         return None
     local = np.append((low + high)[:2] / 2 + shift * room, low[2])
-    x, y, z = pose[:3, :3] @ local + pose[:3, 3] - offset + [0.0, 0.0, SKIN_M]
+    x, y, z = arithmetic.moved(local, pose) - offset + [0.0, 0.0, SKIN_M]
     carried = world.move(object_id, (float(x), float(y), float(z)), quaternion)
     return [object_id, *carried]
 
@@ -119,8 +120,8 @@ def _turned(world: World, object_id: str, turn: F64) -> tuple[F64, F64, float]:
     position = np.array(world.state(object_id).position)
     points = []
     for link, pose in zip(world.assets[object_id].links, world.link_poses(object_id), strict=True):
-        points += [s.vertices @ pose[:3, :3].T + pose[:3, 3] for s in link.surfaces]
-    turned = (np.vstack(points) - position) @ turn.T
+        points += [arithmetic.moved(s.vertices, pose) for s in link.surfaces]
+    turned = arithmetic.turned(np.vstack(points) - position, turn)
     low, high = turned.min(axis=0), turned.max(axis=0)
     return np.append((low + high)[:2] / 2, low[2]), (high - low)[:2] / 2, float(high[2] - low[2])
 

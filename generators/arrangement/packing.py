@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from remqa_data.generators.arrangement.areas import Area
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 
 TRIES = 30
@@ -119,5 +119,5 @@ def _free(
 
 
 def _turned_half(size: Vec3, yaw_deg: float) -> tuple[float, float]:
-    cos, sin = abs(math.cos(math.radians(yaw_deg))), abs(math.sin(math.radians(yaw_deg)))
+    sin, cos = (abs(float(share)) for share in arithmetic.sin_cos_deg(yaw_deg))
     return (size[0] * cos + size[1] * sin) / 2, (size[0] * sin + size[1] * cos) / 2

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.physics.bodies import STRUCTURE_NAME
 from remqa_data.sim.physics.bullet import pybullet
@@ -46,7 +47,7 @@ def push_targets(world: World, object_id: str, shifts_m: Sequence[float]) -> lis
     for direction in (turn[:, 0], -turn[:, 0], -turn[:, 1], turn[:, 1]):
         level = direction * [1.0, 1.0, 0.0]
         for shift in shifts_m:
-            x, y, z = start + shift * level / np.linalg.norm(level)
+            x, y, z = start + shift * level / arithmetic.length(level)
             target = (float(x), float(y), float(z))
             world.move_alone(object_id, target)
             met = [other for other, d in world.overlapping(object_id) if d < -MAX_OVERLAP_M and other not in carried]

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, Flags
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid, reach_distance
 from remqa_data.sim.navigation.viewpoints import AgentPose
@@ -71,7 +72,7 @@ def cells_that_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[C
     found = []
     for cell in grid.cells:
         position = grid.position(cell)
-        gap = np.linalg.norm(np.maximum(np.maximum(low - position, position - high), 0.0))
+        gap = arithmetic.length(np.maximum(np.maximum(low - position, position - high), 0.0))
         if gap <= 1.0 and any(reach_distance(position, grid.floor_z, point) <= reach_m for point in points):
             found.append((math.dist(position, middle), cell))
     return [cell for _, cell in sorted(found)]

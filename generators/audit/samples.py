@@ -17,6 +17,7 @@ from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.scene import Scene
@@ -107,7 +108,10 @@ class AuditedRoom:
             self.start_over(goal)
             before, closed = self.replay.observe(), world.link_poses(object_id)
             self.replay.step(manipulation)
-            after, motion = self.replay.observe(), world.link_poses(object_id) @ np.linalg.inv(closed)
+            after, motion = (
+                self.replay.observe(),
+                arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed)),
+            )
             self._views[key] = Views(before, after, motion, world.save())
             self.start_over(goal)
         return self._views[key]
@@ -242,8 +246,7 @@ def _share_in_view(room: AuditedRoom, hiding: HidingPlace, goal: AgentPose, view
     for area in hiding.areas:
         points = area.to_room(at_height(area.lattice(LOOK_M).reshape(-1, 2), area.seen_from_m + ABOVE_M))
         if hiding.relation == "in":
-            motion = views.motion[area.link]
-            points = points @ motion[:3, :3].T + motion[:3, 3]
+            points = arithmetic.moved(points, views.motion[area.link])
         x, y, z = camera.project(points).T
         inside = (z > 0) & (x >= 0) & (y >= 0) & (x < camera.width) & (y < camera.height)
         row, column = np.where(inside, y, 0).astype(int), np.where(inside, x, 0).astype(int)

@@ -226,7 +226,7 @@ def _choose(scout: _Scout, settings: WalkSettings, poses: list[AgentPose]) -> li
         if not is_open.any():
             is_open = is_untried
         worth = np.where(seen == 0, 1.0, settings.repeat_worth / (1.0 + seen) ** 2) * first_worth
-        best = int(np.argmax(np.where(is_open, guesses @ worth * novelty, -1.0)))
+        best = int(np.argmax(np.where(is_open, (guesses * worth).sum(axis=1) * novelty, -1.0)))
         is_untried[best] = False
         sees = scout.sees(poses[best], settings.size_px)
         if np.count_nonzero(sees[: scout.objects]) >= settings.min_objects:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 
 PRECISION_SLACK = 1e-9
@@ -59,17 +60,17 @@ def centres(boxes: npt.ArrayLike) -> F64:
 
 def centre_distance(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
     """(n, m) distance between the centres of 3D boxes, metres."""
-    return np.asarray(np.linalg.norm(centres(a)[:, None] - centres(b)[None], axis=2))
+    return arithmetic.length(centres(a)[:, None] - centres(b)[None])
 
 
 def gap(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
     """(n, m) shortest distance between 3D boxes, metres; 0 when they touch or overlap."""
-    return np.asarray(np.linalg.norm(np.maximum(_axis_gaps(a, b), 0.0), axis=2))
+    return arithmetic.length(np.maximum(_axis_gaps(a, b), 0.0))
 
 
 def horizontal_gap(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
     """(n, m) shortest distance between the plans of 3D boxes, metres; 0 when one is above the other."""
-    return np.asarray(np.linalg.norm(np.maximum(_axis_gaps(a, b)[..., :2], 0.0), axis=2))
+    return arithmetic.length(np.maximum(_axis_gaps(a, b)[..., :2], 0.0))
 
 
 def vertical_gap(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from remqa_data.geometry import arithmetic
+
 if TYPE_CHECKING:
     from remqa_data.geometry.types import F64  # the assets need these rotations themselves
 
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
 def quaternion_of(rotation: F64) -> tuple[float, float, float, float]:
     """Unit quaternion (x, y, z, w) of a 3x3 rotation matrix (Shepperd's method)."""
     m = np.asarray(rotation, float)
-    trace = float(np.trace(m))
+    trace = float(m[0, 0] + m[1, 1] + m[2, 2])
     picks = np.array([m[0, 0], m[1, 1], m[2, 2], trace])
     k = int(picks.argmax())
     q = np.empty(4)
@@ -24,8 +26,15 @@ def quaternion_of(rotation: F64) -> tuple[float, float, float, float]:
         i, j = (k + 1) % 3, (k + 2) % 3
         q[k] = 1 - trace + 2 * m[k, k]
         q[i], q[j], q[3] = m[i, k] + m[k, i], m[j, k] + m[k, j], m[j, i] - m[i, j]
-    q /= np.linalg.norm(q)
+    q /= arithmetic.length(q)
     return float(q[0]), float(q[1]), float(q[2]), float(q[3])
+
+
+def snapped_quaternion(quaternion: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    """The unit quaternion nearest to one with snapped components; the same for two that differ by rounding."""
+    q = arithmetic.snapped(quaternion)
+    x, y, z, w = (q / arithmetic.length(q)).tolist()
+    return x, y, z, w
 
 
 def rotation_of(quaternion: tuple[float, float, float, float]) -> F64:

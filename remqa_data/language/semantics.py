@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from itertools import pairwise
 
-import numpy as np
-
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.language.rules import RowPlace, StackPlace, expression_rules, may_be_called, similar_words
 from remqa_data.relations import Relation
@@ -114,7 +112,7 @@ def _plan_distances(graph: SceneGraph, found: set[str], anchors: set[str]) -> di
         others = sorted(anchors - {i})
         if others:
             box, boxes = graph.node(i).box, [graph.node(other).box for other in others]
-            apart = np.linalg.norm(geometry.centres(boxes)[:, :2] - geometry.centres(box)[:, :2], axis=1)
+            apart = arithmetic.length(geometry.centres(boxes)[:, :2] - geometry.centres(box)[:, :2])
             distances[i] = float(apart.min()), float(geometry.horizontal_gap(box, boxes).min())
     return distances
 
@@ -173,10 +171,10 @@ def _row_end(graph: SceneGraph, row: set[str], place: RowPlace) -> set[str]:
     """Those at one end of a row, as who stands before it sees it; several if they are not clearly apart."""
     places: dict[str, float] = {}
     for i in sorted(row):
-        facing = math.radians(graph.node(i).facing_deg or 0.0)
+        sine, cosine = arithmetic.sin_cos_deg(graph.node(i).facing_deg or 0.0)
         centre = geometry.centres(graph.node(i).box)[0]
         # The viewer looks against the facing; its right is the facing turned counter-clockwise by 90 degrees.
-        places[i] = float(-math.sin(facing) * centre[0] + math.cos(facing) * centre[1])
+        places[i] = float(-sine * centre[0] + cosine * centre[1])
     sign = -1.0 if place in ("left", "leftmost") else 1.0
     end = max((sign * x for x in places.values()), default=0.0)
     return {i for i, x in places.items() if sign * x > end - expression_rules().row_min_step_m}

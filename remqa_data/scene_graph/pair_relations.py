@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.catalog import object_type
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.geometry.types import F64
 from remqa_data.relations import Relation, RelationRules, StackedRules
@@ -181,7 +182,7 @@ def _above(a: _Side, b: _Side, rules: RelationRules, measured: _Measured) -> Tab
 def _next_to(a: _Side, b: _Side, rules: RelationRules, measured: _Measured) -> Table:
     """A and b stand side by side at the same height."""
     beside = rules.next_to
-    size_a, size_b = (np.linalg.norm(side.sides()[:, :2], axis=1) for side in (a, b))
+    size_a, size_b = (arithmetic.length(side.sides()[:, :2]) for side in (a, b))
     reach = np.minimum(beside.max_gap_m, beside.gap_per_size * (size_a[:, None] + size_b[None]) / 2)
     near = geometry.gap(a.boxes, b.boxes) <= reach
     near &= geometry.overlap_share(a.boxes, b.boxes, axes=(2,)) >= beside.min_height_share

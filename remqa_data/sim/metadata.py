@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.ndimage import find_objects
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Box, Vec3
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixel_counts
 from remqa_data.sim.physics.support import SupportKind, supports
@@ -177,7 +178,7 @@ def frame_metadata(
                 **{name: getattr(record, name) for name in _SHARED},
                 box_2d=_box_2d(*boxes[index]),
                 pixels=int(counts[index]),
-                distance_m=float(np.linalg.norm(eye - np.clip(eye, box[:3], box[3:]))),
+                distance_m=float(arithmetic.length(eye - np.clip(eye, box[:3], box[3:]))),
             )
         )
     return FrameMetadata(agent, tuple(visible))
@@ -197,7 +198,7 @@ _SHARED = tuple(f.name for f in fields(ObjectMetadata))
 
 def _facing_deg(pose: F64) -> float:
     """Where the front, which is at -y of the asset, looks in the world."""
-    return round(math.degrees(math.atan2(-pose[1, 1], -pose[0, 1])), 6) % 360.0
+    return round(math.degrees(arithmetic.arctan2(-pose[1, 1], -pose[0, 1])), 6) % 360.0
 
 
 def _box_2d(rows: slice, columns: slice) -> Box2D:

@@ -15,6 +15,7 @@ from remqa_data.assets.core.fitting import DraftLink, Fit, box_of, largest_mater
 from remqa_data.assets.core.model import Asset, AssetSpec, Joint, JointKind, Material, Space
 from remqa_data.assets.mesh.triangles import AXES, Axis, Mesh
 from remqa_data.errors import AssetError
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import quaternion_of
 from remqa_data.geometry.types import F64, Box, Rect, Vec3
 
@@ -103,9 +104,9 @@ class AssetAssembly:
     def solid(self, size: Vec3, at: Vec3, rotation: F64 | None = None) -> None:
         """An invisible box for physics only."""
         if self._turned:
-            at = vec(_LEFT @ np.asarray(at, float))
+            at = vec(arithmetic.turned(at, _LEFT))
             size = (size[1], size[0], size[2]) if rotation is None else size
-            rotation = None if rotation is None else _LEFT @ rotation
+            rotation = None if rotation is None else arithmetic.product(_LEFT, rotation)
         quaternion = (0.0, 0.0, 0.0, 1.0) if rotation is None else quaternion_of(rotation)
         self._links[self._current].boxes.append((np.asarray(at, float), np.asarray(size, float), quaternion))
 
@@ -113,7 +114,7 @@ class AssetAssembly:
         """Declare free room on the current link where things may be, resting on its bottom. Drawing coordinates."""
         c, s = np.asarray(at, float), np.asarray(size, float) / 2
         if self._turned:
-            c, s = _LEFT @ c, np.abs(_LEFT @ s)
+            c, s = arithmetic.turned(c, _LEFT), np.abs(arithmetic.turned(s, _LEFT))
         low, high = c - s, c + s
         box = (low[0], low[1], low[2], high[0], high[1], high[2])
         self._spaces.append(Space(name, self._current, box_of(box), enclosed))
@@ -139,7 +140,8 @@ class AssetAssembly:
         """
         parent_index = next(i for i, link in enumerate(self._links) if link.name == parent)
         turn = _LEFT if self._turned else np.eye(3)
-        joint = Joint(kind, vec(turn @ AXES[axis]), vec(turn @ np.asarray(origin, float)), upper)
+        direction, point = arithmetic.turned(AXES[axis], turn), arithmetic.turned(origin, turn)
+        joint = Joint(kind, vec(direction), vec(point), upper)
         self._links.append(DraftLink(name, parent_index, joint))
         before, self._current = self._current, len(self._links) - 1
         try:

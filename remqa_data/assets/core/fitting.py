@@ -10,7 +10,8 @@ from remqa_data.assets.core.model import CollisionBox, Joint, Link, Material, Su
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.primitives import Axis, Mesh
 from remqa_data.errors import AssetError
-from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Box, Vec3
 
 
@@ -30,8 +31,8 @@ class Fit:
         self.scale, self.centre = scale, centre
 
     def point(self, at: Vec3 | F64) -> F64:
-        """A point in the asset frame."""
-        return np.asarray((np.asarray(at, float) - self.centre) * self.scale)
+        """A point in the asset frame, snapped."""
+        return arithmetic.snapped((np.asarray(at, float) - self.centre) * self.scale)
 
     def box(self, box: Box) -> Box:
         """A box in the asset frame."""
@@ -41,9 +42,9 @@ class Fit:
         """A link in the asset frame, its meshes joined by material."""
         joint = draft.joint
         if joint is not None:
-            along = float(np.abs(np.asarray(joint.axis)) @ self.scale)
+            along = float(arithmetic.dot(np.abs(joint.axis), self.scale))
             upper = joint.upper * along if joint.kind == "prismatic" else joint.upper
-            joint = Joint(joint.kind, joint.axis, vec(self.point(joint.origin)), upper)
+            joint = Joint(joint.kind, joint.axis, vec(self.point(joint.origin)), float(arithmetic.snapped(upper)))
         by_material: dict[Material, list[Mesh]] = {}
         for mesh, material, grain in draft.meshes:
             fitted = mesh.moved(-self.centre).scaled(self.scale)
@@ -54,13 +55,18 @@ class Fit:
 
     def collision_box(self, at: F64, size: F64, quaternion: tuple[float, float, float, float]) -> CollisionBox:
         """A collision box in the asset frame."""
-        rotation = rotation_of(quaternion)
-        stretch = np.linalg.norm(self.scale[:, None] * rotation, axis=0)
-        return CollisionBox(vec(self.point(at)), vec(np.maximum(size * stretch, 1e-4)), quaternion)
+        snapped = snapped_quaternion(quaternion)
+        stretch = arithmetic.length((self.scale[:, None] * rotation_of(snapped)).T)
+        full = arithmetic.snapped(np.maximum(size * stretch, 1e-4))
+        return CollisionBox(vec(self.point(at)), vec(full), snapped)
 
 
 def with_uv(mesh: Mesh, material: Material, grain: Axis | None) -> Mesh:
-    """Give a mesh the texture coordinates its material asks for: its own, or a projection along each face's main axis."""
+    """Give a mesh the texture coordinates its material asks for: its own, or a projection along each face's main axis.
+
+    Here the drawing ends, and the mesh is snapped: before the main axis is chosen, because a face may lie between two.
+    """
+    mesh = mesh.snapped()
     if material.texture is None:
         return Mesh(mesh.vertices, mesh.normals, mesh.faces, np.zeros((len(mesh.vertices), 2)))
     if material.repeat_m is None:
@@ -104,7 +110,7 @@ def largest_material(links: Sequence[Link]) -> Material:
     for link in links:
         for surface in link.surfaces:
             a, b, c = (surface.vertices[surface.faces[:, i]] for i in range(3))
-            total = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+            total = float(arithmetic.length(np.cross(b - a, c - a)).sum())
             area[surface.material] = area.get(surface.material, 0.0) + total
     return max(area, key=lambda material: area[material])
 

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, I32, Box, Rect, Vec3
 
 JointKind = Literal["revolute", "prismatic"]
@@ -173,14 +174,14 @@ class Asset:
             if link.joint is None:
                 poses[i] = np.eye(4)
             else:
-                poses[i] = poses[link.parent] @ joint_motion(link.joint, openness)
+                poses[i] = arithmetic.product(poses[link.parent], joint_motion(link.joint, openness))
         return poses
 
     def bounds(self, openness: float = 0.0) -> F64:
         """(2, 3) least and greatest corner of the visible mesh in the asset frame at an openness."""
         poses = self.link_poses(openness)
         points = [
-            surface.vertices @ poses[i, :3, :3].T + poses[i, :3, 3]
+            arithmetic.moved(surface.vertices, poses[i])
             for i, link in enumerate(self.links)
             for surface in link.surfaces
         ]
@@ -203,8 +204,9 @@ def joint_motion(joint: Joint, openness: float) -> F64:
         return motion
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    rotation = np.eye(3) + np.sin(amount) * cross + (1.0 - np.cos(amount)) * (cross @ cross)
+    sine, cosine = arithmetic.sin_cos(amount)
+    rotation = np.eye(3) + sine * cross + (1.0 - cosine) * arithmetic.product(cross, cross)
     origin = np.asarray(joint.origin, dtype=np.float64)
     motion[:3, :3] = rotation
-    motion[:3, 3] = origin - rotation @ origin
+    motion[:3, 3] = origin - arithmetic.turned(origin, rotation)
     return motion

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
@@ -38,14 +39,21 @@ class Mesh:
 
     def turned(self, rotation: F64) -> Mesh:
         """The mesh rotated about the origin by a 3x3 matrix."""
-        return Mesh(self.vertices @ rotation.T, self.normals @ rotation.T, self.faces, self.uv)
+        return Mesh(
+            arithmetic.turned(self.vertices, rotation), arithmetic.turned(self.normals, rotation), self.faces, self.uv
+        )
 
     def scaled(self, factors: Vec3 | F64) -> Mesh:
         """The mesh scaled per axis about the origin; normals follow the inverse transpose."""
         f = np.asarray(factors, dtype=np.float64)
         normals = self.normals / f
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        normals /= np.maximum(arithmetic.length(normals)[:, None], 1e-12)
         return Mesh(self.vertices * f, normals, self.faces, self.uv)
+
+    def snapped(self) -> Mesh:
+        """The mesh with every number snapped, so that what was drawn with sines and roots is the same mesh everywhere."""
+        uv = None if self.uv is None else arithmetic.snapped(self.uv)
+        return Mesh(arithmetic.snapped(self.vertices), arithmetic.snapped(self.normals), self.faces, uv)
 
     def pointed(self, axis: Axis) -> Mesh:
         """The mesh turned so that what pointed along +z points along an axis."""
@@ -67,9 +75,9 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
 def turn(axis: Axis, degrees: float) -> F64:
     """Rotation matrix of a right-handed turn about an axis."""
     x, y, z = AXES[axis]
-    angle = np.radians(degrees)
+    sine, cosine = arithmetic.sin_cos_deg(degrees)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross))
+    return np.asarray(np.eye(3) + sine * cross + (1.0 - cosine) * arithmetic.product(cross, cross))
 
 
 _Z_TO: dict[str, F64] = {

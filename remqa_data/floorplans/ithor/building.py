@@ -11,6 +11,7 @@ from remqa_data.assets.looks.materials import CHROME, COLORS
 from remqa_data.assets.mesh.cutting import solid_around
 from remqa_data.floorplans.ithor.plan import ON_WALLS, SIDES, RoomShell
 from remqa_data.floorplans.ithor.table import RecordedObject
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Box, Vec3
 from remqa_data.scene import StructureBox
 
@@ -150,7 +151,7 @@ def _inner_walls(objects: Sequence[RecordedObject], shell: RoomShell, finish: Ma
             continue
         axis = int(np.abs(o.front).argmax())
         back = float((o.low if o.front[axis] > 0 else o.high)[axis])
-        side = next(s for s, inward in SIDES.items() if float(inward @ o.front) > 0.9)
+        side = next(s for s, inward in SIDES.items() if arithmetic.dot(inward, o.front) > 0.9)
         gap = shell.gap(side, o.low, o.high)
         if gap < ON_INNER_WALL_M:
             continue
@@ -175,7 +176,7 @@ def _behind_wall_cabinets(
     for o in objects:
         if o.type != "Cabinet" or o.low[2] < shell.floor_z + 1.0:
             continue
-        side = next((s for s, inward in SIDES.items() if float(inward @ o.front) > 0.9), None)
+        side = next((s for s, inward in SIDES.items() if arithmetic.dot(inward, o.front) > 0.9), None)
         if side is None or not 0.02 < shell.gap(side, o.low, o.high) < FILL_M:
             continue
         axis = int(np.abs(o.front).argmax())

@@ -18,6 +18,7 @@ from remqa_data.assets.mesh.cutting import solid_around
 from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import HOSTS, SIDES, RoomShell
 from remqa_data.floorplans.ithor.table import RecordedObject
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Box, Rect
 from remqa_data.scene import StructureBox
 
@@ -206,7 +207,7 @@ def _opens_on(o: RecordedObject, rect: Rect, front: F64) -> bool:
     """Whether a door or drawer under a rectangle of a worktop faces a side."""
     middle = (o.low + o.high) / 2
     under = rect[0] < middle[0] < rect[2] and rect[1] < middle[1] < rect[3]
-    return o.type in ("Cabinet", "Drawer") and under and float(o.front @ front) > 0.9
+    return o.type in ("Cabinet", "Drawer") and under and bool(arithmetic.dot(o.front, front) > 0.9)
 
 
 def _front_face(o: RecordedObject, axis: int) -> float:
@@ -316,14 +317,14 @@ def _oven_door(body: Box, front: F64) -> list[StructureBox]:
 def _stove_front(burners: Sequence[RecordedObject], objects: Sequence[RecordedObject], shell: RoomShell) -> F64:
     """The side where the knobs are; else away from the nearest wall."""
     middle = np.mean([o.centre for o in burners], axis=0)
-    knobs = [o.centre for o in objects if o.type == "StoveKnob" and np.linalg.norm((o.centre - middle)[:2]) < 0.9]
+    knobs = [o.centre for o in objects if o.type == "StoveKnob" and arithmetic.length((o.centre - middle)[:2]) < 0.9]
     if knobs:
         away = np.mean(knobs, axis=0) - middle
         axis = int(np.abs(away[:2]).argmax())
         if abs(away[axis]) > 0.15:
             front = np.zeros(3)
             front[axis] = np.sign(away[axis])
-            side = next(s for s, inward in SIDES.items() if float(inward @ front) < -0.9)
+            side = next(s for s, inward in SIDES.items() if arithmetic.dot(inward, front) < -0.9)
             if shell.gap(side, middle, middle) > 0.6:
                 return front
     low, high = np.min([o.low for o in burners], axis=0), np.max([o.high for o in burners], axis=0)
@@ -334,7 +335,7 @@ def _groups(objects: Sequence[RecordedObject], reach: float = 0.75) -> list[list
     """Objects grouped so that each is near another of its group."""
     groups: list[list[RecordedObject]] = []
     for o in objects:
-        near = [g for g in groups if any(np.linalg.norm(o.centre - other.centre) < reach for other in g)]
+        near = [g for g in groups if any(arithmetic.length(o.centre - other.centre) < reach for other in g)]
         groups = [g for g in groups if g not in near] + [[o, *(other for g in near for other in g)]]
     return groups
 

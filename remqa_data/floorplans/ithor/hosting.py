@@ -9,6 +9,7 @@ import numpy as np
 from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import HOSTS, host_of
 from remqa_data.floorplans.ithor.table import RecordedObject
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Box
 
 HANGING = types_with("hangs_on_holder")
@@ -92,7 +93,7 @@ def _hangs_into(sink: RecordedObject, cabinet: RecordedObject) -> bool:
 def _in_frame(guest: RecordedObject, o: RecordedObject) -> F64:
     """(2, 3) box of a guest in the host's asset frame."""
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2 * guest.size
-    points = (guest.centre + corners @ guest.rotation.T - o.centre) @ o.rotation
+    points = arithmetic.turned_back(guest.centre + arithmetic.turned(corners, guest.rotation) - o.centre, o.rotation)
     return np.stack([points.min(axis=0), points.max(axis=0)])
 
 

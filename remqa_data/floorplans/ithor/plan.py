@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Rect
 
 ON_WALLS = types_with("on_wall")
@@ -131,13 +132,16 @@ def facing_right(objects: Sequence[RecordedObject], shell: RoomShell, worktops: 
 
 
 def _turned(o: RecordedObject, front: F64) -> RecordedObject:
-    if float(front @ o.front) > 0.999:
+    if arithmetic.dot(front, o.front) > 0.999:
         return o
     rotation = axes_facing(front)
-    swap = abs(float(rotation[:, 0] @ o.rotation[:, 0])) < 0.5
+    swap = bool(abs(arithmetic.dot(rotation[:, 0], o.rotation[:, 0])) < 0.5)
     size = o.size[[1, 0, 2]] if swap else o.size
-    if abs(o.rotation[2, 2]) < 0.999 or (abs(float(front @ o.front)) > 0.01 and float(front @ o.front) > -0.999):
-        size = np.abs(rotation.T) @ (o.high - o.low)  # was tilted or oblique: take the axis-aligned box
+    along = float(arithmetic.dot(front, o.front))
+    if abs(o.rotation[2, 2]) < 0.999 or (abs(along) > 0.01 and along > -0.999):
+        size = arithmetic.turned_back(
+            o.high - o.low, np.abs(rotation)
+        )  # was tilted or oblique: take the axis-aligned box
     return replace(o, rotation=rotation, size=size)
 
 
@@ -147,16 +151,20 @@ def _off_the_wall(o: RecordedObject, shell: RoomShell) -> F64:
     allowed = [side for side, inward in SIDES.items() if not thin or abs(inward[thin[0]]) > 0.5]
     gaps = {side: abs(shell.gap(side, o.low, o.high)) for side in allowed}
     side = min(gaps, key=lambda name: (gaps[name] > AT_WALL_M, gaps[name]))
-    if gaps[side] > AT_WALL_M and abs(o.rotation[2, 2]) > 0.99 and any(SIDES[s] @ o.front > 0.99 for s in allowed):
+    if (
+        gaps[side] > AT_WALL_M
+        and abs(o.rotation[2, 2]) > 0.99
+        and any(arithmetic.dot(SIDES[s], o.front) > 0.99 for s in allowed)
+    ):
         return o.front  # on an inner wall: trust the recorded yaw
     return SIDES[side]
 
 
 def _not_into_wall(o: RecordedObject, shell: RoomShell) -> F64:
     for side, inward in SIDES.items():
-        faces_it = float(o.front @ inward) < -0.9
+        faces_it = bool(arithmetic.dot(o.front, inward) < -0.9)
         if faces_it and shell.gap(side, o.low, o.high) < AT_WALL_M:
-            opposite = next(s for s, d in SIDES.items() if float(d @ inward) < -0.9)
+            opposite = next(s for s, d in SIDES.items() if arithmetic.dot(d, inward) < -0.9)
             if shell.gap(opposite, o.low, o.high) > 0.5:
                 return -o.front
     return o.front
@@ -180,7 +188,7 @@ def _towards_free_floor(
         free = _freedom(o, inward, (0.05, 0.45), blockers, host, shell)
         total = 1.5 * free
         total += 0.5 * (1 - _freedom(o, -inward, (0.02, 0.15), blockers, host, shell))
-        total += 0.4 * float(o.front @ inward > 0.9)
+        total += 0.4 * float(arithmetic.dot(o.front, inward) > 0.9)
         total += 0.3 * float(half[1 - axis] > 1.3 * half[axis])
         total += 0.5 * float(np.clip((o.pivot - middle)[axis] / max(half[axis], 1e-6) * inward[axis], -1, 1))
         if on_floor:
@@ -188,7 +196,7 @@ def _towards_free_floor(
         if host is not None:
             edge = (host.high if inward[axis] > 0 else host.low)[axis]
             face = (o.high if inward[axis] > 0 else o.low)[axis]
-            total += 0.6 * float(abs(edge - face) < 0.08) + 1.0 * float(host.front @ inward > 0.9)
+            total += 0.6 * float(abs(edge - face) < 0.08) + 1.0 * float(arithmetic.dot(host.front, inward) > 0.9)
         score[side] = total
     return SIDES[max(score, key=lambda side: score[side])]
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from remqa_data.floorplans.ithor.plan import HOSTS, IN_WALLS
 from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 
 CORNER_M, IN_WALL_DEPTH_M = 0.6, 0.15
@@ -42,7 +43,9 @@ def at_floor_level(floor: RecordedObject, floor_z: float) -> RecordedObject:
 
 def with_corners(o: RecordedObject, low: F64, high: F64) -> RecordedObject:
     """An object that is turned by quarters, with another box in the room."""
-    return replace(o, low=low, high=high, centre=(low + high) / 2, size=np.abs(o.rotation.T) @ (high - low))
+    return replace(
+        o, low=low, high=high, centre=(low + high) / 2, size=arithmetic.turned_back(high - low, np.abs(o.rotation))
+    )
 
 
 def _flat_on_wall(o: RecordedObject) -> RecordedObject:
@@ -93,7 +96,7 @@ def _upright(o: RecordedObject) -> RecordedObject:
     if not o.is_oriented:
         return o
     recorded = o.high - o.low
-    spanned = np.abs(o.rotation) @ o.size
+    spanned = arithmetic.turned(o.size, np.abs(o.rotation))
     if np.max(np.abs(spanned - recorded) / np.maximum(recorded, 0.02)) < LOOSE_FIT:
         return o
     front = o.front * [1, 1, 0]

@@ -24,6 +24,7 @@ from remqa_data.floorplans.ithor.plan import RoomShell, facing_right, fit_shell
 from remqa_data.floorplans.ithor.repairs import at_floor_level, repaired, with_corners
 from remqa_data.floorplans.ithor.support import supported
 from remqa_data.floorplans.ithor.table import RecordedObject, recorded_objects, scene_names
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import quaternion_of
 from remqa_data.geometry.types import F64, Rect, Vec3
 from remqa_data.scene import Scene, SceneObject, StructureBox
@@ -125,7 +126,7 @@ class _Style:
         if o.type == "Shelf" and is_built_in:
             variant = 0
         if o.type == "Cabinet":  # even variants hinge left, odd ones right; the recorded pivot is the hinge
-            right = float((o.pivot - o.centre) @ o.rotation[:, 0]) > 0
+            right = arithmetic.dot(o.pivot - o.centre, o.rotation[:, 0]) > 0
             variant = variant - variant % 2 + int(right)
         return variant, self.suite_seed if o.type in ONE_FINISH else seed
 
@@ -156,7 +157,7 @@ def _place(
         spec, centre = _closed(spec, o)
     elif o.is_oriented:
         spec, centre = _fitted(spec, o)
-    tilt = np.degrees(np.arccos(np.clip(abs(o.rotation[2, 2]), 0, 1)))
+    tilt = np.degrees(arithmetic.arccos(np.clip(abs(o.rotation[2, 2]), 0, 1)))
     leans = tilt > LEAN_DEG and o.size.max() > 0.3
     hangs = o.type in HANGING or any(parent.startswith(HOLDERS) for parent in o.parents)
     is_fixed = not o.pickupable or hangs or leans
@@ -176,7 +177,7 @@ def _closed(spec: AssetSpec, o: RecordedObject) -> tuple[AssetSpec, F64]:
             size = size * target / (bounds[1] - bounds[0])
     closed = replace(spec, size=_vec(size))
     bounds = build(closed).bounds(1.0)
-    centre = o.centre - o.rotation @ ((bounds[0] + bounds[1]) / 2)
+    centre = o.centre - arithmetic.turned((bounds[0] + bounds[1]) / 2, o.rotation)
     centre[2] = o.centre[2] - target[2] / 2 - bounds[0, 2]  # what is open stands on the same ground
     return closed, centre
 
@@ -204,7 +205,7 @@ def _fitted(spec: AssetSpec, o: RecordedObject) -> tuple[AssetSpec, F64]:
         ratio = recorded / np.maximum(high - low, 1e-6)
         if np.all(np.abs(ratio - 1) < FIT_TOLERANCE):
             break
-        growth = np.clip((o.rotation.T**2) @ ratio, 0.8, 1.3)
+        growth = np.clip(arithmetic.turned_back(ratio, o.rotation * o.rotation), 0.8, 1.3)
         spec = replace(spec, size=_vec(np.array(spec.size) * growth))
     low, high = _turned_bounds(spec, o.rotation)
     return spec, (o.low + o.high) / 2 - (low + high) / 2
@@ -212,13 +213,13 @@ def _fitted(spec: AssetSpec, o: RecordedObject) -> tuple[AssetSpec, F64]:
 
 def _turned_bounds(spec: AssetSpec, rotation: F64) -> tuple[F64, F64]:
     """Least and greatest corner of a turned asset, relative to its centre."""
-    points = np.vstack([s.vertices @ rotation.T for link in build(spec).links for s in link.surfaces])
+    points = np.vstack([arithmetic.turned(s.vertices, rotation) for link in build(spec).links for s in link.surfaces])
     return points.min(axis=0), points.max(axis=0)
 
 
 def _rect_in_frame(rect: Rect, o: RecordedObject) -> Rect:
     corners = np.array([[rect[0], rect[1], o.centre[2]], [rect[2], rect[3], o.centre[2]]])
-    local = (corners - o.centre) @ o.rotation
+    local = arithmetic.turned_back(corners - o.centre, o.rotation)
     low, high = local.min(axis=0), local.max(axis=0)
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 

@@ -13,6 +13,7 @@ import numpy as np
 from remqa_data.assets.core.model import Material
 from remqa_data.catalog import object_type
 from remqa_data.floorplans.ithor.plan import SIDES, RoomShell
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Box
 from remqa_data.scene import Scene, SceneObject, StructureBox
 from remqa_data.sim.physics.bullet import pybullet
@@ -92,7 +93,8 @@ def _freed(world: World, probe: _Probe, o: SceneObject) -> SceneObject | None:
     ground = probe.surface_under(o.id, world.box(o.id))
     for radius in ASIDE_M:
         for angle in np.arange(8) * np.pi / 4:
-            aside = (x + radius * float(np.cos(angle)), y + radius * float(np.sin(angle)), z)
+            sine, cosine = arithmetic.sin_cos(angle)
+            aside = (x + radius * float(cosine), y + radius * float(sine), z)
             world.move_alone(o.id, aside)
             if _depth(world, o.id) < TOUCH_M and _is_level(probe.surface_under(o.id, world.box(o.id)), ground):
                 return replace(o, position=aside)

@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 
 from remqa_data.errors import FloorPlanError, UnknownNameError
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 TABLE = "ithor_floorplans.parquet"
@@ -190,7 +191,7 @@ def _from_yaw(centre: F64, size: F64, yaw_deg: float) -> tuple[F64, F64, F64]:
     """Oriented box of an object of which only the axis-aligned box and the yaw are recorded."""
     quarter = round(yaw_deg / 90.0)
     off = yaw_deg - 90.0 * quarter
-    c, s = abs(np.cos(np.radians(yaw_deg))), abs(np.sin(np.radians(yaw_deg)))
+    c, s = (abs(float(share)) for share in reversed(arithmetic.sin_cos_deg(yaw_deg)))
     along = np.array([size[0], size[1], size[2]])
     if abs(off) > RIGHT_ANGLE_TOLERANCE_DEG and abs(c * c - s * s) > 0.1:
         # sx = w c + d s and sy = w s + d c, solved for the box's own width and depth
@@ -205,14 +206,13 @@ def _from_yaw(centre: F64, size: F64, yaw_deg: float) -> tuple[F64, F64, F64]:
 
 def _facing(thor_yaw_deg: float) -> F64:
     """Axes (as columns) of an object that AI2-THOR turns by a yaw."""
-    yaw = np.radians(thor_yaw_deg)
-    front = np.round([np.sin(yaw), np.cos(yaw), 0.0], 12)
-    return axes_facing(np.asarray(front))
+    sine, cosine = arithmetic.sin_cos_deg(thor_yaw_deg)
+    return axes_facing(np.array([sine, cosine, 0.0]))
 
 
 def axes_facing(front: F64) -> F64:
     """Rotation whose -y axis points along a horizontal direction and whose z axis is up."""
-    y = -front / np.linalg.norm(front)
+    y = -front / arithmetic.length(front)
     z = np.array([0.0, 0.0, 1.0])
     return np.column_stack([np.cross(y, z), y, z])
 
@@ -224,19 +224,19 @@ def _from_corners(read: _Reader, corners: Any, angles: Vec3) -> tuple[F64, F64, 
         read.fail("oobb", f"expected 8 finite corners, found {flat.size} numbers")
     points = flat.reshape(8, 3)[:, [0, 2, 1]]
     edges = [points[1] - points[0], points[3] - points[0], points[4] - points[0]]
-    lengths = [float(np.linalg.norm(edge)) for edge in edges]
+    lengths = [float(arithmetic.length(edge)) for edge in edges]
     up = max(range(3), key=lambda i: abs(edges[i][2]) / max(lengths[i], 1e-9))
     z = edges[up] * np.sign(edges[up][2] or 1.0)
-    z = z / max(float(np.linalg.norm(z)), 1e-9)
+    z = z / max(float(arithmetic.length(z)), 1e-9)
     others = [i for i in range(3) if i != up]
     wanted = _forward(angles)
-    front_edge = max(others, key=lambda i: abs(edges[i] @ wanted) / max(lengths[i], 1e-9))
+    front_edge = max(others, key=lambda i: abs(arithmetic.dot(edges[i], wanted)) / max(lengths[i], 1e-9))
     side_edge = next(i for i in others if i != front_edge)
-    y = -edges[front_edge] * np.sign(edges[front_edge] @ wanted or 1.0)
-    y = y - z * (y @ z)
-    if np.linalg.norm(y) < 1e-9:
+    y = -edges[front_edge] * np.sign(arithmetic.dot(edges[front_edge], wanted) or 1.0)
+    y = y - z * arithmetic.dot(y, z)
+    if arithmetic.length(y) < 1e-9:
         read.fail("oobb", "the corners do not span a box")
-    y = y / np.linalg.norm(y)
+    y = y / arithmetic.length(y)
     rotation = np.column_stack([np.cross(y, z), y, z])
     size = np.array([lengths[side_edge], lengths[front_edge], lengths[up]])
     return points.mean(axis=0), size, rotation
@@ -244,10 +244,10 @@ def _from_corners(read: _Reader, corners: Any, angles: Vec3) -> tuple[F64, F64, 
 
 def _forward(angles: Vec3) -> F64:
     """Where AI2-THOR's forward axis points in our frame; where that is vertical, its up axis."""
-    x, y, z = np.radians(angles)
-    rz = np.array([[np.cos(z), -np.sin(z), 0], [np.sin(z), np.cos(z), 0], [0, 0, 1]])
-    rx = np.array([[1, 0, 0], [0, np.cos(x), -np.sin(x)], [0, np.sin(x), np.cos(x)]])
-    ry = np.array([[np.cos(y), 0, np.sin(y)], [0, 1, 0], [-np.sin(y), 0, np.cos(y)]])
-    turned = (ry @ rx @ rz)[[0, 2, 1]]  # Unity turns about z, then x, then y
+    (sx, sy, sz), (cx, cy, cz) = arithmetic.sin_cos_deg(angles)
+    rz = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    rx = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    ry = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    turned = arithmetic.product(arithmetic.product(ry, rx), rz)[[0, 2, 1]]  # Unity turns about z, then x, then y
     forward = turned[:, 2]
     return np.asarray(turned[:, 1] if abs(forward[2]) > 0.75 else forward)

@@ -13,6 +13,7 @@ from remqa_data.floorplans.ithor.plan import IN_WALLS, ON_WALLS
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.floorplans.sampled.canvas import QUARTERS_AT, Canvas, Wall, clearances
 from remqa_data.floorplans.sampled.furniture_sets import QUARTERS, FurnitureSet, moved
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 
 TRIES = 60
@@ -114,7 +115,9 @@ def beside(
         side = sides[int(rng.integers(len(sides)))]
         out = directions[side]
         wanted = {"at": -out, "away": out, "same": front}[facing]
-        quarters = next((q for q in range(4) if float(QUARTERS[q] @ FORWARD @ wanted) > 0.9), 0)
+        quarters = next(
+            (q for q in range(4) if arithmetic.dot(arithmetic.turned(FORWARD, QUARTERS[q]), wanted) > 0.9), 0
+        )
         turned = piece.turned(quarters)
         axis = int(np.abs(out[:2]).argmax())
         middle, half = (row.low + row.high) / 2, (row.high - row.low) / 2

@@ -17,6 +17,7 @@ import numpy as np
 from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import IN_WALLS, ON_WALLS, SIDES, RoomShell, host_of
 from remqa_data.floorplans.ithor.table import RecordedObject
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 
 BUILT = types_with("cupboard_part")
@@ -41,8 +42,8 @@ AT_WALL_M = 0.16
 ON_FLOOR_M = 0.25
 """What begins lower than this takes up floor."""
 QUARTERS: tuple[F64, ...] = tuple(
-    np.round(np.array([[np.cos(a), -np.sin(a), 0.0], [np.sin(a), np.cos(a), 0.0], [0.0, 0.0, 1.0]]))
-    for a in np.radians([0.0, 90.0, 180.0, 270.0])
+    np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    for s, c in ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
 )
 """Rotations by quarters about z, (3, 3) each."""
 LOCAL_SIDES = {"back": (1, 1), "front": (1, -1), "right": (0, 1), "left": (0, -1)}
@@ -98,7 +99,7 @@ class FurnitureSet:
         """The same piece, turned counter-clockwise by quarters; its sides keep their names."""
         spin = QUARTERS[quarters % 4]
         rows = tuple(moved(row, spin, np.zeros(3)) for row in self.rows)
-        spots = tuple(replace(spot, point=spin @ spot.point) for spot in self.spots)
+        spots = tuple(replace(spot, point=arithmetic.turned(spot.point, spin)) for spot in self.spots)
         low, high = _corners(rows)
         return replace(self, rows=rows, spots=spots, low=low, high=high)
 
@@ -127,20 +128,20 @@ def piece_from(group: Sequence[RecordedObject], objects: Sequence[RecordedObject
     low, high = np.min([o.low for o in group], axis=0), np.max([o.high for o in group], axis=0)
     if kind in WET and shell.gap(_wall_towards(front), low, high) < AT_WALL_M:
         front = -front  # neither bathtubs nor showers have a front; their pieces have their back at a wall
-    to_front = next(k for k, spin in enumerate(QUARTERS) if float((spin @ front)[1]) < -0.9)
+    to_front = next(k for k, spin in enumerate(QUARTERS) if arithmetic.turned(front, spin)[1] < -0.9)
     ground = low[2] if group[0].pickupable else shell.floor_z  # what is loose may have stood on a rug
     middle = np.append((low + high)[:2] / 2, ground)
     spin = QUARTERS[to_front]
-    rows = tuple(moved(row, spin, -spin @ middle) for row in group)
+    rows = tuple(moved(row, spin, -arithmetic.turned(middle, spin)) for row in group)
     gaps = {}
     for name, (axis, sign) in LOCAL_SIDES.items():
         outward = np.zeros(3)
         outward[axis] = sign
-        gap = shell.gap(_wall_towards(spin.T @ outward), low, high)
+        gap = shell.gap(_wall_towards(arithmetic.turned_back(outward, spin)), low, high)
         if gap < AT_WALL_M or (kind in ON_WALLS and name == "back"):
             limit = -0.3 if kind in IN_WALLS else 0.004
             gaps[name] = float(np.clip(gap, limit, 0.03))
-    spots = tuple(_spots(group, objects, spin, -spin @ middle))
+    spots = tuple(_spots(group, objects, spin, -arithmetic.turned(middle, spin)))
     return FurnitureSet(kind, rows, *_corners(rows), gaps, spots)
 
 
@@ -152,7 +153,8 @@ def _spots(
         for host in (hosts[parent] for parent in o.parents if parent in hosts and o.id not in hosts):
             if host.type in UNEVEN:
                 foot = np.append((o.low + o.high)[:2] / 2, o.low[2])
-                yield RestingSpot(host.id, spin @ foot + shift, float((o.high - o.low)[:2].max()) / 2 + SPOT_SLACK_M)
+                reach = float((o.high - o.low)[:2].max()) / 2 + SPOT_SLACK_M
+                yield RestingSpot(host.id, arithmetic.turned(foot, spin) + shift, reach)
 
 
 def kind_of(group: Sequence[RecordedObject]) -> str:
@@ -169,14 +171,14 @@ def kind_of(group: Sequence[RecordedObject]) -> str:
 
 def moved(o: RecordedObject, spin: F64, shift: F64) -> RecordedObject:
     """An object turned by quarters about the origin's z axis, then shifted."""
-    corners = np.stack([spin @ o.low, spin @ o.high])
+    corners = np.stack([arithmetic.turned(o.low, spin), arithmetic.turned(o.high, spin)])
     return replace(
         o,
-        pivot=spin @ o.pivot + shift,
+        pivot=arithmetic.turned(o.pivot, spin) + shift,
         low=corners.min(axis=0) + shift,
         high=corners.max(axis=0) + shift,
-        centre=spin @ o.centre + shift,
-        rotation=spin @ o.rotation,
+        centre=arithmetic.turned(o.centre, spin) + shift,
+        rotation=arithmetic.product(spin, o.rotation),
     )
 
 
@@ -209,12 +211,12 @@ def _front_of(group: Sequence[RecordedObject]) -> F64:
     votes: Counter[int] = Counter()
     sides = list(SIDES.values())
     for o in main[:1] if main and main[0].type not in BUILT else main or group:
-        votes[int(np.argmax([float(o.front @ inward) for inward in sides]))] += 1
+        votes[int(np.argmax([float(arithmetic.dot(o.front, inward)) for inward in sides]))] += 1
     return sides[votes.most_common(1)[0][0]]
 
 
 def _wall_towards(direction: F64) -> str:
-    return next(side for side, inward in SIDES.items() if float(inward @ direction) < -0.9)
+    return next(side for side, inward in SIDES.items() if arithmetic.dot(inward, direction) < -0.9)
 
 
 def _corners(rows: Sequence[RecordedObject]) -> tuple[F64, F64]:

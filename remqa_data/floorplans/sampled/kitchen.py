@@ -17,6 +17,7 @@ from remqa_data.floorplans.sampled.furnishing import UPRIGHT, against
 from remqa_data.floorplans.sampled.furniture_sets import FurnitureSet, moved
 from remqa_data.floorplans.sampled.kitchen_plan import DEPTH_M, Unit, lay_out
 from remqa_data.floorplans.sampled.statistics import Inventory, flags_by_type
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 
 TOP_M, SLAB_M = 0.92, 0.03
@@ -246,7 +247,7 @@ def new_row(flags: RecordedObject, low: F64, high: F64, wall: Wall) -> RecordedO
         low=low,
         high=high,
         centre=centre,
-        size=np.abs(rotation.T) @ (high - low),
+        size=arithmetic.turned_back(high - low, np.abs(rotation)),
         rotation=rotation,
         is_oriented=False,
         openness=0.0,

@@ -13,6 +13,7 @@ from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
 from remqa_data.floorplans.sampled.canvas import Canvas
 from remqa_data.floorplans.sampled.furniture_sets import UNEVEN
 from remqa_data.floorplans.sampled.statistics import RecordedRooms
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 
 TRIES = 40
@@ -92,9 +93,10 @@ class _Surfaces:
         is_turned = max(size[:2]) > LONG * min(size[:2]) and pattern.pickupable and host.type not in LID_M
         if is_turned:
             angle = self.rng.uniform(0, 2 * np.pi)
-            front = np.array([np.cos(angle), np.sin(angle), 0.0])
+            sine, cosine = arithmetic.sin_cos(angle)
+            front = np.array([cosine, sine, 0.0])
         rotation = axes_facing(front)
-        half = np.abs(rotation @ np.diag(size)).sum(axis=1) / 2
+        half = arithmetic.turned(size, np.abs(rotation)) / 2
         foot = self._foot(pattern, host, half)
         if foot is None:
             return None

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal
 
 from remqa_data.catalog import object_type
 from remqa_data.errors import ActionError
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.body import Body, direction
@@ -171,7 +172,7 @@ class Agent(Body):
         if refusal is not None:
             return refusal
         x, y, _ = self.world.state(object_id).position
-        heading = math.atan2(y - self.y, x - self.x) + math.radians(angle_deg)
+        heading = float(arithmetic.arctan2(y - self.y, x - self.x)) + math.radians(angle_deg)
         slide = handling.slide(
             self.world, object_id, heading, distance_m, lambda position: self._body_at(object_id, position)
         )
@@ -222,7 +223,7 @@ class Agent(Body):
         """Why a door or drawer cannot move, because the agent itself is in its way."""
         frame = self.world.state(object_id).matrix()
         for share in (0.5, 1.0):
-            links = frame @ self.world.assets[object_id].link_poses(was + share * (openness - was))
+            links = arithmetic.product(frame, self.world.assets[object_id].link_poses(was + share * (openness - was)))
             if self.ground.meets_agent(object_id, links, (self.x, self.y)):
                 return ActionResult(False, f"Agent is blocking {object_id} from moving")
         return None
@@ -230,7 +231,7 @@ class Agent(Body):
     def _body_at(self, object_id: str, position: Vec3) -> str | None:
         """Whether the agent is in the way of an object that is to be somewhere else; its name in errors, or None."""
         state = replace(self.world.state(object_id), position=position)
-        links = state.matrix() @ self.world.assets[object_id].link_poses(state.openness)
+        links = arithmetic.product(state.matrix(), self.world.assets[object_id].link_poses(state.openness))
         return "Agent" if self.ground.meets_agent(object_id, links, (self.x, self.y)) else None
 
     def _released(self, done: handling.Release) -> ActionResult:

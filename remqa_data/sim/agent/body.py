@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from remqa_data.errors import ActionError
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.agent.embodiment import Embodiment
 from remqa_data.sim.agent.results import DONE, ActionResult
@@ -168,8 +169,8 @@ class Body:
         low, high = SHOULDER_LOW_M, SHOULDER_HIGH_M
         height = min(max(state.position[2] - self.world.scene.floor_z, low), high)
         shoulder = np.array([self.x, self.y, self.world.scene.floor_z + height])
-        local = np.clip(frame[:3, :3].T @ (shoulder - frame[:3, 3]), -half, half)
-        return np.asarray(frame[:3, :3] @ local + frame[:3, 3])
+        local = np.clip(arithmetic.moved_back(shoulder, frame), -half, half)
+        return arithmetic.moved(local, frame)
 
     def _tilt_refusal(self, horizon_deg: float) -> ActionResult | None:
         least, most = self.embodiment.least_horizon_deg, self.embodiment.most_horizon_deg
@@ -186,12 +187,8 @@ class Body:
 
 def direction(yaw_deg: float) -> tuple[float, float]:
     """Cosine and sine; exact along the grid, so that whole steps stay on it."""
-    if yaw_deg % 90.0 == 0.0:
-        return _ALONG_GRID[int(yaw_deg // 90.0) % 4]
-    return math.cos(math.radians(yaw_deg)), math.sin(math.radians(yaw_deg))
-
-
-_ALONG_GRID = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+    sine, cosine = arithmetic.sin_cos_deg(yaw_deg)
+    return float(cosine), float(sine)
 
 
 def _turn(degrees: float) -> float:

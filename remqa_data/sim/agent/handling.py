@@ -12,6 +12,7 @@ from itertools import islice
 
 import numpy as np
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
@@ -128,7 +129,8 @@ def slide(
     touching = {other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M}
     touching.update(world.contents(object_id))
     held_by = _support(world, object_id)
-    way = np.array([math.cos(heading), math.sin(heading), 0.0])
+    sine, cosine = arithmetic.sin_cos(heading)
+    way = np.array([cosine, sine, 0.0])
     gone, blocker = 0.0, ""
     for step in np.arange(SLIDE_STEP_M, distance_m + 1e-9, SLIDE_STEP_M).tolist():
         x, y, z = (start + step * way).tolist()
@@ -160,7 +162,7 @@ def _spots(link: F64, box: F64, low: F64, high: F64) -> Iterator[F64]:
     axes = [np.arange(-(r - h), r - h + 1e-9, LATTICE_M) for r, h in zip(room, half, strict=True)]
     for dx in axes[0]:
         for dy in axes[1]:
-            floor = link[:3, :3] @ np.array([middle[0] + dx, middle[1] + dy, box[0, 2]]) + link[:3, 3]
+            floor = arithmetic.moved([middle[0] + dx, middle[1] + dy, box[0, 2]], link)
             yield floor + np.array([0.0, 0.0, GAP_M - low[2]])
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remqa_data.assets.core.model import Surface
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.body import robot_poses, robot_surfaces
@@ -76,7 +77,7 @@ class Arm:
 
     def shoulder(self, base: ArmBase) -> Vec3:
         """The shoulder in the room, metres: from here the reach is measured."""
-        return _vec3(self.link_poses(base)[0] @ [0.0, 0.0, jaco.SHOULDER_M, 1.0])
+        return _vec3(arithmetic.moved([0.0, 0.0, jaco.SHOULDER_M], self.link_poses(base)[0]))
 
     def hand(self, base: ArmBase) -> Vec3:
         """Centre of the hand's ball in the room, metres."""
@@ -113,7 +114,7 @@ class Arm:
         """
         point = np.array(target, dtype=np.float64)
         away = point - np.array(self.shoulder(base))
-        goals = HandGoals(point[None], away[None] / max(float(np.linalg.norm(away)), 1e-9))
+        goals = HandGoals(point[None], away[None] / max(float(arithmetic.length(away)), 1e-9))
         return self._after(self._search(base, ignore).to(goals, free_column=free_height))
 
     def set_base_height(self, base: ArmBase, height_m: float) -> ArmMove:

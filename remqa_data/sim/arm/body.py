@@ -6,7 +6,6 @@ room. The head is where the camera is and looks where the agent looks; the arm's
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 
 import numpy as np
@@ -16,6 +15,7 @@ from remqa_data.assets.core.model import Material, Surface
 from remqa_data.assets.looks.materials import BLACK_PLASTIC, DARK_GLASS, RUBBER, WHITE_PLASTIC, paint
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.primitives import Mesh
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.postures import BASE_TOP_M, COLUMN_TOP_M, ArmBase, ArmState, foot_poses, link_poses
@@ -43,10 +43,10 @@ def robot_poses(base: ArmBase, state: ArmState, camera_height_m: float) -> F64:
     """(n, 4, 4) poses in the room of the parts of `robot_surfaces`."""
     posture = state.posture()[None]
     links = link_poses(base, posture)[0]
-    chassis = _upright(base.x, base.y, base.floor_z, math.radians(base.yaw_deg))
+    chassis = _upright(base.x, base.y, base.floor_z, base.yaw_deg)
     head = chassis.copy()
     head[2, 3] += camera_height_m
-    column = chassis @ _upright(0.0, 0.0, 0.0, math.radians(state.turn_deg))
+    column = arithmetic.product(chassis, _upright(0.0, 0.0, 0.0, state.turn_deg))
     carriage = foot_poses(base, posture)[0]
     return np.stack([chassis, column, head, carriage, *links[: jaco.HAND]])
 
@@ -198,8 +198,9 @@ def _surfaces(drawing: Drawing) -> tuple[Surface, ...]:
     return tuple(surface(primitives.joined(meshes), material) for material, meshes in by_material.items())
 
 
-def _upright(x: float, y: float, z: float, yaw: float) -> F64:
+def _upright(x: float, y: float, z: float, yaw_deg: float) -> F64:
     pose = np.eye(4)
-    pose[:2, :2] = [[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]]
+    sine, cosine = arithmetic.sin_cos_deg(yaw_deg)
+    pose[:2, :2] = [[cosine, -sine], [sine, cosine]]
     pose[:3, 3] = x, y, z
     return pose

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 JOINTS = 6
@@ -77,15 +78,16 @@ def link_poses(joints: F64) -> F64:
     """
     turned = np.zeros((len(joints), JOINTS, 4, 4))
     turned[..., 2, 2] = turned[..., 3, 3] = 1.0
-    turned[..., 0, 0] = turned[..., 1, 1] = np.cos(joints)
-    turned[..., 1, 0] = np.sin(joints)
+    sines, cosines = arithmetic.sin_cos(joints)
+    turned[..., 0, 0] = turned[..., 1, 1] = cosines
+    turned[..., 1, 0] = sines
     turned[..., 0, 1] = -turned[..., 1, 0]
-    steps = _ORIGINS[:JOINTS] @ turned
+    steps = arithmetic.product(_ORIGINS[:JOINTS], turned)
     poses = np.empty((len(joints), HAND + 1, 4, 4))
     poses[:, 0] = np.eye(4)
     for i in range(JOINTS):
-        poses[:, i + 1] = poses[:, i] @ steps[:, i]
-    poses[:, HAND] = poses[:, JOINTS] @ _ORIGINS[JOINTS]
+        poses[:, i + 1] = arithmetic.product(poses[:, i], steps[:, i])
+    poses[:, HAND] = arithmetic.product(poses[:, JOINTS], _ORIGINS[JOINTS])
     return poses
 
 
@@ -111,19 +113,20 @@ def postures(points: F64, axes: F64, roll: float = 0.0) -> F64:
         ahead = np.sqrt(x * x + y * y - _SIDE_M**2) * np.array([1.0, 1.0, -1.0, -1.0])
         up = z - SHOULDER_M
         stretch = (ahead**2 + up**2 - UPPER_ARM_M**2 - FOREARM_M**2) / (2 * UPPER_ARM_M * FOREARM_M)
-        bend = np.arccos(stretch) * np.array([1.0, -1.0, 1.0, -1.0])
+        bend = arithmetic.arccos(stretch) * np.array([1.0, -1.0, 1.0, -1.0])
     joints = np.empty((len(points), 4, 2, JOINTS))
     arm = np.empty((len(points), 4, 3))
-    arm[..., 0] = np.arctan2(_SIDE_M, ahead) - np.arctan2(y, x)
-    lean = np.arctan2(ahead, up) - np.arctan2(FOREARM_M * np.sin(bend), UPPER_ARM_M + FOREARM_M * np.cos(bend))
+    arm[..., 0] = arithmetic.arctan2(_SIDE_M, ahead) - arithmetic.arctan2(y, x)
+    sine, cosine = arithmetic.sin_cos(bend)
+    lean = arithmetic.arctan2(ahead, up) - arithmetic.arctan2(FOREARM_M * sine, UPPER_ARM_M + FOREARM_M * cosine)
     arm[..., 1] = math.pi - lean
     arm[..., 2] = math.pi + bend
     joints[..., :3] = arm[:, :, None]
     # The wrist's frame before joints 4 and 5 turn; they have to point its -z axis along the hand's axis.
     wrist = link_poses(np.concatenate([arm, np.zeros_like(arm)], axis=2).reshape(-1, JOINTS))[:, 4, :3, :3]
-    local = np.einsum("nkji,nj->nki", wrist.reshape(-1, 4, 3, 3), axes)
-    tilt = np.arccos(np.clip(local[..., 2], -1.0, 1.0))
-    turn = np.arctan2(local[..., 1], local[..., 0])
+    local = arithmetic.turned_back(axes[:, None], wrist.reshape(-1, 4, 3, 3))
+    tilt = arithmetic.arccos(np.clip(local[..., 2], -1.0, 1.0))
+    turn = arithmetic.arctan2(local[..., 1], local[..., 0])
     joints[..., 0, 3], joints[..., 0, 4] = turn, tilt
     joints[..., 1, 3], joints[..., 1, 4] = turn + math.pi, -tilt
     joints[..., 5] = roll
@@ -141,7 +144,7 @@ def within_limits(joints: F64) -> F64:
 
 def rotation_of_rpy(rpy: Vec3) -> F64:
     """(3, 3) rotation of URDF's roll, pitch, yaw."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    (sr, sp, sy), (cr, cp, cy) = arithmetic.sin_cos(rpy)
     return np.array(
         [
             [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],

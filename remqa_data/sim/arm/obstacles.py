@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.compiled import exact
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm.postures import BASE_TOP_M, COLUMN_TOP_M, ArmBase
@@ -100,9 +101,9 @@ class Obstacles:
         Boxes, and (n,) owners: index of the object in the scene, or `STRUCTURE`, or `AGENT`.
         """
         self._sync()
-        around = np.einsum("nij,ni->nj", np.abs(self._axes), self._halves)
+        around = arithmetic.turned_back(self._halves, np.abs(self._axes))
         gaps = np.maximum(np.abs(self._centres - [base.x, base.y, 0.0]) - around, 0.0)
-        near = np.hypot(gaps[:, 0], gaps[:, 1]) < EXTENT_M
+        near = arithmetic.length(gaps[:, :2]) < EXTENT_M
         if self._world.held is not None:
             near &= self._owner != self._world.ids.index(self._world.held)
         body = _BODY + np.tile([base.x, base.y, base.floor_z], 2)
@@ -138,8 +139,8 @@ class Obstacles:
             links, centres, rotations = self._local[object_id]
             poses = self._world.link_poses(object_id)[links]
             rows = slice(first, first + len(links))
-            self._centres[rows] = np.einsum("nij,nj->ni", poses[:, :3, :3], centres) + poses[:, :3, 3]
-            self._axes[rows] = np.swapaxes(poses[:, :3, :3] @ rotations, 1, 2)
+            self._centres[rows] = arithmetic.moved(centres, poses)
+            self._axes[rows] = np.swapaxes(arithmetic.product(poses[:, :3, :3], rotations), 1, 2)
 
 
 @exact

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remqa_data.errors import ActionError
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.grid import SHOULDER_AHEAD_M
@@ -85,7 +86,7 @@ HOME = ArmState(0.75, tuple(math.radians(angle) for angle in (-124.0, 180.0, 335
 def foot_poses(base: ArmBase, postures: F64) -> F64:
     """(n, 4, 4) poses of the arm's foot in the room for (n, 8) postures; the first two numbers of each are enough."""
     heading = math.radians(base.yaw_deg) + postures[:, 1]
-    cos, sin = np.cos(heading), np.sin(heading)
+    sin, cos = arithmetic.sin_cos(heading)
     poses = np.zeros((len(postures), 4, 4))
     poses[:, 0, 0] = poses[:, 1, 1] = cos
     poses[:, 1, 0], poses[:, 0, 1] = sin, -sin
@@ -98,7 +99,7 @@ def foot_poses(base: ArmBase, postures: F64) -> F64:
 
 def link_poses(base: ArmBase, postures: F64) -> F64:
     """(n, 8, 4, 4) poses in the room of the arm's foot, its six links and its hand for (n, 8) postures."""
-    return np.asarray(foot_poses(base, postures)[:, None] @ jaco.link_poses(postures[:, 2:]))
+    return arithmetic.product(foot_poses(base, postures)[:, None], jaco.link_poses(postures[:, 2:]))
 
 
 def shoulders(base: ArmBase, postures: F64) -> F64:
@@ -125,8 +126,8 @@ def postures_to(base: ArmBase, point: F64, columns: F64, axes: F64, near: F64) -
     (m, 8) postures, up to eight for each pair; those that are nearest to `near` first.
     """
     feet = foot_poses(base, columns)
-    points = np.einsum("nji,nj->ni", feet[:, :3, :3], point - feet[:, :3, 3])
-    joints = jaco.postures(points, np.einsum("nji,nj->ni", feet[:, :3, :3], axes), float(near[7]))
+    points, directions = arithmetic.moved_back(point, feet), arithmetic.turned_back(axes, feet[:, :3, :3])
+    joints = jaco.postures(points, directions, float(near[7]))
     pair, branch = np.nonzero(np.isfinite(joints).all(axis=2))
     found = np.column_stack([columns[pair], _unwound(joints[pair, branch], near[2:])])
     travel = np.abs(found - near).max(axis=1, initial=0.0)
@@ -167,7 +168,7 @@ def balls(poses: F64) -> F64:
     """(n, balls, 3) middles of the arm's balls for (n, 8, 4, 4) poses of its links."""
     placed = np.empty((len(poses), len(_LINK), 3))
     for link, rows, local in _BY_LINK:
-        placed[:, rows] = local @ np.swapaxes(poses[:, link, :3, :3], 1, 2) + poses[:, link, None, :3, 3]
+        placed[:, rows] = arithmetic.moved(local, poses[:, link, None])
     return placed
 
 

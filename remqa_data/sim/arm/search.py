@@ -16,6 +16,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm.joint_paths import path, ways
 from remqa_data.sim.arm.obstacles import Obstacles, depth, first_push
@@ -167,12 +168,14 @@ class Search:
         """(k, 2) heights and turns of the column from which a point is in reach; the present ones first."""
         columns = [self.start[:2]]
         if free_column:
-            ahead = math.atan2(point[1] - self.base.y, point[0] - self.base.x) - math.radians(self.base.yaw_deg)
+            ahead = float(arithmetic.arctan2(point[1] - self.base.y, point[0] - self.base.x)) - math.radians(
+                self.base.yaw_deg
+            )
             for turn, rise in itertools.product(TURNS_DEG, RISES_M):
                 height = min(max(point[2] - self.base.floor_z + rise, SHOULDER_LOW_M), SHOULDER_HIGH_M)
                 columns.append(np.array([height, _wrapped(ahead + math.radians(turn))]))
         stacked = np.array(columns)
-        is_near = np.linalg.norm(shoulders(self.base, stacked) - point, axis=1) <= ARM_REACH_M
+        is_near = arithmetic.length(shoulders(self.base, stacked) - point) <= ARM_REACH_M
         return np.asarray(stacked[is_near])
 
     def _touches_nothing(self, postures: F64) -> npt.NDArray[np.bool_]:
@@ -207,14 +210,14 @@ def _best_pairs(first: int, second: int) -> npt.NDArray[np.int64]:
 def _fanned(axis: F64) -> F64:
     """(27, 3) directions: one, then 26 all around, those nearest to it first."""
     directions = _all_around()
-    nearest_first = np.argsort(-np.round(directions @ axis, 9), kind="stable")
+    nearest_first = np.argsort(-np.round(arithmetic.dot(directions, axis), 9), kind="stable")
     return np.vstack([axis, directions[nearest_first]])
 
 
 @lru_cache
 def _all_around() -> F64:
     lattice = np.array([d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)])
-    return np.asarray(lattice / np.linalg.norm(lattice, axis=1, keepdims=True))
+    return np.asarray(lattice / arithmetic.length(lattice)[:, None])
 
 
 def _wrapped(angle: float) -> float:

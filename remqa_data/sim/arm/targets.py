@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from remqa_data.assets.core.model import Link
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm.postures import ArmBase
@@ -54,7 +55,7 @@ class Targets:
         down = np.broadcast_to([0.0, 0.0, -1.0], level.shape)
         axes = np.vstack([inwards, level, down, _unit(level + down)])
         hand = np.vstack([points, corners, corners, corners]) - axes * (GAP_SHARE * hand_radius_m)
-        reach = np.linalg.norm(hand - best_shoulders(base, hand), axis=1)
+        reach = arithmetic.length(hand - best_shoulders(base, hand))
         order = np.argsort(np.round(reach, 6), kind="stable")[: np.count_nonzero(reach <= ARM_REACH_M)]
         return HandGoals(hand[order], axes[order])
 
@@ -66,7 +67,7 @@ def best_shoulders(base: ArmBase, points: F64) -> F64:
     """
     shoulders = np.empty_like(points)
     shoulders[:, :2] = points[:, :2] - [base.x, base.y]
-    shoulders[:, :2] *= SHOULDER_AHEAD_M / np.maximum(np.linalg.norm(shoulders[:, :2], axis=1, keepdims=True), 1e-9)
+    shoulders[:, :2] *= SHOULDER_AHEAD_M / np.maximum(arithmetic.length(shoulders[:, :2])[:, None], 1e-9)
     shoulders[:, :2] += [base.x, base.y]
     shoulders[:, 2] = np.clip(points[:, 2], base.floor_z + SHOULDER_LOW_M, base.floor_z + SHOULDER_HIGH_M)
     return shoulders
@@ -83,21 +84,21 @@ class _Shape(NamedTuple):
 def _shape(link: Link) -> _Shape:
     points, inwards = [np.empty((0, 3))], [np.empty((0, 3))]
     for box in link.boxes:
-        rotation = rotation_of(box.quaternion).T
-        points.append((_CUBE * np.asarray(box.size) / 2) @ rotation + box.centre)
-        inwards.append(-_CUBE_NORMALS @ rotation)
+        rotation = rotation_of(box.quaternion)
+        points.append(arithmetic.turned(_CUBE * np.asarray(box.size) / 2, rotation) + box.centre)
+        inwards.append(arithmetic.turned(-_CUBE_NORMALS, rotation))
     vertices = np.vstack([np.empty((0, 3)), *(surface.vertices for surface in link.surfaces)])
     _, kept = np.unique(np.round(vertices / MESH_GRID_M), axis=0, return_index=True)
     return _Shape(np.vstack(points), np.vstack(inwards), vertices[kept])
 
 
 def _placed(shape: _Shape, pose: F64) -> _Shape:
-    rotation, offset = pose[:3, :3].T, pose[:3, 3]
-    return _Shape(shape.points @ rotation + offset, shape.inwards @ rotation, shape.corners @ rotation + offset)
+    inwards = arithmetic.turned(shape.inwards, pose[:3, :3])
+    return _Shape(arithmetic.moved(shape.points, pose), inwards, arithmetic.moved(shape.corners, pose))
 
 
 def _unit(vectors: F64) -> F64:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9))
+    return np.asarray(vectors / np.maximum(arithmetic.length(vectors)[:, None], 1e-9))
 
 
 def _faces() -> Iterator[tuple[F64, F64]]:

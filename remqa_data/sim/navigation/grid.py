@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.assets.core.model import Asset
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Rect, Vec3
 from remqa_data.opencv import cv2
@@ -103,7 +104,7 @@ def reachable_grid(world: World) -> ReachableGrid:
 def _part_nearest_to_most(world: World, parts: list[list[Cell]]) -> list[Cell]:
     """The part that is nearest to the largest number of objects; the largest such part."""
     things = np.array([world.state(object_id).position[:2] for object_id in world.ids]).reshape(-1, 2)
-    gaps = [np.linalg.norm(things[:, None] - np.array(part)[None] * GRID_M, axis=2).min(axis=1) for part in parts]
+    gaps = [arithmetic.length(things[:, None] - np.array(part)[None] * GRID_M).min(axis=1) for part in parts]
     votes = np.bincount(np.argmin(gaps, axis=0), minlength=len(parts))
     return parts[int(votes.argmax())]
 
@@ -143,8 +144,8 @@ def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int
     outlines = []
     for link, pose in zip(asset.links[first_link:], link_poses[first_link:], strict=True):
         for box in link.boxes:
-            corners = _CORNERS * box.size @ rotation_of(box.quaternion).T + box.centre
-            placed = corners @ pose[:3, :3].T + pose[:3, 3]
+            corners = arithmetic.turned(_CORNERS * box.size, rotation_of(box.quaternion)) + box.centre
+            placed = arithmetic.moved(corners, pose)
             if placed[:, 2].max() > low and placed[:, 2].min() < high:
                 outlines.append(_outline(placed[:, :2]))
     return outlines

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.catalog import types_with
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, I32
 from remqa_data.sim.navigation.grid import (
     CAMERA_HEIGHT_M,
@@ -65,8 +66,8 @@ def facing_poses(
     height = CAMERA_HEIGHT_M if is_standing else CROUCHED_CAMERA_HEIGHT_M
     for cell in sorted(cells, key=lambda c: (math.dist(grid.position(c), (x, y)), c)):
         px, py = grid.position(cell)
-        yaw = math.degrees(math.atan2(y - py, x - px)) % 360
-        down = math.degrees(math.atan2(grid.floor_z + height - z, max(math.dist((px, py), (x, y)), 1e-6)))
+        yaw = math.degrees(arithmetic.arctan2(y - py, x - px)) % 360
+        down = math.degrees(arithmetic.arctan2(grid.floor_z + height - z, max(math.dist((px, py), (x, y)), 1e-6)))
         headings = sorted(HEADINGS_DEG, key=lambda h: (abs((h - yaw + 180) % 360 - 180), h))[:2]
         for horizon in sorted(HORIZONS_DEG, key=lambda h: (abs(h - down), h))[:2]:
             for heading in headings:
@@ -83,8 +84,7 @@ def front_points(view: WorldView, object_id: str, count: int = 5) -> F64:
     top = np.column_stack([a, b, np.ones_like(a)])
     opens_up = view.world.type_of(object_id) in OPENS_UPWARDS
     local = (np.vstack([front, top]) if opens_up else front) * half
-    pose = state.matrix()
-    return np.asarray(local @ pose[:3, :3].T + pose[:3, 3])
+    return arithmetic.moved(local, state.matrix())
 
 
 OPENS_UPWARDS = types_with("opens_upwards")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +10,8 @@ import numpy as np
 
 from remqa_data.assets.core.model import Asset, Joint
 from remqa_data.catalog import object_type
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import snapped_quaternion
 from remqa_data.geometry.types import F64, Box, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.physics.bullet import pybullet
@@ -27,6 +28,8 @@ MAX_COMPOUND = 16
 """PyBullet silently drops the shapes of a compound beyond this number."""
 STILL_M_S, STILL_RAD_S = 0.003, 0.15
 """What moves and turns no faster than this is at rest."""
+DISTANCE_STEP_M = 2.0**-30
+"""Distances that PyBullet measures are snapped to this: the joints of what it measures between stand by its own sines."""
 
 STRUCTURE_NAME = "structure"
 """What the building is called where things touch it."""
@@ -70,18 +73,46 @@ class Bodies:
         for _ in range(steps):
             pybullet.stepSimulation(physicsClientId=self.client)
 
+    def snap(self, object_ids: Iterable[str]) -> None:
+        """Snap poses and velocities of some objects and their joints.
+
+        PyBullet asks the C library for sines and cosines, whose last digit depends on the processor, and things in
+        contact make more of a last digit with every step. Snapped every few steps, it never gets that far.
+        """
+        for object_id in object_ids:
+            body = self._of[object_id]
+            position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=self.client)
+            velocity, turning = pybullet.getBaseVelocity(body, physicsClientId=self.client)
+            pybullet.resetBasePositionAndOrientation(
+                body,
+                arithmetic.snapped(position).tolist(),
+                snapped_quaternion(quaternion),
+                physicsClientId=self.client,
+            )
+            pybullet.resetBaseVelocity(
+                body,
+                arithmetic.snapped(velocity).tolist(),
+                arithmetic.snapped(turning).tolist(),
+                physicsClientId=self.client,
+            )
+            for joint in range(len(self._assets[object_id].links) - 1):
+                angle, speed = pybullet.getJointState(body, joint, physicsClientId=self.client)[:2]
+                angle, speed = arithmetic.snapped([angle, speed]).tolist()
+                pybullet.resetJointState(body, joint, angle, speed, physicsClientId=self.client)
+
     def are_still(self, object_ids: Iterable[str]) -> bool:
         """Whether none of some objects moves or turns to speak of."""
         for object_id in object_ids:
             velocity, turning = pybullet.getBaseVelocity(self._of[object_id], physicsClientId=self.client)
-            if math.hypot(*velocity) > STILL_M_S or math.hypot(*turning) > STILL_RAD_S:
+            if arithmetic.length(velocity) > STILL_M_S or arithmetic.length(turning) > STILL_RAD_S:
                 return False
         return True
 
     def pose(self, object_id: str) -> tuple[Vec3, Quaternion]:
-        """Where physics has moved an object."""
+        """Where physics has moved an object, snapped."""
         position, quaternion = pybullet.getBasePositionAndOrientation(self._of[object_id], physicsClientId=self.client)
-        return position, quaternion
+        x, y, z = arithmetic.snapped(position).tolist()
+        return (x, y, z), snapped_quaternion(quaternion)
 
     def place(self, object_id: str, state: ObjectState) -> None:
         """Put an object and its joints where they are said to be, at rest."""
@@ -111,7 +142,7 @@ class Bodies:
         for other in sorted({b for b, _ in pairs or ()} - {body}):
             points = pybullet.getClosestPoints(body, other, margin_m, physicsClientId=self.client)
             if points:
-                distance = min(float(point[8]) for point in points)
+                distance = float(arithmetic.snapped(min(float(point[8]) for point in points), DISTANCE_STEP_M))
                 found[names[other]] = min(distance, found.get(names[other], distance))
         return found
 

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.catalog import object_type
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.relations import relation_rules
 
@@ -57,7 +58,7 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
         if object_id == world.held or not len(spaces.owners):
             continue
         centre, bottom = (low + high) / 2, float(low[2])
-        local = spaces.to_local @ np.append(centre, 1.0)
+        local = arithmetic.moved_back(centre, spaces.poses)
         beside = np.abs(local[:, :2] - spaces.middle[:, :2]) <= spaces.half[:, :2] + rules.side_margin_m
         fits = beside.all(axis=1) & (bottom >= spaces.floor_z - rules.sunk_m)
         fits &= local[:, 2] <= spaces.middle[:, 2] + spaces.half[:, 2] + rules.overhang_m
@@ -84,8 +85,8 @@ class _Spaces:
     is_floor: npt.NDArray[np.bool_]
     enclosed: npt.NDArray[np.bool_]
     surrounds: npt.NDArray[np.bool_]
-    to_local: F64
-    """(n, 3, 4): upper rows of the transforms from the world to the frames in which the boxes are given."""
+    poses: F64
+    """(n, 4, 4) in the world, of the frames in which the boxes are given."""
     middle: F64
     half: F64
     floor_z: F64
@@ -111,15 +112,15 @@ def _all_spaces(world: World) -> _Spaces:
     pose = np.array(poses, dtype=np.float64).reshape(-1, 4, 4)
     middle = (np.array(low).reshape(-1, 3) + np.array(high).reshape(-1, 3)) / 2
     half = np.array(high).reshape(-1, 3) - middle
-    centre_z = np.einsum("nj,nj->n", pose[:, 2, :3], middle) + pose[:, 2, 3]
+    centre_z = arithmetic.dot(pose[:, 2, :3], middle) + pose[:, 2, 3]
     return _Spaces(
         owners=np.array(owners, dtype=np.object_),
         is_floor=np.array(is_floor, dtype=np.bool_),
         enclosed=np.array(enclosed, dtype=np.bool_),
         surrounds=np.array(surrounds, dtype=np.bool_),
-        to_local=np.asarray(np.linalg.inv(pose)[:, :3], dtype=np.float64),
+        poses=pose,
         middle=middle,
         half=half,
-        floor_z=centre_z - np.einsum("nj,nj->n", np.abs(pose[:, 2, :3]), half),
+        floor_z=centre_z - arithmetic.dot(np.abs(pose[:, 2, :3]), half),
         volume=np.prod(2 * half, axis=1),
     )

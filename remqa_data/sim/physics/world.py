@@ -17,6 +17,7 @@ import numpy as np
 from remqa_data.assets import Asset, build
 from remqa_data.catalog import object_type
 from remqa_data.errors import ActionError, UnknownNameError
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import quaternion_of, rotation_of
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Quaternion, Scene, SceneObject
@@ -111,7 +112,7 @@ class World:
         is_inside = np.zeros(len(others), dtype=np.bool_)
         for space in spaces:
             pose = poses[space.link]
-            local = (centres - pose[:3, 3]) @ pose[:3, :3]
+            local = arithmetic.moved_back(centres, pose)
             low, high = np.asarray(space.box[:3]) - CARRY_MARGIN_M, np.asarray(space.box[3:]) + CARRY_MARGIN_M
             is_inside |= ((local > low) & (local < high)).all(axis=1)
         return [other for other, inside in zip(others, is_inside, strict=True) if inside]
@@ -143,6 +144,7 @@ class World:
         was_still = False
         for done in range(0, steps, CHECK_STEPS):
             self._bodies.step(min(CHECK_STEPS, steps - done))
+            self._bodies.snap(free)
             is_still = self._bodies.are_still(free)
             if is_still and was_still:  # once might be the top of a leap
                 break
@@ -183,7 +185,7 @@ class World:
         self._put_at(object_id, replace(state, openness=openness))
         after = self.link_poses(object_id)
         for other, link in carried.items():
-            self._move_by(other, after[link] @ np.linalg.inv(before[link]))
+            self._move_by(other, arithmetic.product(after[link], arithmetic.inverse(before[link])))
         return list(carried)
 
     def close_object(self, object_id: str) -> list[str]:
@@ -201,7 +203,7 @@ class World:
         carried = self.contents(object_id)
         before = state.matrix()
         moved = replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion)
-        motion = moved.matrix() @ np.linalg.inv(before)
+        motion = arithmetic.product(moved.matrix(), arithmetic.inverse(before))
         self._put_at(object_id, moved)
         for other in carried:
             self._move_by(other, motion)
@@ -307,12 +309,12 @@ class World:
 
     def _find_link_poses(self, object_id: str) -> F64:
         state = self._states[object_id]
-        return np.asarray(state.matrix() @ self.assets[object_id].link_poses(state.openness))
+        return arithmetic.product(state.matrix(), self.assets[object_id].link_poses(state.openness))
 
     def _find_box(self, object_id: str) -> F64:
         points = []
         for link, pose in zip(self.assets[object_id].links, self.link_poses(object_id), strict=True):
-            points += [s.vertices @ pose[:3, :3].T + pose[:3, 3] for s in link.surfaces]
+            points += [arithmetic.moved(s.vertices, pose) for s in link.surfaces]
         stacked = np.vstack(points)
         return np.stack([stacked.min(axis=0), stacked.max(axis=0)])
 
@@ -340,10 +342,10 @@ class World:
 
     def _move_by(self, object_id: str, motion: F64) -> None:
         state = self._states[object_id]
-        position = motion[:3, :3] @ np.asarray(state.position) + motion[:3, 3]
+        position = arithmetic.moved(state.position, motion)
         quaternion = state.quaternion
         if not np.allclose(motion[:3, :3], np.eye(3), rtol=0, atol=1e-12):
-            quaternion = quaternion_of(motion[:3, :3] @ rotation_of(state.quaternion))
+            quaternion = quaternion_of(arithmetic.product(motion[:3, :3], rotation_of(state.quaternion)))
         self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion))
 
     def _check_known(self, object_id: str) -> None:

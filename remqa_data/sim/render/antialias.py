@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from remqa_data.compiled import relaxed
+from remqa_data.compiled import exact
 from remqa_data.geometry.types import U8, Flags
 from remqa_data.sim.render.raster import Buffers, Geometry
 from remqa_data.sim.render.supersample import SAMPLES, Samples, sample_edges
@@ -24,7 +24,7 @@ _CREASE_M = 0.02
 """The same for a parallel projection, whose key is metres."""
 
 
-@relaxed
+@exact
 def smooth_edges(geometry: Geometry, buffers: Buffers, pinhole: bool, rgb: U8) -> None:
     """Blend the edge pixels of the (h, w, 3) uint8 picture in place."""
     height, width = buffers.slot.shape
@@ -34,7 +34,7 @@ def smooth_edges(geometry: Geometry, buffers: Buffers, pinhole: bool, rgb: U8) -
     _blend(geometry, buffers, samples, rgb)
 
 
-@relaxed
+@exact
 def _find_edges(geometry: Geometry, buffers: Buffers, pinhole: bool, is_edge: Flags) -> None:
     height, width = is_edge.shape
     slot = buffers.slot
@@ -47,7 +47,7 @@ def _find_edges(geometry: Geometry, buffers: Buffers, pinhole: bool, is_edge: Fl
                 is_edge[y, x] = is_edge[y + 1, x] = True
 
 
-@relaxed
+@exact
 def _differ(geometry: Geometry, buffers: Buffers, pinhole: bool, ya: int, xa: int, yb: int, xb: int) -> bool:
     """Whether an edge runs between two pixels of different faces."""
     a, b = buffers.slot[ya, xa], buffers.slot[yb, xb]
@@ -64,7 +64,7 @@ def _differ(geometry: Geometry, buffers: Buffers, pinhole: bool, ya: int, xa: in
     return is_crease
 
 
-@relaxed
+@exact
 def _blend(geometry: Geometry, buffers: Buffers, samples: Samples, rgb: U8) -> None:
     """Mix the colours of the samples, as linear light."""
     slots, record_face = buffers.slot, buffers.record_face
@@ -92,7 +92,7 @@ def _blend(geometry: Geometry, buffers: Buffers, samples: Samples, rgb: U8) -> N
             rgb[y, x, 2] = np.uint8(math.sqrt(blue / SAMPLES) + 0.5)
 
 
-@relaxed
+@exact
 def _nearest_like(geometry: Geometry, buffers: Buffers, face: int, y: int, x: int) -> tuple[int, int]:
     """Row and column of the pixel next to (y, x) that shows a face, else its surface; else of the pixel itself."""
     height, width = buffers.slot.shape

@@ -15,6 +15,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 NEAR_M = 0.02
@@ -41,7 +42,7 @@ class View(NamedTuple):
     @classmethod
     def of(cls, eye: npt.ArrayLike, axes: F64, *, pinhole: bool, width: int, height: int) -> View:
         """A view with its inverse."""
-        inverse = np.linalg.inv(axes).astype(np.float64)
+        inverse = axes.T / arithmetic.dot(axes, axes)  # the axes are at right angles
         return cls(np.array(eye, dtype=np.float64), axes, inverse, pinhole, width, height)
 
 
@@ -82,8 +83,8 @@ class Camera:
         dx, dy, dz = (float(t) - float(e) for e, t in zip(eye, target, strict=True))
         return cls(
             position=eye,
-            yaw_deg=math.degrees(math.atan2(dy, dx)),
-            horizon_deg=math.degrees(math.atan2(-dz, math.hypot(dx, dy))),
+            yaw_deg=math.degrees(arithmetic.arctan2(dy, dx)),
+            horizon_deg=math.degrees(arithmetic.arctan2(-dz, math.sqrt(dx * dx + dy * dy))),
             fov_deg=fov_deg,
             width=width,
             height=height,
@@ -92,13 +93,12 @@ class Camera:
     @property
     def focal_px(self) -> float:
         """Focal length in pixels."""
-        return 0.5 * self.height / math.tan(math.radians(self.fov_deg) / 2)
+        sine, cosine = arithmetic.sin_cos_deg(self.fov_deg / 2)
+        return float(0.5 * self.height * cosine / sine)
 
     def rotation(self) -> F64:
         """(3, 3) unit rows: right, up, forward, in the world frame."""
-        yaw, pitch = math.radians(self.yaw_deg), math.radians(self.horizon_deg)
-        cos_yaw, sin_yaw = math.cos(yaw), math.sin(yaw)
-        cos_pitch, sin_pitch = math.cos(pitch), math.sin(pitch)
+        (sin_yaw, sin_pitch), (cos_yaw, cos_pitch) = arithmetic.sin_cos_deg([self.yaw_deg, self.horizon_deg])
         return np.array(
             [
                 [sin_yaw, -cos_yaw, 0.0],
@@ -187,7 +187,7 @@ def _pinhole_view(camera: Camera) -> View:
 
 
 def _project(view: View, points: npt.ArrayLike) -> F64:
-    image = (np.asarray(points, dtype=np.float64).reshape(-1, 3) - view.eye) @ view.axes.T
+    image = arithmetic.turned(np.asarray(points, dtype=np.float64).reshape(-1, 3) - view.eye, view.axes)
     if view.pinhole:
         image[:, :2] /= image[:, 2:]
     image[:, 0] += 0.5 * view.width
@@ -203,5 +203,5 @@ def _unproject(view: View, depth: npt.ArrayLike) -> F64:
     if view.pinhole:
         image[..., :2] *= distance[..., None]
     image[..., 2] = distance
-    points: F64 = view.eye + image @ view.inverse.T
+    points: F64 = view.eye + arithmetic.turned(image, view.inverse)
     return points

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from remqa_data.compiled import relaxed
+from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, I32, U8
 from remqa_data.sim.render.pixels import (
     ACROSS,
@@ -48,7 +48,7 @@ def levels(texture: U8) -> I32:
     return texels
 
 
-@relaxed
+@exact
 def apply_textures(texels: I32, sheet: F32, fetches: I32, count: int) -> None:
     """Multiply the linear colours of `count` pixels by their textures (trilinear look-up).
 
@@ -76,7 +76,7 @@ def apply_textures(texels: I32, sheet: F32, fetches: I32, count: int) -> None:
     _blend_texels(sheet, fetches, count)
 
 
-@relaxed
+@exact
 def _find_texels(sheet: F32, fetches: I32, count: int) -> None:
     sheet_bits = sheet.view(np.int32)
     one, byte = np.int32(1), np.int32(255)
@@ -113,13 +113,13 @@ def _find_texels(sheet: F32, fetches: I32, count: int) -> None:
             fetches[first + 3 * BLOCK_PX] = row1 + x1
 
 
-@relaxed
+@exact
 def _floor(value: np.float32) -> np.int32:
     whole = np.int32(value)
     return np.int32(whole - np.int32(np.float32(whole) > value))
 
 
-@relaxed
+@exact
 def _blend_texels(sheet: F32, fetches: I32, count: int) -> None:
     """Weights are whole numbers that add up to 256, so that two 8-bit channels blend in one multiplication."""
     eight, byte, whole = np.int32(8), np.int32(255), np.int32(256)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from remqa_data.assets.core.model import Surface
 from remqa_data.assets.looks.textures import repeats, texture
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, I32, Flags
 from remqa_data.sim.render.mipmap import CLAMPED, SIZE_BITS, levels
 from remqa_data.sim.render.raster import Geometry
@@ -109,7 +110,7 @@ def solid_faces(surface: Surface) -> Flags:
     balance = np.bincount(edge_index, weights=np.sign(ends - starts), minlength=len(edges))
     is_open = np.bincount(np.repeat(piece, 3), weights=balance[edge_index] != 0, minlength=len(points)) > 0
     a, b, c = (points[faces[:, corner]] - points.mean(axis=0) for corner in range(3))
-    volume = np.bincount(piece, weights=np.einsum("ij,ij->i", a, np.cross(b, c)), minlength=len(points))
+    volume = np.bincount(piece, weights=arithmetic.dot(a, np.cross(b, c)), minlength=len(points))
     solid: Flags = (~is_open & (volume > 0))[piece]
     return solid
 

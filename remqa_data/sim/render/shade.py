@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from remqa_data.compiled import exact, relaxed
+from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, F64, I32, U8
 from remqa_data.sim.render import pixels as px
 from remqa_data.sim.render.camera import View
@@ -70,7 +70,7 @@ def write_depth_and_instances(
             instances[y, x] = instance
 
 
-@relaxed
+@exact
 def shade(
     geometry: Geometry,
     placed: Placed,
@@ -100,7 +100,7 @@ def shade(
                     rgb[y, start + i, channel] = fetches[channel * px.BLOCK_PX + i]
 
 
-@relaxed
+@exact
 def _fetch(
     geometry: Geometry,
     placed: Placed,
@@ -178,7 +178,7 @@ def _fetch(
             run[px.DEPTH + i] = depth
 
 
-@relaxed
+@exact
 def _place(view: View, line: float, left: float, sheet: F32, count: int) -> None:
     """Write the world position of each pixel; make its normal a unit vector on the camera's side."""
     one, zero = np.float32(1.0), np.float32(0.0)
@@ -205,7 +205,7 @@ def _place(view: View, line: float, left: float, sheet: F32, count: int) -> None
         sheet[px.NORMAL_Z + i] = nz * scale
 
 
-@relaxed
+@exact
 def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
     """Write the linear light that each pixel sends to the camera."""
     one, zero, tiny = np.float32(1.0), np.float32(0.0), np.float32(1e-12)
@@ -254,7 +254,7 @@ def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
             sheet[px.LIGHT_BLUE + i] += diffuse * sheet[px.BLUE + i] + shine
 
 
-@relaxed
+@exact
 def _encode(sheet: F32, fetches: I32, count: int) -> None:
     """Let glowing pixels show their own colour, and write all as whole numbers 0..255."""
     one = np.float32(1.0)

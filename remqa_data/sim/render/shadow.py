@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.compiled import exact, relaxed
+from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, F64, I32, Flags
 from remqa_data.sim.render.camera import View
 from remqa_data.sim.render.pixels import (
@@ -119,7 +119,7 @@ def summarise(shadows: Shadows, face: int) -> None:
                     tiles[j, i, 1] = max(tiles[j, i, 1], tiles[y, x, 1])
 
 
-@relaxed
+@exact
 def find_shadows(shadows: Shadows, sheet: F32, fetches: I32, count: int) -> None:
     """Write LIT, how much of the lamp each pixel sees: 0 to 1, smooth over three texels of the map."""
     size = shadows.maps.shape[1]
@@ -141,7 +141,7 @@ def find_shadows(shadows: Shadows, sheet: F32, fetches: I32, count: int) -> None
             sheet[LIT + i] = _window_mean(maps, address, size, limit, sheet[SHIFT_X + i], sheet[SHIFT_Y + i])
 
 
-@relaxed
+@exact
 def _find_windows(lamp: F64, size: int, sheet: F32, fetches: I32, count: int) -> None:
     """Write where the 4 x 4 texels around each pixel start, the shift in them, and the key that hides the pixel.
 
@@ -185,7 +185,7 @@ def _find_windows(lamp: F64, size: int, sheet: F32, fetches: I32, count: int) ->
         )
 
 
-@relaxed
+@exact
 def _window_mean(maps: F32, address: int, size: int, limit: float, shift_x: float, shift_y: float) -> float:
     """Share of a 3 x 3 texel window, anywhere within 4 x 4 texels, in which nothing is nearer than a key."""
     one, zero = np.float32(1.0), np.float32(0.0)

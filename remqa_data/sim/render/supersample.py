@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from remqa_data.compiled import exact, relaxed
+from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, I32, Flags
 from remqa_data.sim.render.outline import face_bounds, side
 from remqa_data.sim.render.raster import (
@@ -163,7 +163,7 @@ def _least_at_samples(slope: float, fall: float, constant: float, across: float,
     return slope * across + fall * down + constant - max(abs(first), abs(second))
 
 
-@relaxed
+@exact
 def _draw_faces(geometry: Geometry, candidates: I32, cull: bool, pinhole: bool, image: F32, samples: Samples) -> None:
     """Draw some faces into the samples."""
     first_edge, columns, reach, least = samples.first, samples.column, samples.reach, samples.least

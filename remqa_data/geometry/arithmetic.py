@@ -1,0 +1,173 @@
+"""Arithmetic that gives the same bits on every processor.
+
+Sums, products, quotients and roots of single numbers are rounded alike everywhere (IEEE 754). The rest is not: a matrix
+library chooses order and fused operations for the processor, and so does a C library for its sine. So all that ends in
+stored numbers or pixels is multiplied, turned and measured with these functions, which do every step in a fixed order.
+What other libraries compute (meshes, physics) is `snapped` once, where it is taken over.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+F64 = npt.NDArray[np.float64]
+
+LENGTH_STEP_M = 2.0**-20
+"""Lengths that others computed are snapped to a micrometre: far more than their error, far less than a pixel shows."""
+
+
+def product(a: F64, b: F64) -> F64:
+    """(..., n, m) matrix products of (..., n, k) and (..., k, m); for a few small matrices or many."""
+    total = a[..., :, 0, None] * b[..., None, 0, :]
+    for k in range(1, a.shape[-1]):
+        total = total + a[..., :, k, None] * b[..., None, k, :]
+    return np.asarray(total)
+
+
+def turned(vectors: npt.ArrayLike, rotation: F64) -> F64:
+    """(..., 3) vectors multiplied from the left by (..., 3, 3) matrices."""
+    v = np.asarray(vectors)
+    x, y, z = v[..., 0], v[..., 1], v[..., 2]
+    rows = [rotation[..., i, 0] * x + rotation[..., i, 1] * y + rotation[..., i, 2] * z for i in range(3)]
+    return np.stack(rows, axis=-1)
+
+
+def turned_back(vectors: npt.ArrayLike, rotation: F64) -> F64:
+    """(..., 3) vectors multiplied from the left by the transposes of (..., 3, 3) matrices: for rotations, undoes `turned`."""
+    return turned(vectors, np.swapaxes(rotation, -1, -2))
+
+
+def moved(points: npt.ArrayLike, pose: F64) -> F64:
+    """(..., 3) points mapped by (..., 4, 4) poses."""
+    return turned(points, pose[..., :3, :3]) + pose[..., :3, 3]
+
+
+def moved_back(points: npt.ArrayLike, pose: F64) -> F64:
+    """(..., 3) points mapped by the inverses of (..., 4, 4) poses, which have to be rigid."""
+    return turned_back(np.asarray(points) - pose[..., :3, 3], pose[..., :3, :3])
+
+
+def inverse(pose: F64) -> F64:
+    """Inverse of (..., 4, 4) rigid poses."""
+    result = np.zeros_like(pose)
+    result[..., :3, :3] = np.swapaxes(pose[..., :3, :3], -1, -2)
+    result[..., :3, 3] = -turned_back(pose[..., :3, 3], pose[..., :3, :3])
+    result[..., 3, 3] = 1.0
+    return result
+
+
+def dot(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
+    """Sums over the last axis, which is short, of the products of two arrays."""
+    parts = np.asarray(a) * np.asarray(b)
+    total = parts[..., 0]
+    for k in range(1, parts.shape[-1]):
+        total = total + parts[..., k]
+    return np.asarray(total)
+
+
+def length(vectors: npt.ArrayLike) -> F64:
+    """Euclidean lengths of vectors along the last axis, which is short."""
+    return np.asarray(np.sqrt(dot(vectors, vectors)))
+
+
+def sin_cos(radians: npt.ArrayLike) -> tuple[F64, F64]:
+    """Sine and cosine, to about the last digit, of angles up to a million turns."""
+    x = np.asarray(radians, dtype=np.float64)
+    quarters = np.rint(x * (2.0 / math.pi))
+    return _sin_cos(quarters, ((x - quarters * _QUARTER_1) - quarters * _QUARTER_2) - quarters * _QUARTER_3)
+
+
+def sin_cos_deg(degrees: npt.ArrayLike) -> tuple[F64, F64]:
+    """Sine and cosine of angles in degrees; exactly 0 and 1 along the axes."""
+    x = np.asarray(degrees, dtype=np.float64)
+    quarters = np.rint(x / 90.0)
+    return _sin_cos(quarters, (x - 90.0 * quarters) * (math.pi / 180.0))
+
+
+def arctan2(y: npt.ArrayLike, x: npt.ArrayLike) -> F64:
+    """Angle of the direction (x, y) from -pi to pi, radians; 0 for (0, 0)."""
+    up, ahead = np.asarray(y, dtype=np.float64), np.asarray(x, dtype=np.float64)
+    less, more = np.minimum(np.abs(up), np.abs(ahead)), np.maximum(np.abs(up), np.abs(ahead))
+    ratio = less / np.where(more == 0.0, 1.0, more)
+    is_steep = ratio > _TAN_EIGHTH  # then the angle is 45 degrees less that of a smaller ratio
+    ratio = np.where(is_steep, (ratio - 1.0) / (ratio + 1.0), ratio)
+    angle = ratio - ratio * _polynomial(ratio * ratio, _ARCTAN)
+    angle = np.where(is_steep, math.pi / 4 + angle, angle)
+    angle = np.where(np.abs(up) > np.abs(ahead), math.pi / 2 - angle, angle)
+    angle = np.where(ahead < 0.0, math.pi - angle, angle)
+    return np.asarray(np.copysign(angle, up))
+
+
+def arccos(cosine: npt.ArrayLike) -> F64:
+    """Angle from 0 to pi of a cosine, radians; NaN beyond -1..1."""
+    x = np.asarray(cosine, dtype=np.float64)
+    return arctan2(np.sqrt((1.0 - x) * (1.0 + x)), x)
+
+
+def snapped(values: npt.ArrayLike, step: float = LENGTH_STEP_M) -> F64:
+    """The nearest multiples of a step, which is a power of two; never a negative zero.
+
+    Values that differ by rounding come out equal, unless a boundary between two steps lies right between them; decimal
+    sizes never lie on one.
+    """
+    return np.asarray(np.rint(np.asarray(values, dtype=np.float64) / step) * step + 0.0)
+
+
+# The constants are those of Sun's fdlibm (1993): pi / 2 in three parts, and minimax polynomials.
+_QUARTER_1, _QUARTER_2, _QUARTER_3 = 1.57079632673412561417, 6.07710050630396597660e-11, 2.02226624879595063154e-21
+_SIN = (
+    -1.66666666666666324348e-01,
+    8.33333333332248946124e-03,
+    -1.98412698298579493134e-04,
+    2.75573137070700676789e-06,
+    -2.50507602534068634195e-08,
+    1.58969099521155010221e-10,
+)
+_COS = (
+    4.16666666666666019037e-02,
+    -1.38888888888741095749e-03,
+    2.48015872894767294178e-05,
+    -2.75573143513906633035e-07,
+    2.08757232129817482790e-09,
+    -1.13596475577881948265e-11,
+)
+_ARCTAN = (
+    0.0,
+    3.33333333333329318027e-01,
+    -1.99999999998764832476e-01,
+    1.42857142725034663711e-01,
+    -1.11111104054623557880e-01,
+    9.09088713343650656196e-02,
+    -7.69187620504482999495e-02,
+    6.66107313738753120669e-02,
+    -5.83357013379057348645e-02,
+    4.97687799461593236017e-02,
+    -3.65315727442169155270e-02,
+    1.62858201153657823623e-02,
+)
+_TAN_EIGHTH = math.sqrt(2.0) - 1.0
+
+
+def _sin_cos(quarters: F64, rest: F64) -> tuple[F64, F64]:
+    """Sine and cosine of a number of quarter turns and a rest of at most an eighth, radians."""
+    square = rest * rest
+    sine = rest + rest * square * _polynomial(square, _SIN)
+    half = 0.5 * square
+    near = 1.0 - half
+    cosine = near + (((1.0 - near) - half) + square * square * _polynomial(square, _COS))
+    is_odd = quarters % 2.0 != 0.0
+    sine, cosine = np.where(is_odd, cosine, sine), np.where(is_odd, sine, cosine)
+    sine = np.where(quarters % 4.0 >= 2.0, -sine, sine)
+    cosine = np.where((quarters + 1.0) % 4.0 >= 2.0, -cosine, cosine)
+    return sine + 0.0, cosine + 0.0
+
+
+def _polynomial(x: F64, coefficients: tuple[float, ...]) -> F64:
+    """coefficients[0] + coefficients[1] x + ..."""
+    total = np.full_like(x, coefficients[-1])
+    for coefficient in coefficients[-2::-1]:
+        total = total * x + coefficient
+    return total
