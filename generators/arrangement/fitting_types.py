@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 import numpy as np
 
 from remqa_data.assets.core.sizes import typical_size
