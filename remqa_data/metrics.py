@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.boxes import is_hit
 from remqa_data.geometry.types import F64
 
@@ -104,7 +105,7 @@ def path_lengths_m(positions: npt.ArrayLike, counts: npt.ArrayLike) -> F64:
     points = np.asarray(positions, dtype=np.float64).reshape(-1, 2)
     lengths = np.asarray(counts, dtype=np.int64)
     paths = np.repeat(np.arange(len(lengths)), lengths)
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    steps = arithmetic.length(np.diff(points, axis=0))
     own = paths[1:] == paths[:-1]  # the others lead from one path to the next
     return np.asarray(np.bincount(paths[1:][own], weights=steps[own], minlength=len(lengths)), dtype=np.float64)
 
@@ -124,7 +125,7 @@ def distance_to_goal_m(positions: npt.ArrayLike, goals: npt.ArrayLike) -> F64:
     array([1., 1.])
     """
     gaps = np.asarray(goals, dtype=np.float64) - np.asarray(positions, dtype=np.float64)[..., None, :]
-    distances = np.linalg.norm(gaps, axis=-1)
+    distances = arithmetic.length(gaps)
     return np.asarray(np.min(np.where(np.isnan(distances), np.inf, distances), axis=-1, initial=np.inf))
 
 

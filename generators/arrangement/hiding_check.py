@@ -127,9 +127,9 @@ def _unrest(world: World, place: HidingPlace, ids: Sequence[str], put_at: Mappin
         slipped = math.dist(world.state(object_id).position, put_at[object_id])
         if slipped > SLIPPED_M:
             return f"{object_id} slips by {slipped:.2f} m"
-    up = float(world.state(place.object_id).matrix()[2, 2])
-    if place.relation == "under" and ids and up < math.cos(math.radians(TILTED_DEG)):
-        return f"it tilts by {math.degrees(math.acos(up)):.0f} degrees"
+    tilt_deg = math.degrees(arithmetic.arccos(np.clip(world.state(place.object_id).matrix()[2, 2], -1.0, 1.0)))
+    if place.relation == "under" and ids and tilt_deg > TILTED_DEG:
+        return f"it tilts by {tilt_deg:.0f} degrees"
     return None
 
 

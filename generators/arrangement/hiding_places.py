@@ -46,6 +46,8 @@ RAISED_M = 0.01
 """A thing that lies over another is about so much higher."""
 THIN_M = 0.005
 """The thinnest things that lie under others, such as a credit card."""
+LEANS_DEG = 8.0
+"""What is tilted by more than this stands on nothing that could be an area."""
 SWEPT = (0.25, 0.5, 0.75, 1.0)
 """At these opennesses what opens stays clear of the agent."""
 
@@ -196,7 +198,7 @@ class _Finder:
         world, rules = self.world, self.rules
         state, asset = world.state(object_id), world.assets[object_id]
         matrix = state.matrix()
-        if matrix[2, 2] < math.cos(math.radians(8.0)):
+        if math.degrees(arithmetic.arccos(np.clip(matrix[2, 2], -1.0, 1.0))) > LEANS_DEG:
             return None
         support = self.held_by.get(object_id)
         if support is None or support.kind != "on" or self._carries_something(object_id):

@@ -27,6 +27,7 @@ from remqa_data.generators.questions.questions import (
     question_rules,
     usable_expressions,
 )
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.tables.rows import QuestionKind
 
@@ -274,7 +275,7 @@ class Planner(Generic[P]):
         weights /= self.rules.again_factor ** np.array(again)
         words = np.array([option.words for option in pool])
         off = np.abs(self.excess_words[kind] + size * (words - self.rules.aim_words[kind])) / size
-        weights *= np.exp(-(off - off.min()) / self.rules.tolerance_words[kind])
+        weights *= arithmetic.exp((off.min() - off) / self.rules.tolerance_words[kind])
         return pool[int(self.rng.choice(len(pool), p=weights / weights.sum()))]
 
     def _answers(self, kind: QuestionKind, site: _Site[P]) -> tuple[str, ...] | None:

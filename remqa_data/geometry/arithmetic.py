@@ -107,6 +107,14 @@ def arccos(cosine: npt.ArrayLike) -> F64:
     return arctan2(np.sqrt((1.0 - x) * (1.0 + x)), x)
 
 
+def exp(power: npt.ArrayLike) -> F64:
+    """The exponential function, to about the last digit, of numbers from -700 to 700."""
+    x = np.asarray(power, dtype=np.float64)
+    doublings = np.rint(x / 0.6931471805599453)
+    rest = (x - doublings * _LOG_2_1) - doublings * _LOG_2_2
+    return np.asarray(np.ldexp(_polynomial(rest, _EXP), doublings.astype(np.int32)))
+
+
 def snapped(values: npt.ArrayLike, step: float = LENGTH_STEP_M) -> F64:
     """The nearest multiples of a step, which is a power of two; never a negative zero.
 
@@ -148,6 +156,8 @@ _ARCTAN = (
     -3.65315727442169155270e-02,
     1.62858201153657823623e-02,
 )
+_LOG_2_1, _LOG_2_2 = 6.93147180369123816490e-01, 1.90821492927058770002e-10
+_EXP = tuple(1.0 / math.factorial(n) for n in range(15))
 _TAN_EIGHTH = math.sqrt(2.0) - 1.0
 
 
