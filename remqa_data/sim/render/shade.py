@@ -230,25 +230,26 @@ def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
             nx, ny, nz = sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i]
             x, y, z = sheet[px.X + i], sheet[px.Y + i], sheet[px.Z + i]
             lx, ly, lz = at_x - x, at_y - y, at_z - z
-            square = lx * lx + ly * ly + lz * lz
-            inverse = one / math.sqrt(square + tiny)
+            square = lx * lx + ly * ly + lz * lz + tiny
+            distance = math.sqrt(square)
             lit = one + shadowed * (sheet[px.LIT + i] - one)
-            power = strength * lit / (one + square * fade)
-            diffuse = max((nx * lx + ny * ly + nz * lz) * inverse, zero) * power
+            share = strength * lit / (distance * (one + square * fade))
+            diffuse = max(nx * lx + ny * ly + nz * lz, zero) * share
             vx, vy, vz = ex - x, ey - y, ez - z
-            view_inverse = one / math.sqrt(vx * vx + vy * vy + vz * vz + tiny)
-            # Blinn's highlight: the normal against the direction half way between lamp and camera.
+            view_distance = math.sqrt(vx * vx + vy * vy + vz * vz + tiny)
+            # Blinn's highlight: the normal against the direction half way between lamp and camera, which has any length
+            # here. Square roots and quotients are what takes time.
             hx, hy, hz = (
-                lx * inverse + vx * view_inverse,
-                ly * inverse + vy * view_inverse,
-                lz * inverse + vz * view_inverse,
+                lx * view_distance + vx * distance,
+                ly * view_distance + vy * distance,
+                lz * view_distance + vz * distance,
             )
-            shine = max(nx * hx + ny * hy + nz * hz, zero) / math.sqrt(hx * hx + hy * hy + hz * hz + tiny)
+            shine = max(nx * hx + ny * hy + nz * hz, zero)
+            shine = shine * shine / (hx * hx + hy * hy + hz * hz + tiny)
             shine = shine * shine
             shine = shine * shine
             shine = shine * shine
-            shine = shine * shine
-            shine = shine * shine * np.float32(0.6) * sheet[px.GLOSS + i] * power
+            shine = shine * shine * np.float32(0.6) * sheet[px.GLOSS + i] * share * distance
             sheet[px.LIGHT_RED + i] += diffuse * sheet[px.RED + i] + shine
             sheet[px.LIGHT_GREEN + i] += diffuse * sheet[px.GREEN + i] + shine
             sheet[px.LIGHT_BLUE + i] += diffuse * sheet[px.BLUE + i] + shine
