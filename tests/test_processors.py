@@ -14,6 +14,8 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
+CPUINFO = Path("/proc/cpuinfo")
+FLAGS = set(CPUINFO.read_text(encoding="utf-8").split()) if CPUINFO.exists() else set()
 NO_FUSED_SINES = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2"}
 OLD_NUMPY = {"NPY_DISABLE_CPU_FEATURES": "X86_V3"}
 OLD_OPENCV = {"OPENCV_CPU_DISABLE": "AVX2,FP16,AVX,SSE4_2", "OPENCV_IPP": "disabled"}
@@ -77,9 +79,10 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     return fingerprints("meshes rooms", {}, tmp_path_factory.mktemp("here"))
 
 
+@pytest.mark.skipif("fma" not in FLAGS, reason="nothing can be taken away from this processor")
 def test_an_old_machine_computes_other_last_digits(tmp_path: Path) -> None:
-    """Else the other tests here would show nothing."""
-    command = ["-c", "import math; print([math.sin(k / 7) for k in range(1000)])"]
+    """Else the other tests here would show nothing; less than one sine in a thousand is another one."""
+    command = ["-c", "import math; print(hash(tuple(math.sin(k / 7000) for k in range(100_000))))"]
     assert run(command, {}, tmp_path) != run(command, OLD_MACHINE, tmp_path)
 
 
