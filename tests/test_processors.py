@@ -86,7 +86,13 @@ def test_an_old_machine_computes_other_last_digits(tmp_path: Path) -> None:
     assert run(command, {}, tmp_path) != run(command, OLD_MACHINE, tmp_path)
 
 
-@pytest.mark.parametrize("environment", [OLD_MACHINE, {"OPENBLAS_CORETYPE": "Zen"}], ids=["old", "zen"])
+@pytest.mark.parametrize(
+    "environment",
+    [
+        pytest.param(OLD_MACHINE, id="old"),
+        pytest.param({"OPENBLAS_CORETYPE": "Zen"}, id="zen", marks=pytest.mark.slow),
+    ],
+)
 def test_meshes_and_rooms_are_the_same_on_another_machine(
     here: list[str], environment: dict[str, str], tmp_path: Path
 ) -> None:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from remqa_data.assets.mesh.grids import cushion, grid_faces, sheet
 from remqa_data.assets.mesh.outlines import Points2, arc, ellipse, rounded_rect
 from remqa_data.assets.mesh.triangles import AXES, Axis, Mesh, joined, turn
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 __all__ = [
@@ -195,7 +196,8 @@ def tube(path: Sequence[Vec3] | F64, radius: float | Sequence[float], sides: int
     radii = np.broadcast_to(np.asarray(radius, dtype=np.float64), (len(points),))
     tangents = np.gradient(points, axis=0)
     tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-12)
-    normal = np.cross(tangents[0], np.eye(3)[np.abs(tangents[0]).argmin()])
+    across = int(arithmetic.snapped(np.abs(tangents[0])).argmin())  # snapped, because two may be equal but for rounding
+    normal = np.cross(tangents[0], np.eye(3)[across])
     angle = np.arange(sides) * 2 * np.pi / sides
     rings_v, rings_n = [], []
     for point, tangent, r in zip(points, tangents, radii, strict=True):
@@ -237,7 +239,9 @@ def prism(outline: Points2, height: float, holes: Sequence[Points2] = (), crease
     """
     import mapbox_earcut
 
-    rings = [_oriented(outline, ccw=True), *(_oriented(hole, ccw=False) for hole in holes)]
+    # Snapped, because many triangulations are as good, and a last digit would choose.
+    points, *inner = (arithmetic.snapped(ring) for ring in (outline, *holes))
+    rings = [_oriented(points, ccw=True), *(_oriented(hole, ccw=False) for hole in inner)]
     flat = np.vstack(rings)
     ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
     triangles = np.asarray(mapbox_earcut.triangulate_float64(flat, ends), dtype=np.int64).reshape(-1, 3)
