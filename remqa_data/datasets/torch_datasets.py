@@ -15,7 +15,7 @@ import pyarrow as pa
 
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.datasets.sample_types import RAGGED, ExpressionSample, FrameSample, QuestionSample
-from remqa_data.errors import ForgedRowError, ImageFormatError, UnknownNameError
+from remqa_data.errors import DatasetError, ForgedRowError, ImageFormatError, UnknownNameError
 from remqa_data.extras import require
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
@@ -223,7 +223,11 @@ def _known(names: Sequence[str] | None, known: Sequence[str], what: str) -> tupl
 
 def _collated(key: str, values: list[Any]) -> Any:
     if isinstance(values[0], torch.Tensor):
-        return values if key in RAGGED else torch.stack(values)
+        if key in RAGGED:
+            return values
+        if len(shapes := {tuple(value.shape) for value in values}) > 1:
+            raise DatasetError(f"{key}: samples of several shapes cannot be one batch: {sorted(shapes)}")
+        return torch.stack(values)
     is_number = isinstance(values[0], int | float) and not isinstance(values[0], bool)
     return torch.tensor(values) if is_number else values
 
