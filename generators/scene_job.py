@@ -12,9 +12,9 @@ from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.floorplans.sampled.naming import is_sampled, sampled_index, sampled_split
 from remqa_data.floorplans.sampled.scenes import sampled_scene
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.audit.samples import AuditedRoom, Refusal, make_sample
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.selection import select
+from remqa_data.generators.samples import AuditedRoom, Refusal, make_sample
 from remqa_data.generators.scene_plan import Job, RoomPlan, RoomPlanner
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo, walk_through
 from remqa_data.scene import Scene

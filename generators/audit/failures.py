@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
-from remqa_data.generators.audit.samples import Truth as SampleTruth
+from remqa_data.generators.samples import Truth as SampleTruth
 
 Truth = SampleTruth | Literal["consistent", "unbiased", "complete", "reproducible"]
 """Those of `samples.Truth`, and more: `consistent` is that rows and files say the same as one another and as the room that

@@ -8,10 +8,10 @@ from dataclasses import fields
 
 from remqa_data.errors import NoPathError
 from remqa_data.generators.audit.failures import Broken, Failure
-from remqa_data.generators.audit.samples import agent_state
 from remqa_data.generators.audit.truths import CheckedRoom
 from remqa_data.generators.config import Config
 from remqa_data.generators.figures.sample_picture import stored_pose
+from remqa_data.generators.samples import agent_state
 from remqa_data.mapping.semantic_map import VoxelMap
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import FrameMetadata, frame_metadata

@@ -16,9 +16,9 @@ from remqa_data.catalog import catalog
 from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownNameError, one_line
 from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
-from remqa_data.generators.audit.samples import agent_state
 from remqa_data.generators.figures.sample_picture import poses_along, stored_pose
 from remqa_data.generators.questions.questions import question_program, question_text
+from remqa_data.generators.samples import agent_state
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.referring import Program, program_of, resolve

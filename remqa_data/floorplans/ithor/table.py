@@ -204,10 +204,13 @@ def _from_yaw(centre: F64, size: F64, yaw_deg: float) -> tuple[F64, F64, F64]:
     return centre, along, _facing(90.0 * quarter)
 
 
+@lru_cache(maxsize=1024)  # most objects are turned by quarters
 def _facing(thor_yaw_deg: float) -> F64:
-    """Axes (as columns) of an object that AI2-THOR turns by a yaw."""
+    """Axes (as columns) of an object that AI2-THOR turns by a yaw; nobody may change them."""
     sine, cosine = arithmetic.sin_cos_deg(thor_yaw_deg)
-    return axes_facing(np.array([sine, cosine, 0.0]))
+    axes = axes_facing(np.array([sine, cosine, 0.0]))
+    axes.flags.writeable = False
+    return axes
 
 
 def axes_facing(front: F64) -> F64:
@@ -242,12 +245,15 @@ def _from_corners(read: _Reader, corners: Any, angles: Vec3) -> tuple[F64, F64, 
     return points.mean(axis=0), size, rotation
 
 
+@lru_cache(maxsize=1024)
 def _forward(angles: Vec3) -> F64:
-    """Where AI2-THOR's forward axis points in our frame; where that is vertical, its up axis."""
+    """Where AI2-THOR's forward axis points in our frame; where that is vertical, its up axis. Nobody may change it."""
     (sx, sy, sz), (cx, cy, cz) = arithmetic.sin_cos_deg(angles)
     rz = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
     rx = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
     ry = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
     turned = arithmetic.product(arithmetic.product(ry, rx), rz)[[0, 2, 1]]  # Unity turns about z, then x, then y
     forward = turned[:, 2]
-    return np.asarray(turned[:, 1] if abs(forward[2]) > 0.75 else forward)
+    axis = np.array(turned[:, 1] if abs(forward[2]) > 0.75 else forward)
+    axis.flags.writeable = False
+    return axis
