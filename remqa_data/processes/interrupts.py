@@ -13,6 +13,7 @@ import signal
 import socket
 import sys
 import threading
+import time
 from contextlib import suppress
 from types import FrameType, TracebackType
 from typing import Any
@@ -23,6 +24,8 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _NO_SIGNAL = b"\0"
 _SHOW_CURSOR = b"\x1b[?25h"
 """Progress bars hide it."""
+_SHOWN_S = 0.2
+"""A terminal of which this process is the leader, as in `docker run -t`, forgets what it has not shown when that ends."""
 
 
 class PromptInterrupts:
@@ -44,6 +47,7 @@ class PromptInterrupts:
     def __init__(self, line: str) -> None:
         self._number: int | None = None
         self._line = line
+        self._is_told, self._telling = False, threading.Lock()
         self._handlers: dict[int, Any] = {}
 
     def __enter__(self) -> PromptInterrupts:
@@ -63,6 +67,7 @@ class PromptInterrupts:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._number is not None:
+            self._tell()  # the block may have ended before the watcher came to it
             _end_process(128 + self._number)  # an orderly end of Python takes seconds on a busy machine
         if not self._handlers:
             return
@@ -79,19 +84,25 @@ class PromptInterrupts:
         if self._number is not None:
             return  # the first one is being dealt with
         self._number = number
-        if self._watcher.ident is None:
-            _say(self._line)
         raise KeyboardInterrupt
 
     def _watch(self) -> None:
         number = self._next_signal()
         if number is None:
             return
-        _say(self._line)
+        self._tell()
         self._reader.settimeout(GRACE_S)
         with suppress(TimeoutError):
             self._next_signal()
         _end_process(128 + number)
+
+    def _tell(self) -> None:
+        """Say the line, once; when this returns it is said."""
+        with self._telling:
+            if not self._is_told:
+                self._is_told = True
+                with suppress(OSError):
+                    os.write(2, f"\n{self._line}\n".encode())
 
     def _next_signal(self) -> int | None:
         while True:
@@ -102,11 +113,6 @@ class PromptInterrupts:
                 return data[0]
 
 
-def _say(line: str) -> None:
-    with suppress(OSError):
-        os.write(2, f"\n{line}\n".encode())
-
-
 def _end_process(code: int) -> None:
     """End this process and all that it has started, without another word."""
     try:
@@ -115,5 +121,6 @@ def _end_process(code: int) -> None:
             child.kill()
         if os.isatty(2):
             os.write(2, _SHOW_CURSOR)
+            time.sleep(_SHOWN_S)
     finally:
         os._exit(code)

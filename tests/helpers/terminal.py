@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pty
 import select
+import signal
 import subprocess
 import time
 from collections.abc import Callable, Sequence
@@ -66,6 +67,12 @@ def at_terminal(command: Sequence[str], **environment: str) -> Terminal:
         stderr=theirs,
         cwd=ROOT,
         env={**os.environ, **environment},
+        preexec_fn=_heed_interrupts,
     )
     os.close(theirs)
     return Terminal(process, ours)
+
+
+def _heed_interrupts() -> None:
+    """As a shell at a terminal has it: what runs in the background of a script ignores Ctrl-C, and so do its children."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
