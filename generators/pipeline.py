@@ -15,12 +15,14 @@ from remqa_data.generators.questions.allotment import SceneQuota, allot, capacit
 from remqa_data.generators.scene_job import make_room
 from remqa_data.generators.scene_plan import Job
 from remqa_data.processes.executors import Executor, LocalExecutor
-from remqa_data.storage.backend import Folder, Storage, storage_at
+from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import write_card
+from remqa_data.storage.folder import Folder
 from remqa_data.storage.locks import exclusive
 from remqa_data.storage.manifest import FileInfo, Manifest, load_manifest, make_manifest
 from remqa_data.storage.ownership import clear, look, mark, remove_parts
 from remqa_data.storage.parts import Part, Parts, assemble, count_questions, finish
+from remqa_data.storage.protocol import Storage
 from remqa_data.storage.shards import check_files, check_sizes
 from remqa_data.version import __version__
 

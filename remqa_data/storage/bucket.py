@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from remqa_data.errors import StorageError, one_line
 from remqa_data.files import sha256_of
-from remqa_data.storage.backend import StoredFile
+from remqa_data.storage.protocol import StoredFile
 
 if TYPE_CHECKING:
     from pyarrow.fs import FileSystem

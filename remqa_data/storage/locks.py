@@ -21,7 +21,8 @@ from uuid import uuid4
 import filelock
 
 from remqa_data.errors import BusyDatasetError
-from remqa_data.storage.backend import Folder, Storage, StoredFile
+from remqa_data.storage.folder import Folder
+from remqa_data.storage.protocol import Storage, StoredFile
 
 LOCK = ".lock"
 WISH = ".wish"

@@ -19,7 +19,9 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from remqa_data.errors import DatasetError
-from remqa_data.storage.backend import Folder, Storage, storage_at
+from remqa_data.storage.backend import storage_at
+from remqa_data.storage.folder import Folder
+from remqa_data.storage.protocol import Storage
 from remqa_data.version import __version__
 
 MANIFEST = "manifest.json"

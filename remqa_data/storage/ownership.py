@@ -14,10 +14,10 @@ from pathlib import PurePosixPath
 
 from remqa_data.errors import DatasetError
 from remqa_data.files import name_of_leftover
-from remqa_data.storage.backend import Storage, StoredFile
 from remqa_data.storage.card import CARD, CROISSANT
 from remqa_data.storage.locks import LOCK
 from remqa_data.storage.manifest import MANIFEST
+from remqa_data.storage.protocol import Storage, StoredFile
 from remqa_data.tables.schema import TABLES
 
 PARTS = ".parts"

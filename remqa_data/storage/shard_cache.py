@@ -12,7 +12,8 @@ from pathlib import Path
 
 from remqa_data.errors import DamagedShardError
 from remqa_data.files import atomic_path, sha256_of
-from remqa_data.storage.backend import Folder, storage_at
+from remqa_data.storage.backend import storage_at
+from remqa_data.storage.folder import Folder
 from remqa_data.storage.manifest import FileInfo
 
 CACHE_VARIABLE = "REMQA_CACHE"

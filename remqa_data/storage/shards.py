@@ -20,8 +20,8 @@ import pyarrow.parquet as pq
 
 from remqa_data.errors import DamagedShardError, DatasetError, ForgedRowError, SchemaError, one_line
 from remqa_data.files import atomic_path, sha256_of
-from remqa_data.storage.backend import Storage
 from remqa_data.storage.manifest import FileInfo, Manifest, load_manifest
+from remqa_data.storage.protocol import Storage
 from remqa_data.storage.shard_cache import local_shard
 from remqa_data.tables.row_checks import find_problem
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow

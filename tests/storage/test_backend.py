@@ -9,11 +9,13 @@ import pytest
 
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import BusyDatasetError, DamagedPartError, DamagedShardError, DatasetError, StorageError
-from remqa_data.storage.backend import Folder, Storage, storage_at
+from remqa_data.storage.backend import storage_at
 from remqa_data.storage.bucket import Bucket
+from remqa_data.storage.folder import Folder
 from remqa_data.storage.locks import LOCK, exclusive
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.parts import Parts, assemble
+from remqa_data.storage.protocol import Storage
 from remqa_data.storage.shards import check_files, read_rows, read_table
 from remqa_data.tables.rows import QuestionRow
 from tests.helpers.dataset_rows import frame_row, write_dataset
