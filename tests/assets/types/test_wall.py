@@ -7,6 +7,7 @@ import pytest
 
 from remqa_data.assets import AssetSpec, build
 from remqa_data.assets.core.model import Asset
+from remqa_data.geometry.arithmetic import LENGTH_STEP_M
 
 VARIANTS = range(4)
 
@@ -95,4 +96,4 @@ def test_the_floor_covers_each_rectangle_of_its_footprint_and_gives_space_on_it(
     footprint = ((-2.0, -2.0, 2.0, 0.0), (-2.0, 0.0, 0.0, 2.0))
     asset = build(AssetSpec("Floor", (4.0, 4.0, 0.05), footprint=footprint))
     assert [space.box[:2] + space.box[3:5] for space in asset.spaces] == [pytest.approx(r) for r in footprint]
-    assert all(space.box[2] == pytest.approx(0.025) for space in asset.spaces)
+    assert all(space.box[2] == pytest.approx(0.025, abs=LENGTH_STEP_M) for space in asset.spaces)
