@@ -239,8 +239,7 @@ def prism(outline: Points2, height: float, holes: Sequence[Points2] = (), crease
     """
     import mapbox_earcut
 
-    # Snapped, because many triangulations are as good, and a last digit would choose.
-    points, *inner = (arithmetic.snapped(ring) for ring in (outline, *holes))
+    points, *inner = (_snapped_ring(ring) for ring in (outline, *holes))
     rings = [_oriented(points, ccw=True), *(_oriented(hole, ccw=False) for hole in inner)]
     flat = np.vstack(rings)
     ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
@@ -256,6 +255,15 @@ def prism(outline: Points2, height: float, holes: Sequence[Points2] = (), crease
     ]
     meshes += [_side_walls(ring, h, crease_deg) for ring in rings]
     return joined(meshes)
+
+
+def _snapped_ring(outline: Points2) -> F64:
+    """An outline's points, snapped, because many triangulations are as good and a last digit would choose.
+
+    Points that become one stay one: a side without a length has no normal.
+    """
+    points = arithmetic.snapped(outline)
+    return np.asarray(points[(points != np.roll(points, 1, axis=0)).any(axis=1)])
 
 
 def _oriented(outline: Points2, *, ccw: bool) -> F64:
