@@ -57,8 +57,12 @@ class Terminal:
         return time.monotonic() - begun - apart_s * (len(strikes) - 1)
 
 
-def at_terminal(command: Sequence[str], **environment: str) -> Terminal:
-    """Start a command at a terminal of its own."""
+def at_terminal(command: Sequence[str], *, ignores_ctrl_c: bool = False, **environment: str) -> Terminal:
+    """Start a command at a terminal of its own.
+
+    It heeds Ctrl-C wherever this runs: what scripts run in the background ignores it, and so do its children.
+    """
+    handler = signal.SIG_IGN if ignores_ctrl_c else signal.SIG_DFL
     ours, theirs = pty.openpty()
     process = subprocess.Popen(
         ["setsid", "--ctty", *command],
@@ -67,12 +71,7 @@ def at_terminal(command: Sequence[str], **environment: str) -> Terminal:
         stderr=theirs,
         cwd=ROOT,
         env={**os.environ, **environment},
-        preexec_fn=_heed_interrupts,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, handler),
     )
     os.close(theirs)
     return Terminal(process, ours)
-
-
-def _heed_interrupts() -> None:
-    """As a shell at a terminal has it: what runs in the background of a script ignores Ctrl-C, and so do its children."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -24,9 +24,12 @@ STOP_S = 4.0
 LINE = "remqa-gen: stopped; the rooms that are finished are kept, go on with --resume"
 
 
-def at_terminal(out: Path, *options: str, workers: int = 2, **environment: str) -> Terminal:
+def at_terminal(
+    out: Path, *options: str, workers: int = 2, ignores_ctrl_c: bool = False, **environment: str
+) -> Terminal:
     arguments = ["--scenes", "12", "--out", str(out), "--workers", str(workers), *options]
-    return command_at_terminal([sys.executable, "-m", PROGRAM, *arguments], **environment)
+    command = [sys.executable, "-m", PROGRAM, *arguments]
+    return command_at_terminal(command, ignores_ctrl_c=ignores_ctrl_c, **environment)
 
 
 def parts_in(out: Path) -> int:
@@ -96,11 +99,7 @@ def test_a_run_whose_merging_is_interrupted_leaves_no_half_shard(whole: Path, tm
 
 def test_a_run_that_was_started_to_ignore_ctrl_c_does(tmp_path: Path) -> None:
     """As `nohup` and shells do for commands in the background."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        terminal = at_terminal(tmp_path / "out", CRASH_ROOM_S="0")
-    finally:
-        signal.signal(signal.SIGINT, before)
+    terminal = at_terminal(tmp_path / "out", ignores_ctrl_c=True, CRASH_ROOM_S="0")
     terminal.read_until(lambda: "generating" in terminal.shown or terminal.process.poll() is not None)
     terminal.press_ctrl_c()
     terminal.read_until(lambda: terminal.process.poll() is not None)

@@ -217,10 +217,12 @@ in_a_namespace = pytest.mark.skipif(
 
 def run_shell(script: str, **environment: str) -> str:
     """Run a script that may mount what it likes; what it printed."""
-    program = f"{sys.executable} {PROGRAM} --scenes {SCENES} --workers 2"
+    program = f"{sys.executable} -m {PROGRAM} --scenes {SCENES} --workers 2"
     command = ["unshare", "-rm", "sh", "-c", script]
     environment = {**os.environ, "REMQA_GEN": program, **environment}
-    done = subprocess.run(command, text=True, capture_output=True, env=environment, timeout=PATIENCE_S, check=False)
+    done = subprocess.run(
+        command, text=True, capture_output=True, env=environment, cwd=ROOT, timeout=PATIENCE_S, check=False
+    )
     return done.stdout + done.stderr
 
 
