@@ -121,5 +121,5 @@ def test_a_folder_with_other_files_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
     result = CliRunner().invoke(app, ["--config", str(CONFIGS / "tiny.yaml"), "--out", str(tmp_path)])
     assert result.exit_code == 2
-    assert "is not empty" in result.output
+    assert "holds thesis.txt: no part of a dataset of ours" in result.output
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
