@@ -109,6 +109,10 @@ def stored(behind: str, prefix: str) -> dict[str, str]:
     return {key.removeprefix(f"{prefix}/"): hashlib.sha256(body).hexdigest() for key, body in bodies.items()}
 
 
+MISREAD = ("short answer", "flip")
+"""Two such readings of a part say that it is damaged (docs/RELIABILITY.md): its note goes, and its room is made again."""
+
+
 def check(
     fault: Fault, servers: tuple[FaultyS3, str], config: Config, expected: dict[str, str], prefix: str
 ) -> Exception | None:
@@ -119,7 +123,11 @@ def check(
         """Parts may go when the manifest and all that it lists are there."""
         if "/.parts" in unquote(path) or path.endswith("?delete"):
             there = stored(behind, prefix)
-            if not expected.items() <= there.items():
+            is_note = path.endswith(
+                "/part.json"
+            )  # else it is an upload that was read back wrong, and that counts nowhere
+            called_damaged = fault.does in MISREAD and (proxy.hits >= 2 or not is_note)
+            if not expected.items() <= there.items() and not called_damaged:
                 unsafe.append(path)
 
     proxy.faults, proxy.on_delete, proxy.hits = [Fault(**vars(fault))], on_delete, 0
