@@ -22,7 +22,7 @@ from typing import Any
 import pyarrow as pa
 from pydantic import TypeAdapter, ValidationError
 
-from remqa_data.errors import DamagedPartError, DatasetError, StorageError
+from remqa_data.errors import DamagedPartError, DatasetError
 from remqa_data.files import name_of_leftover, sha256_of
 from remqa_data.processes.executors import Executor, LocalExecutor
 from remqa_data.storage.backend import storage_at
@@ -285,22 +285,12 @@ def count_questions(parts: Iterable[Part]) -> dict[str, dict[str, int]]:
 
 def _rows(storage: Storage, piece: Piece) -> Iterator[pa.Table]:
     """The rows of a piece, a row group in memory at a time; a file that is not as it was written is read once more."""
-    read_bytes = None
     for _ in range(2):
         with suppress(FileNotFoundError), storage.fetch(piece.file.path) as path:
             if sha256_of(path) == piece.file.sha256:
                 yield from _sliced(path, piece.file.table, piece.first, piece.rows)
                 return
-            read_bytes = path.stat().st_size
-    if read_bytes is not None and read_bytes != piece.file.bytes and _is_whole(storage, piece.file):
-        raise StorageError(storage.where(piece.file.path), f"only {read_bytes} of {piece.file.bytes} bytes can be read")
     raise _damaged(storage, piece)
-
-
-def _is_whole(storage: Storage, file: FileInfo) -> bool:
-    """Whether the storage says that it holds all bytes of a file: then reading is what fails, and the part is good."""
-    folder = file.path.rpartition("/")[0]
-    return any((stored.path, stored.bytes) == (file.path, file.bytes) for stored in storage.files(folder))
 
 
 def _sliced(path: Path, table: str, first: int, rows: int) -> Iterator[pa.Table]:
