@@ -1,7 +1,11 @@
 """One exception class per cause. All derive from `RemqaError`, so a caller can catch the whole family."""
 
 import difflib
+import reprlib
 from collections.abc import Iterable
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = 120
 
 
 def one_line(error: object) -> str:
@@ -35,7 +39,7 @@ class UnknownNameError(RemqaError, KeyError):
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.kind, self.name = kind, name
         self.nearest = nearest_names(name, known)
-        msg = f"unknown {kind} {name!r}"
+        msg = f"unknown {kind} {_SHORT.repr(name)}"
         if self.nearest:
             msg += f"; did you mean {' or '.join(repr(near) for near in self.nearest)}?"
         self.message = msg

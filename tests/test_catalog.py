@@ -151,6 +151,10 @@ def test_an_unknown_type_is_answered_with_the_nearest_names():
         plural("xyzzy")
 
 
+def test_a_name_as_long_as_a_page_is_named_in_one_line() -> None:
+    assert len(str(UnknownNameError("frame", "[" * 4000, ["FloorPlan1-000"]))) < 200
+
+
 def test_an_object_type_survives_json_and_yaml():
     for name, kind in catalog().items():
         assert ObjectType.model_validate_json(kind.model_dump_json()) == kind
