@@ -140,6 +140,23 @@ def stats(
 
 
 @app.command()
+def recount(
+    root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
+    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the table there, too.")] = None,
+) -> None:
+    """Count and measure a dataset in its files and pictures, beside what version 1.0 of the full dataset aims at."""
+    from remqa_data.files import atomic_path
+    from remqa_data.generators.audit.recount.report import recount
+
+    table = recount(root)
+    if csv is not None:
+        with atomic_path(csv) as temporary:
+            table.to_csv(temporary, index=False)
+    output().say(table.round(3).to_string(index=False))
+    output().result(figures=json.loads(table.to_json(orient="records")))
+
+
+@app.command()
 def verify(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
     everything: Annotated[bool, typer.Option("--all", help="Check every row of every table.")] = False,

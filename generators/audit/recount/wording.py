@@ -1,0 +1,106 @@
+"""What is asked, and in which words, counted from the columns of questions and expressions."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections import Counter
+
+import numpy as np
+import pandas as pd
+
+from remqa_data.storage.manifest import load_manifest
+from remqa_data.storage.shards import read_table
+
+QUESTION_COLUMNS = [
+    *("question_id", "kind", "split", "scene", "configuration", "group", "question", "expression", "program"),
+    *("target_id", "target_type", "answer_type", "manipulation"),
+]
+EXPRESSION_COLUMNS = ["expression_id", "frame_id", "target_id", "target_type", "anchor_id"]
+
+
+def asked(root: str | os.PathLike[str]) -> pd.DataFrame:
+    """The questions of a dataset without their pictures.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The columns `QUESTION_COLUMNS`, and `words` (of the question), `relation` (of the first step), `has_landmark`,
+        `same_type` (objects of the target's type in the room).
+    """
+    splits = load_manifest(root).splits("questions")
+    rows: pd.DataFrame = pd.concat(
+        [read_table(root, "questions", split, QUESTION_COLUMNS).to_pandas() for split in splits], ignore_index=True
+    )
+    programs = rows["program"].map(json.loads)
+    rows["words"] = rows["question"].map(_words)
+    rows["relation"] = programs.map(lambda program: next((step[1] for step in program if step[0] == "relate"), ""))
+    rows["has_landmark"] = programs.map(_has_landmark)
+    types = _types_of_rooms(root)
+    rows["same_type"] = [
+        types[scene, number][kind]
+        for scene, number, kind in zip(rows["scene"], rows["configuration"], rows["target_type"], strict=True)
+    ]
+    return rows
+
+
+def expressions_in_frames(root: str | os.PathLike[str]) -> pd.DataFrame:
+    """The referring expressions of a dataset.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The columns `EXPRESSION_COLUMNS`, and `rivals` (objects of the target's type that the frame shows, without the
+        target), `shows_anchor` (whether the frame shows the landmark; None where there is none).
+    """
+    parts: list[pd.DataFrame] = []
+    for split in load_manifest(root).splits("expressions"):
+        frames = read_table(root, "frames", split, ["frame_id", "objects"])
+        ids = frames["objects"].combine_chunks()
+        shown = {
+            frame: [(record["id"], record["type"]) for record in objects]
+            for frame, objects in zip(frames["frame_id"].to_pylist(), ids.to_pylist(), strict=True)
+        }
+        rows = read_table(root, "expressions", split, EXPRESSION_COLUMNS).to_pandas()
+        seen = [shown[frame] for frame in rows["frame_id"]]
+        rows["rivals"] = [
+            sum(kind == wanted for _, kind in objects) - 1
+            for objects, wanted in zip(seen, rows["target_type"], strict=True)
+        ]
+        rows["shows_anchor"] = [
+            None if anchor is None else anchor in {object_id for object_id, _ in objects}
+            for objects, anchor in zip(seen, rows["anchor_id"], strict=True)
+        ]
+        parts.append(rows)
+    found: pd.DataFrame = pd.concat(parts, ignore_index=True)
+    return found
+
+
+def _words(text: str) -> int:
+    return len(text.split())
+
+
+def _has_landmark(program: object) -> bool:
+    """Whether the phrase for the target leans on something else."""
+    assert isinstance(program, list)
+    inner: list[list[object]] = next((step[-1] for step in program if step[0] == "relate"), [])
+    return any(step[0] in ("relate", "closest") for step in inner)
+
+
+def _types_of_rooms(root: str | os.PathLike[str]) -> dict[tuple[str, int], Counter[str]]:
+    found = {}
+    for split in load_manifest(root).splits("scenes"):
+        for row in read_table(root, "scenes", split, ["scene", "configuration", "objects"]).to_pylist():
+            found[row["scene"], row["configuration"]] = Counter(record["type"] for record in row["objects"])
+    return found
+
+
+def largest_share(values: pd.Series) -> float:
+    """Share of the most frequent value; 0 of none."""
+    return float(values.value_counts(normalize=True).max()) if len(values) else 0.0
+
+
+def percentile(values: pd.Series, share: float) -> float:
+    """A percentile of what is no NaN; NaN if nothing is."""
+    known = values.dropna()
+    return float(np.percentile(known, share)) if len(known) else float("nan")

@@ -1,0 +1,32 @@
+import pytest
+from typer.testing import CliRunner
+
+from remqa_data.cli import app
+from remqa_data.generators.audit.recount.report import recount
+from remqa_data.generators.audit.recount.wording import _has_landmark
+
+FRIDGE = [["filter_type", "Fridge"]]
+
+
+def test_a_landmark_is_what_the_phrase_of_the_place_leans_on() -> None:
+    cabinet = [["filter_type", "Cabinet"], ["relate", "next_to", FRIDGE]]
+    assert not _has_landmark([["filter_type", "Mug"], ["relate", "in", FRIDGE], ["exist"]])
+    assert _has_landmark([["filter_type", "Mug"], ["relate", "in", cabinet], ["exist"]])
+
+
+@pytest.mark.slow
+def test_every_figure_of_a_dataset_has_an_aim(real_dataset) -> None:
+    table = recount(real_dataset)
+    assert list(table.columns) == ["what", "asked", "measured", "holds"]
+    assert table["what"].is_unique
+    figures = table.set_index("what")
+    assert figures.loc["end views that show another number than the answer", "measured"] == 0
+    assert figures.loc["questions of the room with most", "measured"] == 12
+
+
+@pytest.mark.slow
+def test_the_command_prints_the_table_and_writes_it(real_dataset, tmp_path) -> None:
+    done = CliRunner().invoke(app, ["recount", str(real_dataset), "--csv", str(tmp_path / "figures.csv")])
+    assert done.exit_code == 0, done.output
+    assert "pixels of evidence, median" in done.output
+    assert (tmp_path / "figures.csv").read_text().startswith("what,asked,measured,holds\n")
