@@ -20,6 +20,7 @@ from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.navigation.grid import reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, AgentPose
+from remqa_data.sim.physics.bullet import BulletClient, pybullet
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import NEAR_M, Camera
 from remqa_data.sim.render.renderer import Renderer, RenderPart
@@ -106,17 +107,15 @@ def our_times(scene: BenchmarkScene) -> dict[str, F64]:
 
 def bullet_times(scene: BenchmarkScene) -> dict[str, F64]:
     """PyBullet's software renderer, without and with shadows."""
-    from remqa_data.sim.physics.bullet import pybullet
-
-    client = pybullet.connect(pybullet.DIRECT)
+    client = BulletClient()
     for part, pose in zip(scene.parts, scene.poses, strict=True):
         for surface in part.surfaces:
-            _add_to_bullet(pybullet, client, surface, pose)
+            _add_to_bullet(client, surface, pose)
 
     def draw(camera: Camera, shadow: bool) -> None:
         eye = np.array(camera.position)
         _, up, forward = camera.rotation()
-        pybullet.getCameraImage(
+        client.getCameraImage(
             camera.width,
             camera.height,
             viewMatrix=pybullet.computeViewMatrix(eye.tolist(), (eye + forward).tolist(), up.tolist()),
@@ -126,12 +125,11 @@ def bullet_times(scene: BenchmarkScene) -> dict[str, F64]:
             shadow=shadow,
             lightDirection=[0.3, 0.2, 1.0],
             renderer=pybullet.ER_TINY_RENDERER,
-            physicsClientId=client,
         )
 
     draws = {BULLET_PLAIN: partial(draw, shadow=False), BULLET_SHADOWS: partial(draw, shadow=True)}
     times = frame_times(draws, scene.cameras)
-    pybullet.disconnect(client)
+    client.close()
     return times
 
 
@@ -186,24 +184,22 @@ def room(name: str, seed: int = 0) -> BenchmarkScene:
     return BenchmarkScene(f"{name} ({scene.room_type})", parts, poses, scene.lights, cameras)
 
 
-def _add_to_bullet(pybullet: Any, client: int, surface: Surface, pose: F64) -> None:
-    shape = pybullet.createVisualShape(
+def _add_to_bullet(client: BulletClient, surface: Surface, pose: F64) -> None:
+    shape = client.createVisualShape(
         pybullet.GEOM_MESH,
         vertices=surface.vertices.tolist(),
         indices=surface.faces.ravel().tolist(),
         normals=surface.normals.tolist(),
         uvs=surface.uv.tolist(),
         rgbaColor=[*surface.material.rgb, 1.0],
-        physicsClientId=client,
     )
     matrix = np.eye(4)
     matrix[:3, :3] = pose[:3, :3]
     w, x, y, z = trimesh.transformations.quaternion_from_matrix(matrix)
-    pybullet.createMultiBody(
+    client.createMultiBody(
         baseVisualShapeIndex=shape,
         basePosition=pose[:3, 3].tolist(),
         baseOrientation=[x, y, z, w],
-        physicsClientId=client,
     )
 
 

@@ -94,9 +94,6 @@ class AuditedRoom:
 
     def start_over(self, pose: AgentPose) -> None:
         """Undo all actions and put the agent somewhere."""
-        held = self.replay.world.held
-        if held is not None:
-            self.replay.view.hide(held, False)
         self.replay.world.restore(self._first)
         self.replay.pose = pose
 

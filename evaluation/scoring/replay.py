@@ -139,8 +139,6 @@ def replay_room(job: ReplayJob) -> list[Replayed]:
         done = []
         for attempt in job.attempts:
             done.append(_replayed(replay, attempt))
-            if replay.world.held is not None:
-                replay.view.hide(replay.world.held, False)
             replay.world.restore(first)
         return done
     finally:

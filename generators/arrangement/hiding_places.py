@@ -31,7 +31,6 @@ from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import Outline, object_outlines, reachable_grid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, front_points
-from remqa_data.sim.physics.bullet import pybullet
 from remqa_data.sim.physics.support import Support, supports
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
@@ -363,5 +362,5 @@ def _is_solid(world: World, area: Area) -> bool:
     flat = area.lattice(max(area.half)).reshape(-1, 2) * 0.8
     starts = area.to_room(at_height(flat, min(0.06, 0.8 * area.height_m)))
     ends = area.to_room(at_height(flat, -SOLID_M))
-    hits = pybullet.rayTestBatch(starts.tolist(), ends.tolist(), physicsClientId=world.client)
+    hits = world.client.rayTestBatch(starts.tolist(), ends.tolist())
     return bool(np.mean([hit[0] >= 0 and abs(hit[3][2] - area.centre[2]) <= SOLID_M for hit in hits]) >= 0.8)

@@ -9,7 +9,6 @@ import numpy as np
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.physics.bodies import STRUCTURE_NAME
-from remqa_data.sim.physics.bullet import pybullet
 from remqa_data.sim.physics.world import World
 
 MAX_OVERLAP_M = 0.005
@@ -67,5 +66,5 @@ def _is_carried(world: World, object_id: str, centre: F64, half: F64, bottom: fl
     ]
     ends = [(x, y, bottom - LEVEL_M) for x, y, _ in starts]
     with world.without_collisions(object_id):
-        hits = pybullet.rayTestBatch(starts, ends, physicsClientId=world.client)
+        hits = world.client.rayTestBatch(starts, ends)
     return all(hit[0] >= 0 and abs(hit[3][2] - bottom) <= LEVEL_M for hit in hits)

@@ -40,8 +40,6 @@ class LoadedRoom:
     def begin(self, episode: Episode, rng: np.random.Generator) -> None:
         """Undo what was done, and put the agent at its initial pose."""
         self.episode = episode
-        if self.world.held is not None:
-            self.view.hide(self.world.held, False)
         self.world.restore(self._first)
         if episode.initial_pose is None:
             cells = self.agent.grid.cells

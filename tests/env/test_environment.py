@@ -307,7 +307,7 @@ def test_an_environment_that_is_dropped_gives_its_simulator_back() -> None:
     for _ in range(3):
         env = RemqaEnv(**SMALL)
         env.reset(seed=0)
-        clients.add(env.agent.world.client)
+        clients.add(env.agent.world.client.number)
         del env
         gc.collect()
     assert len(clients) == 1

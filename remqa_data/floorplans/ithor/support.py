@@ -16,7 +16,6 @@ from remqa_data.floorplans.ithor.plan import SIDES, RoomShell
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Box
 from remqa_data.scene import Scene, SceneObject, StructureBox
-from remqa_data.sim.physics.bullet import pybullet
 from remqa_data.sim.physics.world import World
 
 SNAP_M = 0.04
@@ -129,7 +128,7 @@ class _Probe:
         ]
         ends = [(x, y, float(low[2]) - LOOK_M) for x, y, _ in starts]
         with self.world.without_collisions(object_id):
-            hits = pybullet.rayTestBatch(starts, ends, physicsClientId=self.world.client)
+            hits = self.world.client.rayTestBatch(starts, ends)
         points = np.array([hit[3] for hit in hits if hit[0] >= 0 and hit[2] > 0]).reshape(-1, 3)
         while len(points):
             top = points[points[:, 2] > points[:, 2].max() - LEVEL_M]

@@ -42,7 +42,7 @@ class Agent(Body):
     world : World
         The room.
     view : WorldView
-        Draws the room; what the agent holds is left out of its pictures.
+        Draws the room.
     position : sequence of float
         x and y of the middle of its base, metres; a third number is ignored, it stands on the floor.
     yaw_deg : float
@@ -119,7 +119,6 @@ class Agent(Body):
         if refusal is None:
             carried = self.world.contents(object_id)
             self.world.pick_up(object_id)
-            self.view.hide(object_id)
             if carried:
                 handling.settle(self.world)
         return refusal or DONE
@@ -237,7 +236,6 @@ class Agent(Body):
     def _released(self, done: handling.Release) -> ActionResult:
         if done.object_id is None:
             return ActionResult(False, done.error)
-        self.view.hide(done.object_id, False)
         return ActionResult(True, value=done.object_id)
 
 

@@ -98,8 +98,9 @@ class RobotView(WorldView):
     """
 
     def __init__(self, agent: Agent) -> None:
-        super().__init__(agent.world)
+        super().__init__(agent.world, shows_held=True)
         self.agent = agent
+        self._in_hand: str | None = None
         parts, poses = world_parts(agent.world)
         # All parts of the robot have the instance that WorldView reads as "no object".
         robot = [RenderPart(surfaces, len(parts)) for surfaces in arm_body.robot_surfaces()]
@@ -112,7 +113,10 @@ class RobotView(WorldView):
         """Follow the world, the agent, its arm, and what is in its hand."""
         super().sync()
         self.renderer.set_poses(self._robot, self._robot_poses())
-        held = self.agent.held
+        before, self._in_hand = self._in_hand, self.agent.held
+        if before is not None:  # it may be where it was when it was picked up
+            self.renderer.set_poses(self._parts_of[before], self.world.link_poses(before))
+        held = self._in_hand
         if held is not None:
             poses = self.world.link_poses(held)
             poses[:, :3, 3] += np.array(self.agent.arm.hand(self.agent.base)) - self.world.state(held).position

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -14,7 +13,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import snapped_quaternion
 from remqa_data.geometry.types import F64, Box, Vec3
 from remqa_data.scene import Quaternion
-from remqa_data.sim.physics.bullet import pybullet
+from remqa_data.sim.physics.bullet import BulletClient, pybullet
 from remqa_data.sim.physics.state import ObjectState
 
 TIME_STEP_S = 1 / 240
@@ -40,26 +39,22 @@ class Bodies:
 
     Attributes
     ----------
-    client : int
+    client : BulletClient
         For questions to PyBullet that this class does not answer.
     """
 
     def __init__(self) -> None:
-        self.client = int(pybullet.connect(pybullet.DIRECT))
-        self._disconnect = weakref.finalize(self, pybullet.disconnect, self.client)
+        self.client = BulletClient()
         self._assets: Mapping[str, Asset] = {}
         self._of: dict[str, int] = {}
         self._structure: list[int] = []
 
     def load(self, structure: Sequence[Box], assets: Mapping[str, Asset], states: Mapping[str, ObjectState]) -> None:
         """Begin afresh with a building and objects; the same arguments always give the same simulation."""
-        pybullet.resetSimulation(physicsClientId=self.client)
-        pybullet.setGravity(0, 0, GRAVITY_M_S2, physicsClientId=self.client)
-        pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=TIME_STEP_S,
-            numSolverIterations=30,
-            deterministicOverlappingPairs=1,
-            physicsClientId=self.client,
+        self.client.resetSimulation()
+        self.client.setGravity(0, 0, GRAVITY_M_S2)
+        self.client.setPhysicsEngineParameter(
+            fixedTimeStep=TIME_STEP_S, numSolverIterations=30, deterministicOverlappingPairs=1
         )
         self._assets = assets
         self._structure = self._static_boxes(structure)
@@ -71,7 +66,7 @@ class Bodies:
     def step(self, steps: int) -> None:
         """Let time pass, in steps of 1/240 s."""
         for _ in range(steps):
-            pybullet.stepSimulation(physicsClientId=self.client)
+            self.client.stepSimulation()
 
     def snap(self, object_ids: Iterable[str]) -> None:
         """Snap poses and velocities of some objects and their joints.
@@ -81,66 +76,58 @@ class Bodies:
         """
         for object_id in object_ids:
             body = self._of[object_id]
-            position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=self.client)
-            velocity, turning = pybullet.getBaseVelocity(body, physicsClientId=self.client)
-            pybullet.resetBasePositionAndOrientation(
-                body,
-                arithmetic.snapped(position).tolist(),
-                snapped_quaternion(quaternion),
-                physicsClientId=self.client,
+            position, quaternion = self.client.getBasePositionAndOrientation(body)
+            velocity, turning = self.client.getBaseVelocity(body)
+            self.client.resetBasePositionAndOrientation(
+                body, arithmetic.snapped(position).tolist(), snapped_quaternion(quaternion)
             )
-            pybullet.resetBaseVelocity(
-                body,
-                arithmetic.snapped(velocity).tolist(),
-                arithmetic.snapped(turning).tolist(),
-                physicsClientId=self.client,
+            self.client.resetBaseVelocity(
+                body, arithmetic.snapped(velocity).tolist(), arithmetic.snapped(turning).tolist()
             )
             for joint in range(len(self._assets[object_id].links) - 1):
-                angle, speed = pybullet.getJointState(body, joint, physicsClientId=self.client)[:2]
+                angle, speed = self.client.getJointState(body, joint)[:2]
                 angle, speed = arithmetic.snapped([angle, speed]).tolist()
-                pybullet.resetJointState(body, joint, angle, speed, physicsClientId=self.client)
+                self.client.resetJointState(body, joint, angle, speed)
 
     def are_still(self, object_ids: Iterable[str]) -> bool:
         """Whether none of some objects moves or turns to speak of."""
         for object_id in object_ids:
-            velocity, turning = pybullet.getBaseVelocity(self._of[object_id], physicsClientId=self.client)
+            velocity, turning = self.client.getBaseVelocity(self._of[object_id])
             if arithmetic.length(velocity) > STILL_M_S or arithmetic.length(turning) > STILL_RAD_S:
                 return False
         return True
 
     def pose(self, object_id: str) -> tuple[Vec3, Quaternion]:
         """Where physics has moved an object, snapped."""
-        position, quaternion = pybullet.getBasePositionAndOrientation(self._of[object_id], physicsClientId=self.client)
+        position, quaternion = self.client.getBasePositionAndOrientation(self._of[object_id])
         x, y, z = arithmetic.snapped(position).tolist()
         return (x, y, z), snapped_quaternion(quaternion)
 
     def place(self, object_id: str, state: ObjectState) -> None:
         """Put an object and its joints where they are said to be, at rest."""
         body = self._of[object_id]
-        pybullet.resetBasePositionAndOrientation(body, state.position, state.quaternion, physicsClientId=self.client)
+        self.client.resetBasePositionAndOrientation(body, state.position, state.quaternion)
         if not state.is_fixed:
-            pybullet.resetBaseVelocity(body, (0, 0, 0), (0, 0, 0), physicsClientId=self.client)
+            self.client.resetBaseVelocity(body, (0, 0, 0), (0, 0, 0))
         for i, link in enumerate(self._assets[object_id].links[1:]):
             assert link.joint is not None
-            pybullet.resetJointState(body, i, link.joint.upper * state.openness, physicsClientId=self.client)
+            self.client.resetJointState(body, i, link.joint.upper * state.openness)
 
     def set_collisions(self, object_id: str, enabled: bool) -> None:
         """Let other bodies and rays meet an object, or pass through it."""
         body = self._of[object_id]
-        for link in range(-1, pybullet.getNumJoints(body, physicsClientId=self.client)):
-            pybullet.setCollisionFilterGroupMask(
-                body, link, int(enabled), -1 if enabled else 0, physicsClientId=self.client
-            )
+        for link in range(-1, self.client.getNumJoints(body)):
+            self.client.setCollisionFilterGroupMask(body, link, int(enabled), -1 if enabled else 0)
 
     def nearby(self, object_id: str, box: F64, margin_m: float) -> dict[str, float]:
         """Distance to everything that comes closer to an object, whose (2, 3) box is given, than a margin; metres."""
         body = self._of[object_id]
         low, high = box[0] - margin_m - 0.02, box[1] + margin_m + 0.02
-        pairs = pybullet.getOverlappingObjects(low.tolist(), high.tolist(), physicsClientId=self.client)
+        pairs = self.client.getOverlappingObjects(low.tolist(), high.tolist())
         names = {b: name for name, b in self._of.items()} | dict.fromkeys(self._structure, STRUCTURE_NAME)
         found: dict[str, float] = {}
         for other in sorted({b for b, _ in pairs or ()} - {body}):
-            points = pybullet.getClosestPoints(body, other, margin_m, physicsClientId=self.client)
+            points = self.client.getClosestPoints(body, other, margin_m)
             if points:
                 distance = float(arithmetic.snapped(min(float(point[8]) for point in points), DISTANCE_STEP_M))
                 found[names[other]] = min(distance, found.get(names[other], distance))
@@ -148,15 +135,14 @@ class Bodies:
 
     def close(self) -> None:
         """Give PyBullet's memory back."""
-        self._disconnect()  # the first time only
-        self.client = -1
+        self.client.close()
 
     def _static_boxes(self, boxes: Sequence[Box]) -> list[int]:
         bodies = []
         for start in range(0, len(boxes), MAX_COMPOUND):
             chunk = np.array(boxes[start : start + MAX_COMPOUND])
             shape = self._compound((chunk[:, 3:] - chunk[:, :3]) / 2, (chunk[:, 3:] + chunk[:, :3]) / 2, None)
-            bodies.append(int(pybullet.createMultiBody(0, shape, physicsClientId=self.client)))
+            bodies.append(int(self.client.createMultiBody(0, shape)))
         return bodies
 
     def _compound(self, halves: F64, centres: F64, quaternions: F64 | None) -> int:
@@ -164,12 +150,11 @@ class Bodies:
         if quaternions is None:
             quaternions = np.tile([0.0, 0.0, 0.0, 1.0], (count, 1))
         return int(
-            pybullet.createCollisionShapeArray(
+            self.client.createCollisionShapeArray(
                 shapeTypes=[pybullet.GEOM_BOX] * count,
                 halfExtents=halves.tolist(),
                 collisionFramePositions=centres.tolist(),
                 collisionFrameOrientations=quaternions.tolist(),
-                physicsClientId=self.client,
             )
         )
 
@@ -197,7 +182,7 @@ class Bodies:
         links += [_BodyLink(shape, parent, np.zeros(3), None) for parent, shape in rest]
         link_mass = mass / (4 * len(links)) if mass and links else 0.1
         zeros, identities = [[0.0] * 3 for _ in links], [[0.0, 0.0, 0.0, 1.0] for _ in links]
-        body = pybullet.createMultiBody(
+        body = self.client.createMultiBody(
             baseMass=mass,
             baseCollisionShapeIndex=first[0],
             basePosition=state.position,
@@ -214,10 +199,9 @@ class Bodies:
                 pybullet.JOINT_FIXED if link.joint is None else _JOINT_TYPES[link.joint.kind] for link in links
             ],
             linkJointAxis=[[0.0, 0.0, 1.0] if link.joint is None else list(link.joint.axis) for link in links],
-            physicsClientId=self.client,
         )
         for link_index in range(-1, len(links)):
-            pybullet.changeDynamics(
+            self.client.changeDynamics(
                 body,
                 link_index,
                 lateralFriction=FRICTION,
@@ -226,17 +210,9 @@ class Bodies:
                 linearDamping=LINEAR_DAMPING,
                 angularDamping=ANGULAR_DAMPING,
                 restitution=0.0,
-                physicsClientId=self.client,
             )
         for joint in moving:  # hold every joint where it is told to be
-            pybullet.setJointMotorControl2(
-                body,
-                joint,
-                pybullet.VELOCITY_CONTROL,
-                targetVelocity=0.0,
-                force=1000.0,
-                physicsClientId=self.client,
-            )
+            self.client.setJointMotorControl2(body, joint, pybullet.VELOCITY_CONTROL, targetVelocity=0.0, force=1000.0)
         return int(body)
 
 

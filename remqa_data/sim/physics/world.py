@@ -22,6 +22,7 @@ from remqa_data.geometry.rotations import quaternion_of, rotation_of
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Quaternion, Scene, SceneObject
 from remqa_data.sim.physics.bodies import Bodies
+from remqa_data.sim.physics.bullet import BulletClient
 from remqa_data.sim.physics.state import ObjectState
 
 SETTLE_STEPS, CHECK_STEPS = 240, 20
@@ -76,7 +77,7 @@ class World:
     # ---- reading
 
     @property
-    def client(self) -> int:
+    def client(self) -> BulletClient:
         """The PyBullet client, for questions to PyBullet that this class does not answer; leave the simulation as it is."""
         return self._bodies.client
 

@@ -49,10 +49,13 @@ class WorldView:
     ----------
     world : World
         What to draw; later changes of the world are followed by `render`.
+    shows_held : bool
+        Whether what is held, and so out of the room, is drawn all the same.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, *, shows_held: bool = False) -> None:
         self.world = world
+        self._shows_held = shows_held
         parts, poses = world_parts(world)
         self._first_object_part = len(parts) - sum(len(asset.links) for asset in world.assets.values())
         object_of, link_of = [STRUCTURE] * self._first_object_part, [STRUCTURE] * self._first_object_part
@@ -66,11 +69,13 @@ class WorldView:
         self._object_of = np.array([*object_of, STRUCTURE], dtype=np.int32)
         self._link_of = np.array([*link_of, STRUCTURE], dtype=np.int32)
         self._shown = {object_id: world.state(object_id) for object_id in world.ids}
-        self._revision = world.revision
+        self._asked_to_hide: set[str] = set()
+        self._out_of_room: str | None = None
+        self._revision: int | None = None
         self.renderer = Renderer(parts, poses, lights=world.scene.lights)
 
     def sync(self) -> None:
-        """Follow the world's poses; `render` does it by itself."""
+        """Follow the world's poses, and what is held; `render` does it by itself."""
         if self.world.revision == self._revision:
             return
         self._revision = self.world.revision
@@ -79,11 +84,15 @@ class WorldView:
             if state is not self._shown[object_id]:
                 self._shown[object_id] = state
                 self.renderer.set_poses(np.arange(rows.start, rows.stop), self.world.link_poses(object_id))
+        before, self._out_of_room = self._out_of_room, None if self._shows_held else self.world.held
+        for changed in (before, self._out_of_room):
+            if changed is not None:
+                self._show_or_hide(changed)
 
     def hide(self, object_id: str, hidden: bool = True) -> None:
-        """Leave an object out of the pictures, or show it again."""
-        for part in self._parts_of[object_id]:
-            self.renderer.set_visible(part, not hidden)
+        """Leave an object out of the pictures, or in them again; what is held needs no hiding."""
+        (self._asked_to_hide.add if hidden else self._asked_to_hide.discard)(object_id)
+        self._show_or_hide(object_id)
 
     def render(self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True) -> Observation:
         """Draw the world as it is now."""
@@ -100,6 +109,11 @@ class WorldView:
         self.sync()
         depth, parts = self.renderer.render_instances(camera)
         return depth, np.asarray(self._object_of[parts])
+
+    def _show_or_hide(self, object_id: str) -> None:
+        is_seen = object_id not in self._asked_to_hide and object_id != self._out_of_room
+        for part in self._parts_of[object_id]:
+            self.renderer.set_visible(part, is_seen)
 
 
 def world_parts(world: World) -> tuple[list[RenderPart], F64]:

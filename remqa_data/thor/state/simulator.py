@@ -52,8 +52,6 @@ class LoadedFloorPlan:
 
     def restart(self, settings: Settings, frame: FrameSize) -> None:
         """Put everything back to where it was when the room was loaded."""
-        if self.world.held is not None:
-            self.view.hide(self.world.held, False)
         self.world.restore(self._at_rest)
         self.records = ObjectRecords(self.world)
         position, yaw_deg = self._start

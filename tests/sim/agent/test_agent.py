@@ -53,8 +53,6 @@ def loaded(kitchen: Scene) -> Iterator[tuple[Agent, Snapshot]]:
 def agent(loaded: tuple[Agent, Snapshot]) -> Agent:
     """An agent in the kitchen as it was at first."""
     made, first = loaded
-    if made.held is not None:
-        made.view.hide(made.held, False)
     made.world.restore(first)
     made.place(made.grid.position(made.grid.cells[0]), 0.0)
     return made

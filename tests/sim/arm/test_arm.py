@@ -19,7 +19,7 @@ from remqa_data.sim.arm.obstacles import Boxes, Obstacles, depth, first_push
 from remqa_data.sim.arm.postures import BALL_RADII_M, balls, link_poses
 from remqa_data.sim.arm.targets import best_shoulders
 from remqa_data.sim.navigation.grid import AGENT_RADIUS_M, ARM_REACH_M, GRID_M, reach_distance
-from remqa_data.sim.physics.bullet import pybullet
+from remqa_data.sim.physics.bullet import BulletClient, pybullet
 from remqa_data.sim.physics.world import World
 
 BASE = ArmBase(0.0, 0.0, 0.0, 0.0)
@@ -50,7 +50,7 @@ def placed_balls(arm: Arm, base: ArmBase = BASE) -> F64:
 
 def gap(world: World, points: F64, radii: F64) -> float:
     """Least distance of balls from everything in a world, by PyBullet, in a client of its own."""
-    client = pybullet.connect(pybullet.DIRECT)
+    client = BulletClient()
     try:
         for part in world.scene.structure:
             low, high = np.array(part.box[:3]), np.array(part.box[3:])
@@ -61,25 +61,23 @@ def gap(world: World, points: F64, radii: F64) -> float:
                     rotation = pose[:3, :3] @ rotation_of(box.quaternion)
                     centre = pose[:3, :3] @ np.array(box.centre) + pose[:3, 3]
                     _bullet_box(client, centre, rotation, np.array(box.size) / 2)
-        others = range(pybullet.getNumBodies(physicsClientId=client))
+        others = range(client.getNumBodies())
         return min(
             _bullet_gap(client, point, r, other) for point, r in zip(points, radii, strict=True) for other in others
         )
     finally:
-        pybullet.disconnect(client)
+        client.close()
 
 
-def _bullet_box(client: int, centre: F64, rotation: F64, half: F64) -> int:
-    shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half.tolist(), physicsClientId=client)
+def _bullet_box(client: BulletClient, centre: F64, rotation: F64, half: F64) -> int:
+    shape = client.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half.tolist())
     orientation = quaternion_of(rotation)
-    return pybullet.createMultiBody(0, shape, -1, centre.tolist(), orientation, physicsClientId=client)
+    return client.createMultiBody(0, shape, -1, centre.tolist(), orientation)
 
 
-def _bullet_gap(client: int, point: F64, radius: float, body: int) -> float:
-    ball = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=radius, physicsClientId=client)
-    found = pybullet.getClosestPoints(
-        -1, body, 10.0, collisionShapeA=ball, collisionShapePositionA=point.tolist(), physicsClientId=client
-    )
+def _bullet_gap(client: BulletClient, point: F64, radius: float, body: int) -> float:
+    ball = client.createCollisionShape(pybullet.GEOM_SPHERE, radius=radius)
+    found = client.getClosestPoints(-1, body, 10.0, collisionShapeA=ball, collisionShapePositionA=point.tolist())
     return min(float(contact[8]) for contact in found)
 
 
@@ -130,9 +128,9 @@ def test_depth_is_what_pybullet_measures(seed: int) -> None:
     half, point, radius = rng.uniform(0.02, 0.5, 3), rng.uniform(-0.7, 0.7, 3), rng.uniform(0.03, 0.2)
     around = np.abs(rotation) @ half
     boxes = Boxes(np.zeros((1, 3)), rotation.T[None], half[None], -around[None], around[None])
-    client = pybullet.connect(pybullet.DIRECT)
+    client = BulletClient()
     distance = _bullet_gap(client, point, radius, _bullet_box(client, np.zeros(3), rotation, half))
-    pybullet.disconnect(client)
+    client.close()
     found = depth(point[None, None], np.array([radius]), boxes, np.zeros((1, 1), dtype=np.bool_))
     assert found[0] == pytest.approx(max(-distance, 0.0), abs=1e-3)  # PyBullet rounds a box a little
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.sim.arm import jaco
-from remqa_data.sim.physics.bullet import pybullet
+from remqa_data.sim.physics.bullet import BulletClient
 
 # Joint origins as in Kinova's j2s6s200 URDF: xyz, then rpy.
 PUBLISHED = (
@@ -34,9 +34,9 @@ def published_arm(tmp_path_factory):
     )
     path = tmp_path_factory.mktemp("urdf") / "arm.urdf"
     path.write_text(f'<robot name="arm">{links}{joints}</robot>')
-    client = pybullet.connect(pybullet.DIRECT)
-    yield client, pybullet.loadURDF(str(path), useFixedBase=True, physicsClientId=client)
-    pybullet.disconnect(client)
+    client = BulletClient()
+    yield client, client.loadURDF(str(path), useFixedBase=True)
+    client.close()
 
 
 angles = st.tuples(*(st.floats(low + 0.01, high - 0.01) for low, high in jaco.LIMITS.tolist()))
@@ -46,10 +46,10 @@ angles = st.tuples(*(st.floats(low + 0.01, high - 0.01) for low, high in jaco.LI
 def test_links_are_where_pybullet_puts_those_of_the_published_urdf(published_arm, joints) -> None:
     client, arm = published_arm
     for i, angle in enumerate(joints):
-        pybullet.resetJointState(arm, i, angle, physicsClientId=client)
+        client.resetJointState(arm, i, angle)
     poses = jaco.link_poses(np.array([joints]))[0]
     for i in range(7):
-        state = pybullet.getLinkState(arm, i, computeForwardKinematics=True, physicsClientId=client)
+        state = client.getLinkState(arm, i, computeForwardKinematics=True)
         assert poses[i + 1, :3, 3] == pytest.approx(state[4], abs=1e-5)
         assert poses[i + 1, :3, :3] == pytest.approx(rotation_of(state[5]), abs=1e-5)
 

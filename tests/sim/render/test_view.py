@@ -1,0 +1,85 @@
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from remqa_data.assets.core.model import AssetSpec
+from remqa_data.assets.looks.materials import OAK
+from remqa_data.scene import Scene, SceneObject, StructureBox
+from remqa_data.sim.agent.agent import Agent
+from remqa_data.sim.agent.third_person import RobotView
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.view import WorldView
+
+FROM_ABOVE = Camera.look_at((0.0, -0.6, 0.8), (0.1, 0.2, 0.05), width=80, height=80)
+
+
+@pytest.fixture
+def world() -> Iterator[World]:
+    """A mug on a floor."""
+    mug = AssetSpec("Mug", (0.1, 0.09, 0.1), 1, 5, levels=(0.01,))
+    floor = StructureBox("floor", (-1, -1, -0.1, 1, 1, 0), OAK)
+    scene = Scene(
+        "Test",
+        "kitchen",
+        (-1.0, -1.0, 1.0, 1.0),
+        0.0,
+        2.5,
+        ((0.0, 0.0, 2.4),),
+        (floor,),
+        (SceneObject("Mug|1", mug, (0.1, 0.2, 0.05), is_fixed=False),),
+    )
+    with World(scene) as made:
+        yield made
+
+
+def sees_mug(view: WorldView) -> bool:
+    return bool((view.instances(FROM_ABOVE) == 0).any())
+
+
+def test_what_is_held_is_in_no_picture_however_it_came_into_the_hand_or_left_it(world: World) -> None:
+    view, first = WorldView(world), world.save()
+    assert sees_mug(view)
+    world.pick_up("Mug|1")
+    in_hand = world.save()
+    assert not sees_mug(view)
+    assert not sees_mug(WorldView(world))
+    world.restore(first)
+    assert sees_mug(view)
+    world.restore(in_hand)
+    assert not sees_mug(view)
+    world.put((0.1, 0.1, 0.05))
+    assert sees_mug(view)
+
+
+def test_what_was_hidden_stays_hidden_when_it_is_put_back(world: World) -> None:
+    view = WorldView(world)
+    view.hide("Mug|1")
+    world.pick_up("Mug|1")
+    world.put((0.1, 0.2, 0.05))
+    assert not sees_mug(view)
+    view.hide("Mug|1", False)
+    assert sees_mug(view)
+
+
+def test_to_show_what_is_held_takes_putting_it_back(world: World) -> None:
+    view = WorldView(world)
+    world.pick_up("Mug|1")
+    view.hide("Mug|1", False)
+    assert not sees_mug(view)
+
+
+def test_from_outside_the_held_object_is_in_the_hand_and_back_in_its_place_after_a_restore(world: World) -> None:
+    agent = Agent(world, WorldView(world), (-0.5, -0.5), 0.0)
+    view, first = RobotView(agent), world.save()
+    at_rest = view.depth_and_instances(FROM_ABOVE)
+    assert (at_rest[1] == 0).any()
+    world.pick_up("Mug|1")
+    view.sync()
+    hand = np.array(agent.arm.hand(agent.base))
+    near = Camera.look_at(tuple(hand + 0.5), tuple(hand), width=80, height=80)
+    assert (view.instances(near) == 0).any()
+    world.restore(first)
+    for now, before in zip(view.depth_and_instances(FROM_ABOVE), at_rest, strict=True):
+        assert np.array_equal(now, before)
