@@ -13,6 +13,7 @@ from remqa_data.command_line import OneLineErrors, announce_compiling, output
 from remqa_data.errors import SubmissionError, nearest_names
 from remqa_data.evaluation.submission.tracks import Track, is_walked
 from remqa_data.processes.cores import worker_count
+from remqa_data.processes.interrupts import ends_the_process
 
 if TYPE_CHECKING:
     from remqa_data.evaluation.submission.reference import Agent
@@ -55,7 +56,8 @@ OfTrack = Annotated[Track, typer.Option(help="What to submit to.")]
 
 def main() -> None:
     """Run the command line."""
-    app()
+    with ends_the_process():
+        app()
 
 
 @app.callback()

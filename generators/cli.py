@@ -11,6 +11,7 @@ import typer
 from remqa_data.command_line import OneLineErrors, announce_compiling, output
 from remqa_data.errors import ConfigError
 from remqa_data.processes.cores import worker_count
+from remqa_data.processes.interrupts import ends_the_process
 from remqa_data.published import MEAN_WORDS
 
 if TYPE_CHECKING:
@@ -37,7 +38,8 @@ app = typer.Typer(
 
 def main() -> None:
     """Run the command line."""
-    app()
+    with ends_the_process():
+        app()
 
 
 @app.callback(invoke_without_command=True)

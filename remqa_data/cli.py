@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from remqa_data.command_line import OneLineErrors, output
+from remqa_data.processes.interrupts import ends_the_process
 
 SAMPLE_QUESTIONS, SAMPLE_ROOMS = 500, 15
 """What `verify` looks into by default: five minutes of a core for the published benchmark."""
@@ -24,7 +25,8 @@ app = typer.Typer(
 
 def main() -> None:
     """Run the command line."""
-    app()
+    with ends_the_process():
+        app()
 
 
 @app.callback()

@@ -118,7 +118,10 @@ def test_a_wheel_is_whole_with_links_and_without(tree: Path, tmp_path: Path) -> 
     assert {"remqa_data/templates/ithor_floorplans.parquet", "remqa_data/generators/cli.py"} <= expected
     assert {name for name in inside if ".dist-info/" not in name} == expected
     assert {Path(name).name for name in inside if "/licenses/" in name} == {"LICENSE", "NOTICE"}
-    assert "remqa_data.cli:main" in archive.read(next(n for n in inside if n.endswith("entry_points.txt"))).decode()
+    assert (
+        "remqa_data.commands:remqa_data"
+        in archive.read(next(n for n in inside if n.endswith("entry_points.txt"))).decode()
+    )
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 """What a command line can get wrong, in whole processes: one line on stderr, exit code 2, and nothing has been written."""
 
 import os
+import re
 import resource
 import shutil
 import subprocess
@@ -82,6 +83,24 @@ def test_too_little_address_space_is_one_line(tmp_path: Path) -> None:
         done.stderr == "remqa-gen: the address space is limited to 1024 MB (ulimit -v); at least 3072 MB are needed\n"
     )
     assert list(tmp_path.iterdir()) == []
+
+
+STRANGER = "4001797"
+"""A user without processes, so that limits of their number are exact."""
+
+
+@pytest.mark.skipif(os.getuid() != 0 or shutil.which("setpriv") is None, reason="only root can be a stranger")
+@pytest.mark.parametrize(("most", "who", "left"), [(1, "", "0"), (12, "", "11"), (50, "a worker: ", r"\d+")])
+def test_too_few_threads_are_one_line(tmp_path: Path, most: int, who: str, left: str) -> None:
+    """With as few, pyarrow waits for ever, and OpenBLAS sends its own process the signal of Ctrl-C."""
+    may = "--inh-caps=-all,+dac_override", "--ambient-caps=+dac_override"  # this interpreter may be root's alone
+    stranger = ["setpriv", "--reuid", STRANGER, "--clear-groups", *may, "prlimit", f"--nproc={most}"]
+    arguments = "--config", TINY, "--scenes", "2", "--workers", "2", "--out", "out"
+    done = run("remqa-gen", *arguments, folder=tmp_path, before=stranger)
+    line = rf"remqa-gen: {who}the system starts only {left} more threads \(ulimit -u\); at least 32 are needed"
+    assert done.returncode == 2, done.stderr
+    assert re.match(line, done.stderr.splitlines()[-1])
+    assert "Traceback" not in done.stderr
 
 
 @pytest.mark.skipif(os.getuid() == 0 and shutil.which("setpriv") is None, reason="root may write everywhere")

@@ -14,7 +14,8 @@ import socket
 import sys
 import threading
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from types import FrameType, TracebackType
 from typing import Any
 
@@ -111,6 +112,16 @@ class PromptInterrupts:
                 return None
             if data[0] in _SIGNALS:
                 return data[0]
+
+
+@contextmanager
+def ends_the_process() -> Iterator[None]:
+    """After this block nothing is left to be told: Ctrl-C ends the process while Python tidies up, which takes a moment."""
+    try:
+        yield
+    finally:
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _end_process(code: int) -> None:

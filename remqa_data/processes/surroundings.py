@@ -1,13 +1,17 @@
-"""What a command is given to run in: its standard streams, its address space, its arguments."""
+"""What a command is given to run in: its standard streams, its address space, its threads, its arguments."""
 
 from __future__ import annotations
 
 import os
 import sys
+import threading
 from collections.abc import Sequence
 
 LEAST_ADDRESS_SPACE = 3 << 30
 """What compilers and threads of libraries take, though most of it is never used: with less they hang or crash."""
+LEAST_THREADS = 32
+"""What libraries start on a few cores. With less, pyarrow waits for ever for a thread that it could not start, and OpenBLAS
+sends its own process the signal of Ctrl-C."""
 
 
 def open_standard_streams() -> None:
@@ -35,6 +39,23 @@ def address_space_problem() -> str | None:
     if limit == resource.RLIM_INFINITY or limit >= LEAST_ADDRESS_SPACE:
         return None
     return f"the address space is limited to {limit >> 20} MB (ulimit -v); at least {LEAST_ADDRESS_SPACE >> 20} MB are needed"
+
+
+def thread_problem() -> str | None:
+    """What is wrong if the system lets this process start too few threads, which only trying tells."""
+    started, end = [], threading.Event()
+    try:
+        for _ in range(LEAST_THREADS):
+            thread = threading.Thread(target=end.wait, daemon=True)
+            thread.start()
+            started.append(thread)
+    except RuntimeError:
+        return f"the system starts only {len(started)} more threads (ulimit -u); at least {LEAST_THREADS} are needed"
+    finally:
+        end.set()
+        for thread in started:
+            thread.join()
+    return None
 
 
 def name_problem(arguments: Sequence[str]) -> str | None:

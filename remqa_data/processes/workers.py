@@ -22,6 +22,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, Generic, TypeVar
 
 from remqa_data.errors import RemqaError, WorkersLostError
+from remqa_data.processes.surroundings import thread_problem
 
 LOSSES_OF_A_JOB = 3
 """Processes die by accident, as when a machine is short of memory for a moment; so often in the same job is no accident."""
@@ -155,8 +156,12 @@ def _interrupts_held_back() -> Iterator[None]:
 
 
 def _do_jobs(pipe: Connection[Any, Any], work: Callable[[J], R]) -> None:
-    _die_with_parent()
+    problem = thread_problem()
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        if problem is not None:
+            pipe.send_bytes(_as_bytes(WorkersLostError(f"a worker: {problem}; use fewer --workers")))
+            return
+        _die_with_parent()
         while True:
             data = pipe.recv_bytes()
             try:

@@ -10,26 +10,37 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import psutil
 
 from tests.helpers.damaged_files import files_of
-from tests.helpers.terminal import Terminal, at_terminal
+from tests.helpers.terminal import PATIENCE_S, Terminal, at_terminal
 
 HERE = Path(__file__).parent
 PROGRAMS = {
     "made up": ["-m", "tests.helpers.crash_run"],
-    "real": ["-c", "from remqa_data.generators.cli import main; main()", "--config", str(HERE / "kill_runs.yaml")],
+    "real": ["-c", "from remqa_data.commands import remqa_gen; remqa_gen()", "--config", str(HERE / "kill_runs.yaml")],
 }
 WORKERS = 2
-NOTHING = "nothing"
+STRUCK = (-signal.SIGKILL, -signal.SIGINT, -signal.SIGTERM, 128 + signal.SIGINT, 128 + signal.SIGTERM)
+"""Exit codes of what was struck."""
+
+
+@dataclass(frozen=True)
+class Strike:
+    """What was done to a run, and how long that took to stop if it was told to."""
+
+    what: str
+    stopped_s: float | None = None
 
 
 def run_command(out: Path, rooms: str = "made up", scenes: int = 24) -> list[str]:
@@ -44,38 +55,48 @@ def start(out: Path, rooms: str = "made up", scenes: int = 24) -> subprocess.Pop
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def kill_once(process: subprocess.Popen[bytes], after_s: float, rng: np.random.Generator) -> str:
-    """Kill -9 the driver or a worker after some time; says which, or that the run was over."""
+def kill_once(process: subprocess.Popen[bytes], after_s: float, rng: np.random.Generator) -> Strike | None:
+    """Kill -9 the driver or a worker after some time; None if the run was over. With the driver its workers go."""
     try:
         process.wait(after_s)
     except subprocess.TimeoutExpired:
         pass
     else:
-        return NOTHING
+        return None
+    workers: list[psutil.Process] = []
     with suppress(psutil.Error):  # it may end at this moment
         workers = [p for p in psutil.Process(process.pid).children() if "spawn_main" in " ".join(p.cmdline())]
         if workers and rng.random() < 0.5:
             workers[int(rng.integers(len(workers)))].kill()
-            return "a worker"
+            return Strike("a worker")
     process.kill()
     process.wait()
-    return "the driver"
+    _, alive = psutil.wait_procs(workers, timeout=PATIENCE_S)
+    assert not alive, f"left behind: {alive}"
+    return Strike("the driver")
 
 
-def interrupt_once(terminal: Terminal, after_s: float, rng: np.random.Generator) -> str:
-    """Stop a run at its terminal after some time; says how and how long that took, or that the run was over."""
+def interrupt_once(terminal: Terminal, after_s: float, rng: np.random.Generator) -> Strike | None:
+    """Stop a run at its terminal after some time; None if the run was over."""
     begun = time.monotonic()
     terminal.read_until(lambda: terminal.process.poll() is not None or time.monotonic() > begun + after_s)
     if terminal.process.poll() is not None:
-        return NOTHING
+        return None
     how = ("Ctrl-C", "Ctrl-C twice", "SIGTERM")[int(rng.integers(3))]
     strike = terminal.process.terminate if how == "SIGTERM" else terminal.press_ctrl_c
     took_s = terminal.stop(*[strike] * (2 if how == "Ctrl-C twice" else 1))
-    told = "told" if terminal.shown.count(": stopped") == 1 and "Traceback" not in terminal.shown else "NOT TOLD"
-    return f"{how}, {told}, {took_s:.1f} s"
+    if "Traceback" in terminal.shown:
+        told = f"NOT TOLD: {terminal.shown}"
+    elif terminal.process.returncode < 0:
+        told = "before the first or after the last of our own lines"
+    else:
+        told = "told" if terminal.shown.count(": stopped") == 1 else f"NOT TOLD: {terminal.shown}"
+    return Strike(f"{how} after {after_s:.1f} s, {told}, {took_s:.1f} s", took_s)
 
 
-def strike_until_the_end(out: Path, asked: argparse.Namespace, within_s: float, rng: np.random.Generator) -> list[str]:
+def strike_until_the_end(
+    out: Path, asked: argparse.Namespace, within_s: float, rng: np.random.Generator
+) -> list[Strike]:
     """Strike a run and go on with it, until it comes to its end before it is struck; what was done to it."""
     command, done = run_command(out, asked.rooms, asked.scenes), []
     while True:
@@ -86,11 +107,11 @@ def strike_until_the_end(out: Path, asked: argparse.Namespace, within_s: float, 
         else:
             terminal = at_terminal(command)
             process, struck = terminal.process, interrupt_once(terminal, rng.uniform(0.0, within_s), rng)
-        if struck != NOTHING:
+        if struck is not None:
             done.append(struck)
         if process.returncode == 0:
             return done
-        assert process.returncode in (-9, 130, 143), f"exit code {process.returncode}"
+        assert process.returncode in STRUCK, f"exit code {process.returncode}"
 
 
 def main() -> None:
@@ -109,16 +130,25 @@ def main() -> None:
         assert start(whole, asked.rooms, asked.scenes).wait() == 0
         usual_s, expected = time.monotonic() - began, files_of(whole)
         print(f"a run takes {usual_s:.0f} s and writes {len(expected)} files", flush=True)
-        struck, runs, same = 0, 0, 0
-        while struck < asked.strikes:
+        strikes: list[Strike] = []
+        runs, same = 0, 0
+        while len(strikes) < asked.strikes:
             out = Path(folder) / str(runs)
             done = strike_until_the_end(out, asked, usual_s, rng)
             is_same = files_of(out) == expected
-            struck, runs, same = struck + len(done), runs + 1, same + is_same
-            print(f"{'same' if is_same else 'OTHER'} bytes after {len(done)}: {'; '.join(done)}", flush=True)
+            strikes += done
+            runs, same = runs + 1, same + is_same
+            print(
+                f"{'same' if is_same else 'OTHER'} bytes after {len(done)}: {'; '.join(strike.what for strike in done)}",
+                flush=True,
+            )
             if not is_same:
                 os.rename(out, f"{tempfile.gettempdir()}/remqa-struck-{runs}")
-        print(f"{struck} strikes in {runs} runs, of which {same} ended with the same bytes")
+        stopped_s = [strike.stopped_s for strike in strikes if strike.stopped_s is not None]
+        if stopped_s:
+            middle, most, last = np.quantile(stopped_s, [0.5, 0.95, 1.0])
+            print(f"stopped after {middle:.1f} s (median), {most:.1f} s (95 %), {last:.1f} s at most")
+        print(f"{len(strikes)} strikes in {runs} runs, of which {same} ended with the same bytes")
         sys.exit(same != runs)
 
 

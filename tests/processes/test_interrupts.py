@@ -86,6 +86,29 @@ def test_a_run_that_is_starting_its_workers_stops(tmp_path: Path, after_s: float
     assert "Traceback" not in terminal.shown
 
 
+def test_a_command_that_is_being_imported_stops(tmp_path: Path) -> None:
+    (tmp_path / "typer.py").write_text(
+        "import time\nprint('importing', flush=True)\ntime.sleep(60)\n", encoding="utf-8"
+    )
+    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from remqa_data.commands import remqa_gen; remqa_gen()"
+    terminal = command_at_terminal([sys.executable, "-c", code])
+    terminal.read_until(lambda: "importing" in terminal.shown)
+    assert terminal.stop(terminal.press_ctrl_c) < STOP_S
+    assert terminal.process.returncode == 128 + signal.SIGINT
+    assert "remqa-gen: stopped" in terminal.shown
+    assert "Traceback" not in terminal.shown
+
+
+def test_a_command_that_has_done_its_work_ends_at_once(tmp_path: Path) -> None:
+    tidy = "import atexit, time; atexit.register(lambda: (print('tidying', flush=True), time.sleep(60)))"
+    code = f"{tidy}; from remqa_data.commands import remqa_gen; remqa_gen()"
+    terminal = command_at_terminal([sys.executable, "-c", code, "--version"])
+    terminal.read_until(lambda: "tidying" in terminal.shown)
+    assert terminal.stop(terminal.press_ctrl_c) < STOP_S
+    assert terminal.process.returncode == -signal.SIGINT
+    assert "Traceback" not in terminal.shown
+
+
 def test_a_run_whose_merging_is_interrupted_leaves_no_half_shard(whole: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     terminal = at_terminal(out, CRASH_ROOM_S="0")
