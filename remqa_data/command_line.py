@@ -20,7 +20,7 @@ from typer.core import TyperGroup
 from remqa_data.errors import RemqaError, one_line
 from remqa_data.kernels.progress import Compiling, listening
 from remqa_data.processes.interrupts import PromptInterrupts
-from remqa_data.processes.surroundings import address_space_problem, name_problem, open_standard_streams, thread_problem
+from remqa_data.processes.surroundings import open_standard_streams, surroundings_problem
 from remqa_data.version import __version__
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ class OneLineErrors(TyperGroup):
     def main(self, args: Sequence[str] | None = None, *others: Any, **options: Any) -> Any:
         """Run the command line, unless nothing can come of it here."""
         open_standard_streams()
-        problem = address_space_problem() or thread_problem() or name_problem(sys.argv[1:] if args is None else args)
+        problem = surroundings_problem(sys.argv[1:] if args is None else args)
         if problem is not None:
             typer.echo(f"{self.name}: {problem}", err=True)
             raise SystemExit(2)

@@ -1,4 +1,4 @@
-"""What a command is given to run in: its standard streams, its address space, its threads, its arguments."""
+"""What a command is given to run in: streams, rights to what it writes, address space, threads, arguments."""
 
 from __future__ import annotations
 
@@ -27,6 +27,20 @@ def open_standard_streams() -> None:
     for name, number in (("stdout", 1), ("stderr", 2)):
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(number, "w", encoding="utf-8", closefd=False))
+
+
+def surroundings_problem(arguments: Sequence[str]) -> str | None:
+    """What is wrong, if nothing can come of a command here: one line that says what to do."""
+    return umask_problem() or address_space_problem() or thread_problem() or name_problem(arguments)
+
+
+def umask_problem() -> str | None:
+    """What is wrong if this user may not read, write and enter what this process makes, compiled modules too."""
+    umask = os.umask(0o077)  # only setting it tells
+    os.umask(umask)
+    if not umask & 0o700:
+        return None
+    return f"the umask {umask:03o} takes away your own rights to what is written; use another one (umask 022)"
 
 
 def address_space_problem() -> str | None:
