@@ -24,6 +24,7 @@ from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
 from remqa_data.generators.questions.allotment import GROUP_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
 from remqa_data.generators.walks.walk import WalkSettings
 from remqa_data.limits import MOST_IMAGE_PX, MOST_SEED
+from remqa_data.scene import Light
 from remqa_data.storage.manifest import config_hash
 from remqa_data.tables.images import RgbFormat
 from remqa_data.tables.rows import QuestionKind
@@ -99,6 +100,7 @@ class ImageConfig(_Section):
 
     size_px: Annotated[int, Field(ge=32, le=MOST_IMAGE_PX)]
     rgb_format: RgbFormat
+    light: Light = "direct"
 
 
 class Config(_Section):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -44,11 +45,12 @@ def make_room(job: Job) -> tuple[Rows, dict[str, Any]]:
         If its things cannot be arranged.
     """
     if not is_sampled(job.scene):
-        return _made(job, load_scene(job.scene))
+        return _made(job, replace(load_scene(job.scene), light=job.config.image.light))
     draw = 0
     while True:
         try:
-            return _made(job, sampled_scene(sampled_index(job.scene), job.config.seed, draw))
+            drawn = sampled_scene(sampled_index(job.scene), job.config.seed, draw)
+            return _made(job, replace(drawn, light=job.config.image.light))
         except (ArrangementError, QuotaError):
             draw += 1
             if draw == SAMPLED_DRAWS:

@@ -22,6 +22,10 @@ from remqa_data.kernels.progress import Compiling, tell
 Function = TypeVar("Function", bound=Callable[..., object])
 
 _SOURCES = (
+    "sim/light/bake",
+    "sim/light/patches",
+    "sim/light/volume",
+    "sim/light/voxels",
     "sim/render/antialias",
     "sim/arm/obstacles",
     "sim/render/camera",

@@ -21,6 +21,7 @@ from remqa_data.files import atomic_path
 from remqa_data.geometry.types import Box, Rect, Vec3
 
 Quaternion = tuple[float, float, float, float]
+Light = Literal["direct", "baked"]
 StructureKind = Literal["wall", "ceiling", "floor", "fixture", "outside"]
 
 FORMAT_VERSION = 1
@@ -93,6 +94,8 @@ class Scene:
         Walls, ceiling, built-in furniture.
     objects : tuple of SceneObject
         Everything that has an id.
+    light : {"direct", "baked"}
+        How it is drawn: lit by its lamps and evenly from everywhere, or with surfaces that light each other, too.
     """
 
     name: str
@@ -103,6 +106,7 @@ class Scene:
     lights: tuple[Vec3, ...]
     structure: tuple[StructureBox, ...]
     objects: tuple[SceneObject, ...]
+    light: Light = "direct"
     format_version: int = FORMAT_VERSION
 
     def object(self, object_id: str) -> SceneObject:

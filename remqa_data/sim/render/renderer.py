@@ -9,16 +9,21 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.geometry.types import F32, F64, I32, U8, Vec3
+from remqa_data.sim.light.patches import Patches, light_faces, patches
+from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render.antialias import smooth_edges
 from remqa_data.sim.render.camera import AnyCamera, View
-from remqa_data.sim.render.raster import Buffers, Placed, place_part, rasterise
+from remqa_data.sim.render.raster import Buffers, Geometry, Placed, part_faces, place_part, rasterise
 from remqa_data.sim.render.scene_arrays import RenderPart, build_geometry, build_materials, surface_instances
 from remqa_data.sim.render.shade import Lights, shade, write_depth_and_instances
 from remqa_data.sim.render.shadow import empty_shadows, lamp_views, mark_faces, summarise
 
 __all__ = ["Frame", "RenderPart", "Renderer"]
 
+AMBIENT = 0.37
+BACKGROUND = (0.93, 0.94, 0.95)
 _NO_SHADOWS = empty_shadows((0.0, 0.0, 0.0), 0)
+_NO_PATCHES = Patches(np.zeros(1, dtype=np.int32), np.zeros(0, dtype=np.int32), np.zeros((0, 3), dtype=np.float32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +50,9 @@ class Renderer:
     lights : sequence of tuple of float
         One to three lamps, metres, world frame. The first one casts shadows.
     ambient : float
-        Light from everywhere, linear; 0.3 to 0.6 looks like a room by day.
+        Light from everywhere, linear; 0.3 to 0.6 looks like a room by day. Not used with a volume.
+    volume : Volume, optional
+        Indirect light, see `remqa_data.sim.light`; what moves takes it from where it is.
     background : tuple of float
         sRGB in 0..1 of pixels where nothing is.
     shadow_size : int
@@ -58,22 +65,18 @@ class Renderer:
         poses: npt.ArrayLike,
         *,
         lights: Sequence[Vec3] = ((0.0, 0.0, 2.4),),
-        ambient: float = 0.37,
-        background: Vec3 = (0.93, 0.94, 0.95),
+        ambient: float = AMBIENT,
+        volume: Volume | None = None,
+        background: Vec3 = BACKGROUND,
         shadow_size: int = 512,
     ) -> None:
         self.parts = tuple(parts)
         self._geometry = build_geometry(self.parts)
         self._materials, self._texels = build_materials(self.parts)
         self._instances = surface_instances(self.parts)
-        self._lights = _lights(lights, ambient, background)
+        self._lights = room_lights(lights, ambient, background)
         count, vertices = len(self.parts), self._geometry.vertices.shape[1]
-        self._placed = Placed(
-            vertices=np.empty((3, vertices), dtype=np.float32),
-            normals=np.empty((vertices, 3), dtype=np.float32),
-            corners=np.zeros((count, 8, 3)),
-            visible=np.ones(count, dtype=np.bool_),
-        )
+        self._placed = empty_placed(self._geometry)
         self._poses = np.full((count, 4, 4), np.nan)
         self._records = np.empty((len(self._geometry.faces), 9), dtype=np.float32)
         self._record_face = np.empty(len(self._geometry.faces), dtype=np.int32)
@@ -86,6 +89,9 @@ class Renderer:
         self._shadow_slots = np.empty((shadow_size, shadow_size), dtype=np.int32)
         self._stale_maps = np.ones(6, dtype=np.bool_)
         self._frame_buffers: dict[tuple[int, int], Buffers] = {}
+        self._volume = volume
+        self._patches = _NO_PATCHES if volume is None else patches(self._geometry.vertices, self._geometry.faces)
+        self._stale_light = np.ones(count, dtype=np.bool_)
         self.set_poses(range(count), poses)
 
     def set_pose(self, part: int, pose: npt.ArrayLike) -> None:
@@ -97,6 +103,7 @@ class Renderer:
         self._mark_shadows(part)
         place_part(self._geometry, self._placed, part, matrix)
         self._mark_shadows(part)
+        self._stale_light[part] = True
 
     def set_poses(self, indices: Iterable[int], poses: npt.ArrayLike) -> None:
         """Put several parts elsewhere; `poses` is (n, 4, 4)."""
@@ -125,6 +132,7 @@ class Renderer:
         view = camera.view()
         if shadows:
             self._draw_stale_maps()
+        self._light_stale_parts()
         buffers, depth, instances = self._rasterise(view)
         rgb = np.empty((view.height, view.width, 3), dtype=np.uint8)
         shade(
@@ -136,6 +144,7 @@ class Renderer:
             self._texels,
             self._lights,
             self._shadows if shadows else _NO_SHADOWS,
+            self._patches,
             rgb,
         )
         if antialias:
@@ -167,6 +176,25 @@ class Renderer:
             summarise(self._shadows, face)
         self._stale_maps[:] = False
 
+    def _light_stale_parts(self) -> None:
+        """Look up the indirect light of the parts that are elsewhere than when it was looked up."""
+        if self._volume is None:
+            return
+        geometry, placed = self._geometry, self._placed
+        for part in np.flatnonzero(self._stale_light & placed.visible).tolist():
+            first, stop = part_faces(geometry, part)
+            light_faces(
+                self._patches,
+                self._volume,
+                placed.vertices,
+                placed.normals,
+                geometry.faces,
+                geometry.face_of_solid,
+                first,
+                stop,
+            )
+            self._stale_light[part] = False
+
     def _buffers(self, height: int, width: int) -> Buffers:
         if (height, width) not in self._frame_buffers:
             key = np.empty((height, width), dtype=np.float32)
@@ -178,7 +206,18 @@ class Renderer:
         return Buffers(key, slot, self._records, self._record_face, self._drawn, self._candidates, self._image)
 
 
-def _lights(positions: Sequence[Vec3], ambient: float, background: Vec3) -> Lights:
+def empty_placed(geometry: Geometry) -> Placed:
+    """Room for the vertices of a geometry in the world; all its parts are visible."""
+    count, vertices = len(geometry.part_corners), geometry.vertices.shape[1]
+    return Placed(
+        vertices=np.empty((3, vertices), dtype=np.float32),
+        normals=np.empty((vertices, 3), dtype=np.float32),
+        corners=np.zeros((count, 8, 3)),
+        visible=np.ones(count, dtype=np.bool_),
+    )
+
+
+def room_lights(positions: Sequence[Vec3], ambient: float = AMBIENT, background: Vec3 = BACKGROUND) -> Lights:
     """Share the light of a room out among its lamps; the first one, which casts shadows, gets most."""
     if not 1 <= len(positions) <= 3:
         msg = f"a room has one to three lamps, not {len(positions)}"

@@ -11,10 +11,13 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.assets.core.model import Surface
+from remqa_data.assets.core.fitting import surface, with_uv
+from remqa_data.assets.core.model import Material, Surface
 from remqa_data.assets.looks.textures import repeats, texture
+from remqa_data.assets.mesh import primitives
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, I32, Flags
+from remqa_data.scene import Scene, StructureBox
 from remqa_data.sim.render.mipmap import CLAMPED, SIZE_BITS, levels
 from remqa_data.sim.render.raster import Geometry
 from remqa_data.sim.render.shade import Materials
@@ -113,6 +116,25 @@ def solid_faces(surface: Surface) -> Flags:
     volume = np.bincount(piece, weights=arithmetic.dot(a, np.cross(b, c)), minlength=len(points))
     solid: Flags = (~is_open & (volume > 0))[piece]
     return solid
+
+
+def structure_surfaces(scene: Scene) -> list[tuple[Surface, ...]]:
+    """Surfaces of the building in groups that are culled together: each wall panel, the rest by kind and finish."""
+    groups: dict[tuple[object, ...], list[StructureBox]] = {}
+    for index, part in enumerate(scene.structure):
+        key = (part.kind, index) if part.kind in ("wall", "outside", "ceiling") else (part.kind, part.finish)
+        groups.setdefault(key, []).append(part)
+    return [(_boxes(parts),) for parts in groups.values()]
+
+
+def _boxes(parts: list[StructureBox]) -> Surface:
+    material: Material = parts[0].finish
+    meshes = []
+    for part in parts:
+        low, high = np.asarray(part.box[:3]), np.asarray(part.box[3:])
+        mesh = primitives.box(tuple(high - low)).moved((low + high) / 2)
+        meshes.append(with_uv(mesh, material, None))
+    return surface(primitives.joined(meshes), material)
 
 
 def _weld(surface: Surface) -> tuple[F64, npt.NDArray[np.int64]]:

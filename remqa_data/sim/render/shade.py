@@ -13,11 +13,14 @@ import numpy as np
 
 from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, F64, I32, U8
+from remqa_data.sim.light.patches import Patches, sample_of
 from remqa_data.sim.render import pixels as px
 from remqa_data.sim.render.camera import View
 from remqa_data.sim.render.mipmap import apply_textures
 from remqa_data.sim.render.raster import FAR_M, Buffers, Geometry, Placed
 from remqa_data.sim.render.shadow import Shadows, find_shadows
+
+_F = np.float32
 
 
 class Materials(NamedTuple):
@@ -80,19 +83,22 @@ def shade(
     texels: I32,
     lights: Lights,
     shadows: Shadows,
+    patches: Patches,
     rgb: U8,
 ) -> None:
-    """Write the (h, w, 3) uint8 picture."""
+    """Write the (h, w, 3) uint8 picture; with empty patches, light from everywhere is the same everywhere."""
     height, width = buffers.slot.shape
     sheet = np.zeros(px.FLOATS, dtype=np.float32)
     fetches = np.zeros(px.INTS, dtype=np.int32)
     for y in range(height):
         for start in range(0, width, px.BLOCK_PX):
             count = min(px.BLOCK_PX, width - start)
-            _fetch(geometry, placed, view, buffers, materials, lights.background, y, start, count, sheet)
+            _fetch(geometry, placed, view, buffers, materials, lights.background, patches, y, start, count, sheet)
             _place(view, y + 0.5 - 0.5 * height, start + 0.5 - 0.5 * width, sheet, count)
             apply_textures(texels, sheet, fetches, count)
             find_shadows(shadows, sheet, fetches, count)
+            if len(patches.light) == 0:
+                _ambient(lights, sheet, count)
             _light(view, lights, sheet, count)
             _encode(sheet, fetches, count)
             for i in range(min(count, px.BLOCK_PX)):
@@ -108,12 +114,13 @@ def _fetch(
     buffers: Buffers,
     materials: Materials,
     background: F32,
+    patches: Patches,
     y: int,
     start: int,
     count: int,
     sheet: F32,
 ) -> None:
-    """Write material, texture coordinates, normal and depth of each pixel, one run of the same triangle at a time."""
+    """Write material, texture coordinates, normal, depth and baked light, one run of the same triangle at a time."""
     height, width = buffers.slot.shape
     one = np.float32(1.0)
     line = np.float32(y + 0.5 - 0.5 * height)
@@ -132,6 +139,7 @@ def _fetch(
                 sheet[px.GLOSS + i], sheet[px.GLOW + i] = 0.0, one
                 sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i] = 0.0, 0.0, one
                 sheet[px.DEPTH + i] = one
+                sheet[px.LIGHT_RED + i], sheet[px.LIGHT_GREEN + i], sheet[px.LIGHT_BLUE + i] = 0.0, 0.0, 0.0
             continue
         record = buffers.records[slot]
         ax, ay, ac, bx, by, bc = record[0], record[1], record[2], record[3], record[4], record[5]
@@ -156,6 +164,7 @@ def _fetch(
         nxa, nya, nza = normal_a[0] - nxc, normal_a[1] - nyc, normal_a[2] - nzc
         nxb, nyb, nzb = normal_b[0] - nxc, normal_b[1] - nyc, normal_b[2] - nzc
         key_line = ky * line + kc
+        lrc, lgc, lbc, lra, lga, lba, lrb, lgb, lbb = _corner_light(patches, face)
         # A view that starts at the run lets the compiler see that no index is negative, and vectorise.
         run, run_left = sheet[first:], left + np.float32(first)
         for i in range(stop - first):
@@ -176,6 +185,53 @@ def _fetch(
             run[px.NORMAL_Y + i] = nyc + nya * at_a + nyb * at_b
             run[px.NORMAL_Z + i] = nzc + nza * at_a + nzb * at_b
             run[px.DEPTH + i] = depth
+            run[px.LIGHT_RED + i] = lrc + lra * at_a + lrb * at_b
+            run[px.LIGHT_GREEN + i] = lgc + lga * at_a + lgb * at_b
+            run[px.LIGHT_BLUE + i] = lbc + lba * at_a + lbb * at_b
+        if len(patches.light) > 0 and patches.steps[face] > 1:
+            _mix_samples(patches, face, run, stop - first)
+
+
+@exact
+def _corner_light(patches: Patches, face: int) -> tuple[_F, _F, _F, _F, _F, _F, _F, _F, _F]:
+    """Baked red, green and blue of a face at its third corner, and how much more they are at the first and the second.
+
+    Of a face with more samples it is where a pixel lies among them, in steps towards the first and the second corner.
+    """
+    zero = np.float32(0.0)
+    if len(patches.light) == 0:
+        return zero, zero, zero, zero, zero, zero, zero, zero, zero
+    if patches.steps[face] > 1:
+        steps = np.float32(patches.steps[face])
+        return zero, zero, zero, steps, zero, zero, zero, steps, zero
+    base = patches.start[face]
+    c, b, a = patches.light[base], patches.light[base + 1], patches.light[base + 2]
+    return c[0], c[1], c[2], a[0] - c[0], a[1] - c[1], a[2] - c[2], b[0] - c[0], b[1] - c[1], b[2] - c[2]
+
+
+@exact
+def _mix_samples(patches: Patches, face: int, run: F32, count: int) -> None:
+    """Write the baked light of a run of pixels of a face with many samples: of the three around each pixel."""
+    one, zero = np.float32(1.0), np.float32(0.0)
+    steps, base = patches.steps[face], patches.start[face]
+    most = np.float32(steps) - np.float32(1e-3)
+    for i in range(count):
+        s = min(max(run[px.LIGHT_RED + i], zero), most)
+        t = min(max(run[px.LIGHT_GREEN + i], zero), most - s)
+        row, step = int(s), int(t)
+        u, v = s - np.float32(row), t - np.float32(step)
+        first = base + sample_of(steps, row, step)
+        across = base + sample_of(steps, row + 1, step)
+        is_upper = u + v > one
+        corner = across + 1 if is_upper else first
+        wu, wv = (one - v, one - u) if is_upper else (u, v)
+        wc = one - wu - wv
+        for channel in range(3):
+            run[px.LIGHT_RED + channel * px.BLOCK_PX + i] = (
+                wc * patches.light[corner, channel]
+                + wu * patches.light[across, channel]
+                + wv * patches.light[first + 1, channel]
+            )
 
 
 @exact
@@ -206,20 +262,27 @@ def _place(view: View, line: float, left: float, sheet: F32, count: int) -> None
 
 
 @exact
-def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
-    """Write the linear light that each pixel sends to the camera."""
-    one, zero, tiny = np.float32(1.0), np.float32(0.0), np.float32(1e-12)
-    ambient = np.float32(lights.ambient)
-    ex, ey, ez = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
+def _ambient(lights: Lights, sheet: F32, count: int) -> None:
+    """Write the light that comes from everywhere where none is baked."""
+    one, ambient = np.float32(1.0), np.float32(lights.ambient)
     for i in range(min(count, px.BLOCK_PX)):
         nx, ny, nz = sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i]
         # Brighter from above, and from below by what the floor throws back; the slight slope in x and y tells the sides
         # of a box apart where no lamp shines.
         slope = np.float32(0.07) * nx + np.float32(0.04) * ny + np.float32(0.15) * nz + np.float32(0.15) * nz * nz
         level = ambient * (one + slope)
-        sheet[px.LIGHT_RED + i] = level * sheet[px.RED + i]
-        sheet[px.LIGHT_GREEN + i] = level * sheet[px.GREEN + i]
-        sheet[px.LIGHT_BLUE + i] = level * sheet[px.BLUE + i]
+        sheet[px.LIGHT_RED + i], sheet[px.LIGHT_GREEN + i], sheet[px.LIGHT_BLUE + i] = level, level, level
+
+
+@exact
+def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
+    """Write the linear light that each pixel sends to the camera, from what comes from everywhere and from the lamps."""
+    one, zero, tiny = np.float32(1.0), np.float32(0.0), np.float32(1e-12)
+    ex, ey, ez = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
+    for i in range(min(count, px.BLOCK_PX)):
+        sheet[px.LIGHT_RED + i] *= sheet[px.RED + i]
+        sheet[px.LIGHT_GREEN + i] *= sheet[px.GREEN + i]
+        sheet[px.LIGHT_BLUE + i] *= sheet[px.BLUE + i]
     fade = np.float32(1.0 / (lights.reach_m * lights.reach_m))
     for lamp in range(len(lights.positions)):
         at_x, at_y, at_z = lights.positions[lamp]

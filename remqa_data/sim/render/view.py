@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.assets.core.fitting import surface, with_uv
-from remqa_data.assets.core.model import Material, Surface
-from remqa_data.assets.mesh import primitives
 from remqa_data.geometry.types import F32, F64, I32
-from remqa_data.scene import Scene, StructureBox
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import AnyCamera
 from remqa_data.sim.render.renderer import Renderer, RenderPart
+from remqa_data.sim.render.room_light import room_light
+from remqa_data.sim.render.scene_arrays import structure_surfaces
 
 if TYPE_CHECKING:
     from remqa_data.sim.render.renderer import Frame
@@ -72,7 +70,12 @@ class WorldView:
         self._asked_to_hide: set[str] = set()
         self._out_of_room: str | None = None
         self._revision: int | None = None
-        self.renderer = Renderer(parts, poses, lights=world.scene.lights)
+        self.renderer = Renderer(
+            parts,
+            poses,
+            lights=world.scene.lights,
+            volume=room_light(world.scene) if world.scene.light == "baked" else None,
+        )
 
     def sync(self) -> None:
         """Follow the world's poses, and what is held; `render` does it by itself."""
@@ -127,22 +130,3 @@ def world_parts(world: World) -> tuple[list[RenderPart], F64]:
         surfaces += [link.surfaces for link in world.assets[object_id].links]
         poses += list(world.link_poses(object_id))
     return [RenderPart(shown, i) for i, shown in enumerate(surfaces)], np.stack(poses)
-
-
-def structure_surfaces(scene: Scene) -> list[tuple[Surface, ...]]:
-    """Surfaces of the building in groups that are culled together: each wall panel, the rest by kind and finish."""
-    groups: dict[tuple[object, ...], list[StructureBox]] = {}
-    for index, part in enumerate(scene.structure):
-        key = (part.kind, index) if part.kind in ("wall", "outside", "ceiling") else (part.kind, part.finish)
-        groups.setdefault(key, []).append(part)
-    return [(_boxes(parts),) for parts in groups.values()]
-
-
-def _boxes(parts: list[StructureBox]) -> Surface:
-    material: Material = parts[0].finish
-    meshes = []
-    for part in parts:
-        low, high = np.asarray(part.box[:3]), np.asarray(part.box[3:])
-        mesh = primitives.box(tuple(high - low)).moved((low + high) / 2)
-        meshes.append(with_uv(mesh, material, None))
-    return surface(primitives.joined(meshes), material)

@@ -1,0 +1,93 @@
+"""Indirect light in samples spread over faces, so that a pixel's light costs three look-ups, however large its face is.
+
+Samples lie on a triangular lattice in each face, as in Yuksel, Keyser and House, Mesh Colors, 2010: no map of a surface to a
+picture is needed, and small faces have just one sample in each corner.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from remqa_data.compiled import exact
+from remqa_data.geometry.types import F32, I32, Flags
+from remqa_data.sim.light.volume import Volume, light_at
+
+SPACING_M = 0.2
+MOST_STEPS = 64
+
+
+class Patches(NamedTuple):
+    """Samples of all faces."""
+
+    start: I32
+    """(m + 1,) first sample of each face."""
+    steps: I32
+    """(m,) samples along each side of it, without the first."""
+    light: F32
+    """(k, 3) linear."""
+
+
+def patches(vertices: F32, faces: I32) -> Patches:
+    """Room for the samples of faces.
+
+    Parameters
+    ----------
+    vertices : (3, n) array
+    faces : (m, 3) array
+    """
+    corners = vertices.T[faces]
+    sides = np.sqrt(np.square(corners - corners[:, [1, 2, 0]]).sum(axis=2))
+    steps = np.clip(np.ceil(sides.max(axis=1, initial=0.0) / SPACING_M), 1, MOST_STEPS).astype(np.int32)
+    counts = (steps + 1) * (steps + 2) // 2
+    start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+    return Patches(start, steps, np.zeros((int(start[-1]), 3), dtype=np.float32))
+
+
+@exact
+def sample_of(steps: int, i: int, j: int) -> int:
+    """Number of a face's sample that is i steps from its third corner to the first, and j to the second."""
+    return i * (steps + 1) - i * (i - 1) // 2 + j
+
+
+@exact
+def light_faces(
+    made: Patches,
+    volume: Volume,
+    vertices: F32,
+    normals: F32,
+    faces: I32,
+    is_solid: Flags,
+    first: int,
+    stop: int,
+) -> None:
+    """Look up the light of all samples of a range of faces, where they are now; both sides of what is no solid count."""
+    light, other = np.zeros(3, dtype=np.float32), np.zeros(3, dtype=np.float32)
+    for face in range(first, stop):
+        a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
+        n = made.steps[face]
+        place = made.start[face]
+        for i in range(n + 1):
+            for j in range(n - i + 1):
+                u, v = i / n, j / n
+                w = 1.0 - u - v
+                x = u * vertices[0, a] + v * vertices[0, b] + w * vertices[0, c]
+                y = u * vertices[1, a] + v * vertices[1, b] + w * vertices[1, c]
+                z = u * vertices[2, a] + v * vertices[2, b] + w * vertices[2, c]
+                nx = u * normals[a, 0] + v * normals[b, 0] + w * normals[c, 0]
+                ny = u * normals[a, 1] + v * normals[b, 1] + w * normals[c, 1]
+                nz = u * normals[a, 2] + v * normals[b, 2] + w * normals[c, 2]
+                scale = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz + 1e-20)
+                nx, ny, nz = nx * scale, ny * scale, nz * scale
+                found = light_at(volume, x, y, z, nx, ny, nz, light)
+                if not is_solid[face] and light_at(volume, x, y, z, -nx, -ny, -nz, other):
+                    for channel in range(3):
+                        light[channel] = (light[channel] + other[channel]) / 2 if found else other[channel]
+                    found = True
+                if not found:
+                    light[:] = volume.least
+                for channel in range(3):
+                    made.light[place, channel] = max(light[channel], volume.least)
+                place += 1

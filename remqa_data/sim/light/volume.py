@@ -1,0 +1,177 @@
+"""Indirect light on a lattice of probes, as cubes of six colours, and what a surface receives of it.
+
+Each probe keeps the light that a small surface there would receive for the six directions in which it could look
+("ambient cube"; McTaggart, Half-Life 2 / Valve Source Shading, 2004). A surface takes it from the eight probes around it
+that lie before it, so that no light comes through walls (as in Majercik et al., Dynamic Diffuse Global Illumination with
+Ray-Traced Irradiance Fields, 2019).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from remqa_data.compiled import exact
+from remqa_data.geometry.types import F32, F64, Flags
+from remqa_data.sim.light.voxels import SIDES, Voxels, cast
+
+AHEAD_M = 0.08
+"""A surface looks up its light so far before itself."""
+BACKS = 0.25
+"""A probe of which more rays meet backs lies inside something."""
+_FAR = 1e6
+
+
+class Volume(NamedTuple):
+    """Probes on a lattice."""
+
+    origin: F64
+    """(3,) of probe (0, 0, 0), metres."""
+    light: F32
+    """(nx, ny, nz, 6, 3) linear."""
+    spacing_m: float
+    """From one probe to the next along each axis."""
+    is_valid: Flags
+    """(nx, ny, nz) whether a probe lies in free space."""
+    least: float
+    """Nothing is darker, so that the insides of what is opened can be seen."""
+
+
+@exact
+def gather(voxels: Voxels, volume: Volume, directions: F64, sky: float) -> None:
+    """Fill a volume with the light that the cubes send out.
+
+    Parameters
+    ----------
+    directions : (sets, n, 3) array
+        Unit vectors, spread evenly; neighbouring probes use different sets, so that what interpolates them averages.
+    sky : float
+        What comes from outside of the room.
+    """
+    nx, ny, nz = volume.is_valid.shape
+    sets, rays = directions.shape[0], directions.shape[1]
+    total = np.zeros((SIDES, 3))
+    weight = np.zeros(SIDES)
+    for i in range(nx):
+        for j in range(ny):
+            for m in range(nz):
+                px = (volume.origin[0] + i * volume.spacing_m - voxels.origin[0]) / voxels.size_m
+                py = (volume.origin[1] + j * volume.spacing_m - voxels.origin[1]) / voxels.size_m
+                pz = (volume.origin[2] + m * volume.spacing_m - voxels.origin[2]) / voxels.size_m
+                volume.is_valid[i, j, m] = False
+                if voxels.number[math.floor(px), math.floor(py), math.floor(pz)] >= 0:
+                    continue
+                total[:] = 0.0
+                weight[:] = 0.0
+                backs = 0
+                chosen = directions[(i % 2 + 2 * (j % 2) + 4 * (m % 2)) % sets]
+                for ray in range(rays):
+                    dx, dy, dz = chosen[ray, 0], chosen[ray, 1], chosen[ray, 2]
+                    cube, facing = cast(voxels, px, py, pz, dx, dy, dz, _FAR, 0.0)
+                    red = green = blue = 0.0
+                    if cube == -2:
+                        red = green = blue = sky
+                    elif facing > 0.0:
+                        a = abs(dx) * voxels.cover[cube, 1 if dx > 0 else 0] / facing
+                        b = abs(dy) * voxels.cover[cube, 3 if dy > 0 else 2] / facing
+                        c = abs(dz) * voxels.cover[cube, 5 if dz > 0 else 4] / facing
+                        sent_x, sent_y = voxels.sent[cube, 1 if dx > 0 else 0], voxels.sent[cube, 3 if dy > 0 else 2]
+                        sent_z = voxels.sent[cube, 5 if dz > 0 else 4]
+                        red = a * sent_x[0] + b * sent_y[0] + c * sent_z[0]
+                        green = a * sent_x[1] + b * sent_y[1] + c * sent_z[1]
+                        blue = a * sent_x[2] + b * sent_y[2] + c * sent_z[2]
+                    else:
+                        backs += 1
+                    for axis in range(3):
+                        d = chosen[ray, axis]
+                        side = 2 * axis if d > 0 else 2 * axis + 1
+                        w = abs(d)
+                        weight[side] += w
+                        total[side, 0] += w * red
+                        total[side, 1] += w * green
+                        total[side, 2] += w * blue
+                if backs > BACKS * rays:
+                    continue
+                volume.is_valid[i, j, m] = True
+                for side in range(SIDES):
+                    for channel in range(3):
+                        volume.light[i, j, m, side, channel] = total[side, channel] / max(weight[side], 1e-9)
+
+
+@exact
+def smooth(volume: Volume) -> Volume:
+    """The same without most of its noise: each probe's light averaged with that of the probes beside it.
+
+    For each direction, those beside it are those at the same distance before a surface that looks that way.
+    """
+    nx, ny, nz = volume.is_valid.shape
+    light = np.zeros_like(volume.light)
+    for i in range(nx):
+        for j in range(ny):
+            for m in range(nz):
+                if not volume.is_valid[i, j, m]:
+                    continue
+                for side in range(SIDES):
+                    axis = side // 2
+                    total, weights = np.zeros(3), 0.0
+                    for first in range(-1, 2):
+                        for second in range(-1, 2):
+                            a = i + (0 if axis == 0 else first)
+                            b = j + (first if axis == 0 else (0 if axis == 1 else second))
+                            c = m + (0 if axis == 2 else second)
+                            if 0 <= a < nx and 0 <= b < ny and 0 <= c < nz and volume.is_valid[a, b, c]:
+                                weight = (2.0 - abs(first)) * (2.0 - abs(second))
+                                weights += weight
+                                for channel in range(3):
+                                    total[channel] += weight * volume.light[a, b, c, side, channel]
+                    for channel in range(3):
+                        light[i, j, m, side, channel] = total[channel] / weights
+    return Volume(volume.origin, light, volume.spacing_m, volume.is_valid, volume.least)
+
+
+@exact
+def light_at(volume: Volume, x: float, y: float, z: float, nx: float, ny: float, nz: float, out: F32) -> bool:
+    """Write the (3,) light that a surface at a point receives; False, and nothing written, where no probe is near.
+
+    `nx, ny, nz` is where the surface looks, a unit vector.
+    """
+    return _mixed(volume, x, y, z, nx, ny, nz, AHEAD_M, out) or _mixed(volume, x, y, z, nx, ny, nz, 2.5 * AHEAD_M, out)
+
+
+@exact
+def _mixed(
+    volume: Volume, x: float, y: float, z: float, nx: float, ny: float, nz: float, ahead_m: float, out: F32
+) -> bool:
+    """As `light_at`, of the eight probes around a point so far before the surface."""
+    sx, sy, sz = volume.is_valid.shape
+    fx = (x + ahead_m * nx - volume.origin[0]) / volume.spacing_m
+    fy = (y + ahead_m * ny - volume.origin[1]) / volume.spacing_m
+    fz = (z + ahead_m * nz - volume.origin[2]) / volume.spacing_m
+    fx, fy, fz = min(max(fx, 0.0), sx - 1.001), min(max(fy, 0.0), sy - 1.001), min(max(fz, 0.0), sz - 1.001)
+    i, j, m = math.floor(fx), math.floor(fy), math.floor(fz)
+    ax, ay, az = fx - i, fy - j, fz - m
+    at_x, at_y, at_z = (x - volume.origin[0]) / volume.spacing_m, (y - volume.origin[1]) / volume.spacing_m, 0.0
+    at_z = (z - volume.origin[2]) / volume.spacing_m
+    side_x, side_y, side_z = (0 if nx > 0 else 1), (2 if ny > 0 else 3), (4 if nz > 0 else 5)
+    wx, wy, wz = nx * nx, ny * ny, nz * nz
+    red = green = blue = sum_of_weights = 0.0
+    for corner in range(8):
+        di, dj, dl = corner & 1, (corner >> 1) & 1, corner >> 2
+        if not volume.is_valid[i + di, j + dj, m + dl]:
+            continue
+        ahead = nx * (i + di - at_x) + ny * (j + dj - at_y) + nz * (m + dl - at_z)
+        if ahead <= 0.0:
+            continue
+        weight = (ax if di else 1.0 - ax) * (ay if dj else 1.0 - ay) * (az if dl else 1.0 - az)
+        weight = (weight + 1e-4) * min(1.0, 4.0 * ahead)
+        light = volume.light[i + di, j + dj, m + dl]
+        red += weight * (wx * light[side_x, 0] + wy * light[side_y, 0] + wz * light[side_z, 0])
+        green += weight * (wx * light[side_x, 1] + wy * light[side_y, 1] + wz * light[side_z, 1])
+        blue += weight * (wx * light[side_x, 2] + wy * light[side_y, 2] + wz * light[side_z, 2])
+        sum_of_weights += weight
+    if sum_of_weights <= 0.0:
+        return False
+    out[0], out[1], out[2] = red / sum_of_weights, green / sum_of_weights, blue / sum_of_weights
+    return True

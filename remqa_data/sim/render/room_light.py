@@ -1,0 +1,92 @@
+"""The indirect light of a room: baked once, from the building and from what stands fixed in it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from remqa_data.assets import build
+from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry.types import F32, F64
+from remqa_data.scene import Scene, SceneObject
+from remqa_data.sim.light.bake import Lamps, bake
+from remqa_data.sim.light.volume import Volume
+from remqa_data.sim.light.voxels import Faces
+from remqa_data.sim.render.mipmap import SIZE_BITS
+from remqa_data.sim.render.raster import Geometry, place_part
+from remqa_data.sim.render.renderer import AMBIENT, RenderPart, empty_placed, room_lights
+from remqa_data.sim.render.scene_arrays import build_geometry, build_materials, structure_surfaces
+
+LEAST_GLOW = 0.5
+"""What glows less is only drawn brighter than it is, such as the liner of a fridge, and lights nothing."""
+LEVEL = 1.1 * AMBIENT
+"""Mean indirect light; what a room without baked light has, which is brighter from above and below."""
+
+
+def room_light(scene: Scene) -> Volume:
+    """The indirect light of a room, whatever lies about in it and whether anything is open.
+
+    Baking takes a second; the last rooms are kept, so that other configurations of a room cost nothing.
+    """
+    fixed = (replace(o, openness=0.0, parents=()) for o in scene.objects if o.is_fixed)
+    return _baked(scene.with_objects(tuple(fixed)))
+
+
+@lru_cache(maxsize=4)
+def _baked(scene: Scene) -> Volume:
+    x0, y0, x1, y1 = scene.bounds
+    low, high = (x0, y0, scene.floor_z), (x1, y1, scene.floor_z + scene.height)
+    lights = room_lights(scene.lights)
+    lamps = Lamps(lights.positions, lights.strength, lights.reach_m)
+    return bake(static_faces(scene), lamps, low, high, LEVEL)
+
+
+def static_faces(scene: Scene) -> Faces:
+    """Everything in a room that never moves, and the closed doors and drawers."""
+    parts = [RenderPart(surfaces, 0) for surfaces in structure_surfaces(scene)]
+    poses, fronts = [np.eye(4)] * len(parts), [np.zeros(3)] * len(parts)
+    for placed in scene.objects:
+        pose = _pose(placed)
+        for number, link in enumerate(build(placed.asset).links):
+            parts.append(RenderPart(link.surfaces, 0))
+            poses.append(pose)
+            fronts.append(-pose[:3, 1] if number else np.zeros(3))  # the front of an asset is at -y
+    return _faces(build_geometry(parts), poses, np.array(fronts), parts)
+
+
+def _pose(placed: SceneObject) -> F64:
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation_of(placed.quaternion), placed.position
+    return pose
+
+
+def _faces(geometry: Geometry, poses: list[F64], fronts: F64, parts: list[RenderPart]) -> Faces:
+    placed = empty_placed(geometry)
+    for part, pose in enumerate(poses):
+        place_part(geometry, placed, part, pose)
+    materials, texels = build_materials(parts)
+    corners = placed.vertices.T[geometry.faces]
+    a, b, c = (corners[:, corner].astype(np.float64) for corner in range(3))
+    normals = np.cross(b - a, c - a)
+    lengths = np.sqrt(np.square(normals).sum(axis=1, keepdims=True))
+    is_face = lengths[:, 0] > 0
+    surface = geometry.face_surface
+    part_of = np.repeat(np.arange(len(parts)), np.diff(geometry.part_surface_start))[surface]
+    return Faces(
+        corners=np.ascontiguousarray(corners[is_face]),
+        normals=(normals / np.where(lengths > 0, lengths, 1.0))[is_face].astype(np.float32),
+        albedo=(materials.albedo * _mean_colours(materials.texture, texels))[surface][is_face],
+        glow=np.where(materials.glow < LEAST_GLOW, np.float32(0.0), materials.glow)[surface][is_face],
+        is_open=~geometry.face_of_solid[is_face],
+        front=fronts[part_of][is_face].astype(np.float32),
+    )
+
+
+def _mean_colours(texture: np.ndarray, texels: np.ndarray) -> F32:
+    """(s, 3) linear mean colour of the texture of each surface: its smallest level, one texel."""
+    stride = 2 << (2 * SIZE_BITS)
+    packed = texels.reshape(-1, stride)[texture & 0xFFF, 1]
+    bytes_ = np.stack([packed & 255, packed >> 8 & 255, packed >> 16 & 255], axis=1)
+    return np.square(bytes_ / np.float32(255.0)).astype(np.float32)
