@@ -5,10 +5,10 @@ from __future__ import annotations
 import multiprocessing
 import os
 import resource
-import tempfile
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 from remqa_data.errors import RemqaError
@@ -129,6 +129,22 @@ SLOW: dict[str, Callable[[Path], None]] = {
 READERS = QUICK | SLOW
 
 
+def read_for_ever(root: Path) -> None:
+    """A reader that must be stopped."""
+    while True:
+        pass
+
+
+def read_to_death(root: Path) -> None:
+    """A reader that ends its process."""
+    os._exit(7)
+
+
+def read_wrongly(root: Path) -> None:
+    """A reader with a mistake."""
+    raise KeyError(root.name)
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What came of one reading: "whole", "refused" (an error on purpose), "raw" (any other) or "killed"."""
@@ -144,42 +160,62 @@ class Outcome:
         return self.kind in ("whole", "refused") and self.cpu_s < CPU_S and self.peak_bytes < MEMORY_BYTES
 
 
-def attempt(reader: Callable[[Path], None], root: Path) -> Outcome:
-    """Read in a process of its own, which is stopped when it takes too long.
+class ReadingProcess:
+    """A process that reads one dataset after the other; where it takes too long, dies or grows, another one takes over.
 
     It is forked from a server without threads: a fork of a process that has some waits for locks that nobody holds.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        answer = Path(folder) / "answer"
-        process = _SERVER.Process(target=_read, args=(reader, root, answer))
-        process.start()
-        process.join(WALL_S)
-        if process.exitcode is None:
-            process.kill()
-            process.join()
-        kind = _KINDS.get(process.exitcode, "killed")
-        if kind == "killed":
-            return Outcome(kind, "", CPU_S, 0)
-        cpu_s, peak_bytes, said = answer.read_text(encoding="utf-8").split("\n", 2)
-        return Outcome(kind, said, float(cpu_s), int(peak_bytes))
+
+    def __init__(self) -> None:
+        self._start()
+
+    def attempt(self, reader: Callable[[Path], None], root: Path) -> Outcome:
+        """Read a dataset."""
+        self._pipe.send((reader, root))
+        try:
+            outcome = self._pipe.recv() if self._pipe.poll(WALL_S) else _KILLED
+        except EOFError:
+            outcome = _KILLED
+        if not outcome.held:
+            self.close()
+            self._start()
+        return outcome
+
+    def close(self) -> None:
+        """End it."""
+        self._process.kill()
+        self._process.join()
+        self._pipe.close()
+
+    def _start(self) -> None:
+        self._pipe, other = _SERVER.Pipe()
+        self._process = _SERVER.Process(target=_serve, args=(other,), daemon=True)
+        self._process.start()
+        other.close()
 
 
-_KINDS = {0: "whole", 2: "refused", 3: "raw"}
+_KILLED = Outcome("killed", "", CPU_S, 0)
 _SERVER = multiprocessing.get_context("forkserver")
 _SERVER.set_forkserver_preload(["remqa_data.datasets.torch_datasets", "tests.helpers.hostile_reading"])
 
 
-def _read(reader: Callable[[Path], None], root: Path, answer: Path) -> None:
-    resource.setrlimit(resource.RLIMIT_CPU, (CPU_S + 5, CPU_S + 5))
+def _serve(pipe: Connection) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
-    code, said = 0, ""
-    try:
-        reader(root)
-    except (RemqaError, OSError) as error:
-        code, said = 2, str(error)
-    except BaseException:
-        code, said = 3, traceback.format_exc()
+    while True:
+        reader, root = pipe.recv()
+        began_s = _cpu_s()
+        resource.setrlimit(resource.RLIMIT_CPU, (int(began_s) + CPU_S + 5, resource.RLIM_INFINITY))
+        kind, said = "whole", ""
+        try:
+            reader(root)
+        except (RemqaError, OSError) as error:
+            kind, said = "refused", str(error)
+        except BaseException:
+            kind, said = "raw", traceback.format_exc()
+        peak_bytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+        pipe.send(Outcome(kind, said, _cpu_s() - began_s, peak_bytes))
+
+
+def _cpu_s() -> float:
     usage = resource.getrusage(resource.RUSAGE_SELF)
-    cpu_s, peak_bytes = usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
-    answer.write_bytes(f"{cpu_s}\n{peak_bytes}\n{said}".encode("utf-8", "replace"))
-    os._exit(code)
+    return usage.ru_utime + usage.ru_stime

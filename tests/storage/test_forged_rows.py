@@ -1,5 +1,6 @@
 """A row that no generation writes is an error on purpose, in whatever reads it, and takes little time and memory."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,9 @@ from remqa_data.storage.manifest import Manifest
 from remqa_data.storage.shards import read_rows
 from remqa_data.tables.images import ImageFormatError, decode_rgb, encode_rgb, image_size
 from remqa_data.tables.rows import QuestionRow
+from tests.helpers import hostile_reading
 from tests.helpers.forged_rows import IMAGES, Forgery, forge, image_forgeries, schema_forgeries
-from tests.helpers.hostile_reading import QUICK, READERS, attempt
+from tests.helpers.hostile_reading import QUICK, READERS, ReadingProcess
 
 pytest.importorskip("remqa_data.datasets.torch_datasets")  # before the forks, which would each import it
 
@@ -19,10 +21,17 @@ CASES = {forgery.name: forgery for forgery in (*schema_forgeries(), *image_forge
 SOME = list(CASES)[::15]
 
 
-def read_forged(root: Path, out: Path, forgery: Forgery) -> None:
+@pytest.fixture(scope="module")
+def reading() -> Iterator[ReadingProcess]:
+    made = ReadingProcess()
+    yield made
+    made.close()
+
+
+def read_forged(root: Path, out: Path, forgery: Forgery, reading: ReadingProcess) -> None:
     forged = forge(root, out, forgery)
     for name, reader in QUICK.items():
-        outcome = attempt(reader, forged)
+        outcome = reading.attempt(reader, forged)
         assert outcome.held, f"{name}: {outcome}"
         assert "\n" not in outcome.said
         assert len(outcome.said) < 1000
@@ -34,14 +43,18 @@ def test_there_are_enough_cases() -> None:
 
 
 @pytest.mark.parametrize("name", SOME)
-def test_a_forged_row_is_refused_or_harmless(name: str, finished: tuple[Path, Manifest], tmp_path: Path) -> None:
-    read_forged(finished[0], tmp_path / "forged", CASES[name])
+def test_a_forged_row_is_refused_or_harmless(
+    name: str, finished: tuple[Path, Manifest], tmp_path: Path, reading: ReadingProcess
+) -> None:
+    read_forged(finished[0], tmp_path / "forged", CASES[name], reading)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in CASES if name not in SOME])
-def test_every_forged_row_is_refused_or_harmless(name: str, finished: tuple[Path, Manifest], tmp_path: Path) -> None:
-    read_forged(finished[0], tmp_path / "forged", CASES[name])
+def test_every_forged_row_is_refused_or_harmless(
+    name: str, finished: tuple[Path, Manifest], tmp_path: Path, reading: ReadingProcess
+) -> None:
+    read_forged(finished[0], tmp_path / "forged", CASES[name], reading)
 
 
 def test_the_error_names_the_file_the_row_and_the_field(finished: tuple[Path, Manifest], tmp_path: Path) -> None:
@@ -74,3 +87,18 @@ def test_the_size_of_an_image_is_read_from_its_first_bytes(form) -> None:
 def test_a_missing_row_is_no_stack_trace(finished: tuple[Path, Manifest]) -> None:
     with pytest.raises(RemqaError):
         list(read_rows(finished[0], QuestionRow, "nobody"))
+
+
+def test_what_reads_is_measured_stopped_and_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hostile_reading, "WALL_S", 3)
+    reading = ReadingProcess()
+    try:
+        for reader in (hostile_reading.read_for_ever, hostile_reading.read_to_death):
+            outcome = reading.attempt(reader, tmp_path)
+            assert (outcome.kind, outcome.held) == ("killed", False)
+        wrong = reading.attempt(hostile_reading.read_wrongly, tmp_path)
+        assert (wrong.kind, wrong.held) == ("raw", False)
+        refused = reading.attempt(hostile_reading.read_rows_, tmp_path)
+        assert (refused.kind, refused.held) == ("refused", True)
+    finally:
+        reading.close()
