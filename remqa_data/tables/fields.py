@@ -10,6 +10,7 @@ import dataclasses
 import types
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -184,7 +185,7 @@ class Struct:
     record: type
     members: tuple[Member, ...]
 
-    @property
+    @cached_property
     def type(self) -> pa.DataType:
         """Arrow type."""
         return pa.struct([member.field for member in self.members])

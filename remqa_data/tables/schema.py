@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, TypeVar
 
 import pyarrow as pa
@@ -51,7 +52,7 @@ class TableSpec:
     row_group_rows: int
     record: Struct
 
-    @property
+    @cached_property
     def schema(self) -> pa.Schema:
         """Arrow schema, with the documentation of every field and Hugging Face's features."""
         features = {member.name: _feature(member.node) for member in self.record.members}
