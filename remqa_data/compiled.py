@@ -21,15 +21,16 @@ from remqa_data.kernels.progress import Compiling, tell
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
-_SOURCES = (
+SOURCES = (
+    "compiled",
+    "mapping/voxel_votes",
+    "sim/arm/obstacles",
     "sim/light/bake",
     "sim/light/patches",
     "sim/light/volume",
     "sim/light/voxels",
     "sim/render/antialias",
-    "sim/arm/obstacles",
     "sim/render/camera",
-    "compiled",
     "sim/render/mipmap",
     "sim/render/outline",
     "sim/render/pixels",
@@ -38,7 +39,7 @@ _SOURCES = (
     "sim/render/shadow",
     "sim/render/supersample",
 )
-"""Modules with compiled functions, or with constants that these use."""
+"""Modules with compiled functions, or with what these use; tests/kernels/test_compiled.py finds them."""
 
 
 def exact(function: Function) -> Function:
@@ -65,7 +66,7 @@ def is_cache_empty() -> bool:
 @cache
 def _cache_folder(usual: str) -> str:
     here = Path(__file__).parent
-    digest = hashlib.sha256(b"".join((here / f"{module}.py").read_bytes() for module in _SOURCES)).hexdigest()
+    digest = hashlib.sha256(b"".join((here / f"{module}.py").read_bytes() for module in SOURCES)).hexdigest()
     return str(kernel_cache(usual, here / "__pycache__") / f"compiled-{digest[:12]}")
 
 
