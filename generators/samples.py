@@ -22,7 +22,8 @@ from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
-from remqa_data.sim.agent.replay import DONE, Replay, move_action, open_action, pick_up_action
+from remqa_data.sim.agent.actions import DONE, Action, move_action, open_action, pick_up_action
+from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import AgentState, Box2D, object_metadata, scaled_min_pixels
 from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.paths import path_length_m, shortest_actions
@@ -85,7 +86,7 @@ class AuditedRoom:
         self.graph = SceneGraph.from_objects(object_metadata(self.replay.world).values())
         self.loose_graph = SceneGraph.from_objects(self.graph.objects.values(), self.graph.rules.loosened())
         self.expressions = Expressions(self.graph)
-        self._views: dict[tuple[AgentPose, str], Views] = {}
+        self._views: dict[tuple[AgentPose, Action], Views] = {}
 
     @property
     def grid(self) -> ReachableGrid:
@@ -97,11 +98,11 @@ class AuditedRoom:
         self.replay.world.restore(self._first)
         self.replay.pose = pose
 
-    def views(self, goal: AgentPose, manipulation: str) -> Views:
+    def views(self, goal: AgentPose, manipulation: Action) -> Views:
         """What a manipulation shows; drawn once, however many questions are about it."""
         key = (goal, manipulation)
         if key not in self._views:
-            object_id, world = manipulation.split(" ")[1], self.replay.world
+            object_id, world = str(manipulation.target), self.replay.world
             self.start_over(goal)
             before, closed = self.replay.observe(), world.link_poses(object_id)
             self.replay.step(manipulation)
@@ -150,7 +151,7 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
         refusal = Refusal("sufficient", f"too little of the space that {hiding.object_id} hides comes to light")
     if refusal is not None:
         return refusal
-    actions = (*way, manipulation, DONE)
+    actions = (*map(Action, way), manipulation, Action(DONE))
     if not _replays(room, start, actions, goal, views):
         return Refusal("replayable", f"{hiding.object_id}: the actions end in another picture")
     name = f"{group.name}-c{room.place.configuration}"
@@ -169,8 +170,8 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
         configuration=room.place.configuration,
         split=room.place.split,
         group=group.name,
-        initial_pose=agent_state(room.grid, start),
-        goal_poses=tuple(agent_state(room.grid, pose) for pose in goals),
+        initial_pose=AgentState.of(room.grid, start),
+        goal_poses=tuple(AgentState.of(room.grid, pose) for pose in goals),
         target_id=hiding.object_id,
         target_type=hiding.type,
         start_target_box_2d=box_2d(before, ids.index(hiding.object_id)),
@@ -180,7 +181,7 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
         manipulation_object_id=hiding.object_id,
         path_length_m=path_length_m(room.grid, start.cell, goal.cell),
         path_steps=len(way),
-        actions=actions,
+        actions=tuple(map(str, actions)),
         start_rgb=encode_rgb(before.rgb, f"{name}-start", form=form),
         start_depth=encode_depth(before.depth, f"{name}-start-depth"),
         start_instances=encode_instances(before.objects, ids, ids, f"{name}-start-instances"),
@@ -189,12 +190,6 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
         end_instances=encode_instances(after.objects, ids, ids, f"{name}-end-instances"),
         object_ids=ids,
     )
-
-
-def agent_state(grid: ReachableGrid, pose: AgentPose) -> AgentState:
-    """A pose as it is stored."""
-    x, y = grid.position(pose.cell)
-    return AgentState((x, y, grid.floor_z), float(pose.yaw_deg), float(pose.horizon_deg))
 
 
 def box_2d(seen: Observation, index: int) -> Box2D | None:
@@ -206,7 +201,7 @@ def box_2d(seen: Observation, index: int) -> Box2D | None:
 
 
 def _way(
-    room: AuditedRoom, hiding: HidingPlace, start: AgentPose, manipulation: str
+    room: AuditedRoom, hiding: HidingPlace, start: AgentPose, manipulation: Action
 ) -> tuple[AgentPose, list[str], Views] | Refusal:
     """The first goal pose that can be reached and acted from, the actions that lead there, and what is seen there."""
     reason = f"no way to {hiding.object_id}"
@@ -226,7 +221,7 @@ def _stands(grid: ReachableGrid, pose: AgentPose) -> bool:
     return pose.cell in grid.graph
 
 
-def _manipulation(hiding: HidingPlace) -> str:
+def _manipulation(hiding: HidingPlace) -> Action:
     if hiding.manipulation == "Open":
         return open_action(hiding.object_id)
     if hiding.manipulation == "Pickup":
@@ -272,7 +267,7 @@ def _check_views(
     return None
 
 
-def _replays(room: AuditedRoom, start: AgentPose, actions: tuple[str, ...], goal: AgentPose, views: Views) -> bool:
+def _replays(room: AuditedRoom, start: AgentPose, actions: tuple[Action, ...], goal: AgentPose, views: Views) -> bool:
     """Whether the oracle's actions lead from the start to the pose and the state of the room that the end frame shows."""
     room.start_over(start)
     try:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from remqa_data.errors import DatasetError, RemqaError, UnknownNameError
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.scene import Scene
-from remqa_data.sim.agent.actions import DONE, parse_action
+from remqa_data.sim.agent.actions import DONE, KIND_OF, Action
 from remqa_data.sim.agent.embodiment import Embodiment
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import Box2D, scaled_min_pixels
@@ -29,10 +29,6 @@ Pose = tuple[float, float, float, float]
 """x, y in metres, yaw_deg, horizon_deg."""
 Room = tuple[str, int]
 """A scene and its configuration."""
-KIND_OF = {"OpenObject": "Open", "PickupObject": "Pickup"} | dict.fromkeys(
-    ("MoveObject", "PushObject", "PullObject"), "Move"
-)
-"""The manipulation that an action is."""
 
 
 @dataclass(frozen=True)
@@ -45,10 +41,9 @@ class Attempt:
         Of the question in its split.
     initial_pose : Pose
     target_id : str
-    actions : sequence of str
+    actions : sequence of Action
         Of navigation.
-    manipulation : str or None
-        An action.
+    manipulation : Action or None
     wanted : tuple of str
         The right manipulation, such as "Open", and the object to do it to.
     """
@@ -56,8 +51,8 @@ class Attempt:
     place: int
     initial_pose: Pose
     target_id: str
-    actions: Sequence[str]
-    manipulation: str | None
+    actions: Sequence[Action]
+    manipulation: Action | None
     wanted: tuple[str, str]
 
 
@@ -157,7 +152,7 @@ def walk(replay: Replay, attempt: Attempt) -> tuple[list[Pose], int]:
     poses, refused = [attempt.initial_pose], 0
     agent = replay.agent
     for action in attempt.actions:
-        if action == DONE:
+        if action.name == DONE:
             break
         refused += not _is_done(replay, action)
         poses.append((agent.x, agent.y, agent.yaw_deg, agent.horizon_deg))
@@ -216,20 +211,19 @@ def _replayed(replay: Replay, attempt: Attempt) -> Replayed:
     return Replayed(attempt.place, tuple(poses), box, is_manipulated, refused)
 
 
-def _is_done(replay: Replay, action: str) -> bool:
+def _is_done(replay: Replay, action: Action) -> bool:
     try:
         return replay.attempt(action).success
     except RemqaError:
         return False
 
 
-def _meant(replay: Replay, manipulation: str) -> tuple[str | None, str | None]:
+def _meant(replay: Replay, manipulation: Action) -> tuple[str | None, str | None]:
     """What a manipulation is, such as "Open", and of which object."""
-    action = parse_action(manipulation)
-    target = action.target
+    target = manipulation.target
     if isinstance(target, tuple):
         try:
             target = replay.agent.object_at(*target)
         except RemqaError:  # a point outside the image
             target = None
-    return KIND_OF.get(action.name), target
+    return KIND_OF.get(manipulation.name), target

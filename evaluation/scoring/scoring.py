@@ -28,6 +28,7 @@ from remqa_data.metrics import (
     spl,
     stages,
 )
+from remqa_data.sim.agent.actions import parse_action, parse_actions
 
 STEP_LIMITS = (25, 50)
 """Steps within which the track `nav` asks for success, beside any number of them."""
@@ -122,7 +123,14 @@ def attempt_of(
     question = {name: truth.table[name][place].as_py() for name in _ASKED}
     x, y, yaw, horizon = truth.initial_poses[place].tolist()
     wanted = question["manipulation"], question["manipulation_object_id"]
-    attempt = Attempt(place, (x, y, yaw, horizon), question["target_id"], actions, manipulation, wanted)
+    attempt = Attempt(
+        place=place,
+        initial_pose=(x, y, yaw, horizon),
+        target_id=question["target_id"],
+        actions=parse_actions(actions),
+        manipulation=None if manipulation is None else parse_action(manipulation),
+        wanted=wanted,
+    )
     return attempt, (question["scene"], question["configuration"])
 
 

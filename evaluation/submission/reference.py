@@ -15,8 +15,7 @@ import numpy as np
 
 from remqa_data.evaluation.submission.tracks import WORDS, Track, columns_of
 from remqa_data.extras import require
-from remqa_data.sim.agent.actions import DONE
-from remqa_data.sim.agent.replay import open_action
+from remqa_data.sim.agent.actions import DONE, MANIPULATION, open_action, parse_actions, walk_and_rest
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.storage.shards import read_table
 
@@ -61,13 +60,12 @@ def _oracle(root: Path, asked: Sequence[Row], rng: np.random.Generator, answers:
         if "expression_id" in row:
             yield {"expression_id": row["expression_id"], "box": row["box_2d"]}
             continue
-        way = row["actions"]
-        first = next(place for place, action in enumerate(way) if " " in action)  # navigation has no arguments
+        walk, rest = walk_and_rest(parse_actions(row["actions"]))
         yield {
             "question_id": row["question_id"],
-            "actions": [*way[:first], DONE],
+            "actions": [*map(str, walk), DONE],
             "box": row["start_target_box_2d"],
-            "manipulation": way[first],
+            "manipulation": next((str(action) for action in rest if action.name in MANIPULATION), None),
             "answer": row["answer"],
         }
 
@@ -89,7 +87,7 @@ def _random(root: Path, asked: Sequence[Row], rng: np.random.Generator, answers:
         yield made | {
             "question_id": row["question_id"],
             "actions": [*rng.choice(moves, steps).tolist(), DONE],
-            "manipulation": open_action(str(rng.choice(row["object_ids"]))),
+            "manipulation": str(open_action(str(rng.choice(row["object_ids"])))),
             "answer": str(rng.choice(choices[row["kind"]])),
         }
 

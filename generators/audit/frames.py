@@ -10,11 +10,9 @@ from remqa_data.errors import NoPathError
 from remqa_data.generators.audit.failures import Broken, Failure
 from remqa_data.generators.audit.truths import CheckedRoom
 from remqa_data.generators.config import Config
-from remqa_data.generators.figures.sample_picture import stored_pose
-from remqa_data.generators.samples import agent_state
 from remqa_data.mapping.semantic_map import VoxelMap
 from remqa_data.scene_graph.graph import SceneGraph
-from remqa_data.sim.metadata import FrameMetadata, frame_metadata
+from remqa_data.sim.metadata import AgentState, FrameMetadata, frame_metadata
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import Observation, WorldView
@@ -79,8 +77,8 @@ def frame_failures(room: CheckedRoom, frames: Sequence[FrameRow], config: Config
 
 def _camera(room: CheckedRoom, frame: FrameRow, config: Config) -> Camera:
     """The camera that the frame must have been drawn with; NoPathError if the agent cannot be or look there."""
-    pose = stored_pose(frame.agent)
-    if pose.cell not in room.grid.graph or agent_state(room.grid, pose) != frame.agent:
+    pose = frame.agent.pose()
+    if pose.cell not in room.grid.graph or AgentState.of(room.grid, pose) != frame.agent:
         raise NoPathError(f"the agent cannot stand at {frame.agent.position}")
     if pose.yaw_deg not in config.walk.headings_deg or pose.horizon_deg not in config.walk.horizons_deg:
         raise NoPathError(f"the configuration's walks do not look {pose.yaw_deg} and {pose.horizon_deg} degrees")

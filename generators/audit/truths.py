@@ -16,19 +16,18 @@ from remqa_data.catalog import catalog
 from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownNameError, one_line
 from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
-from remqa_data.generators.figures.sample_picture import poses_along, stored_pose
 from remqa_data.generators.questions.questions import question_program, question_text
-from remqa_data.generators.samples import agent_state
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.referring import Program, program_of, resolve
 from remqa_data.relations import Relation
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
-from remqa_data.sim.agent.replay import DONE, MOVE, OPEN, PICK_UP, Replay
-from remqa_data.sim.metadata import object_metadata, scaled_min_pixels
+from remqa_data.sim.agent.actions import DONE, MANIPULATION, MOVE, OPEN, PICK_UP, parse_actions, walk_and_rest
+from remqa_data.sim.agent.replay import Replay
+from remqa_data.sim.metadata import AgentState, object_metadata, scaled_min_pixels
 from remqa_data.sim.navigation.grid import ARM_REACH_M, reach_distance, reachable_grid
-from remqa_data.sim.navigation.paths import path_length_m, shortest_actions
+from remqa_data.sim.navigation.paths import path_length_m, poses_along, shortest_actions
 from remqa_data.sim.navigation.viewpoints import front_points
 from remqa_data.sim.physics.world import World
 from remqa_data.tables.images import (
@@ -116,8 +115,9 @@ class CheckedRoom:
             yield "consistent", f"{question.target_id} is no {question.target_type}"
         if question.expression not in question.question:
             yield "consistent", f"the question does not say {question.expression!r}"
-        acted = [action.split(" ")[:2] for action in question.actions if " " in action]
-        if acted != [[_WORD_OF[question.manipulation], question.manipulation_object_id]]:
+        _, rest = walk_and_rest(parse_actions(question.actions))
+        acted = [(action.name, action.target) for action in rest]
+        if acted != [(_WORD_OF[question.manipulation], question.manipulation_object_id), (DONE, None)]:
             yield "consistent", f"the actions do not {question.manipulation} {question.manipulation_object_id}"
         if question.manipulation_object_id != question.target_id:
             yield "consistent", f"{question.manipulation_object_id} is not what the expression means"
@@ -170,13 +170,14 @@ class CheckedRoom:
         """The shortest way leads to the first goal, and from every goal the arm reaches the target."""
         if not question.goal_poses:
             raise NoPathError("there is no goal pose")
-        start, goals = stored_pose(question.initial_pose), [stored_pose(goal) for goal in question.goal_poses]
+        start, goals = question.initial_pose.pose(), [goal.pose() for goal in question.goal_poses]
         stored = (question.initial_pose, *question.goal_poses)
-        if any(agent_state(self.grid, pose) != state for pose, state in zip((start, *goals), stored, strict=True)):
+        if any(AgentState.of(self.grid, pose) != state for pose, state in zip((start, *goals), stored, strict=True)):
             yield "reachable", "a pose is not on the grid"
-        if poses_along(self.grid, start, question.actions)[-1] != goals[0]:
+        walk, _ = walk_and_rest(parse_actions(question.actions))
+        if poses_along(self.grid, start, (step.name for step in walk))[-1] != goals[0]:
             yield "reachable", "the actions do not lead to the first goal pose"
-        steps = next((i for i, action in enumerate(question.actions) if " " in action or action == DONE), -1)
+        steps = len(walk)
         shortest = len(shortest_actions(self.grid, start, goals[0]))
         if not steps == question.path_steps == shortest:
             yield "reachable", f"{steps} steps are taken, {question.path_steps} are told, and {shortest} are enough"
@@ -189,7 +190,8 @@ class CheckedRoom:
 
     def _replayed(self, question: QuestionRow) -> Iterator[Broken]:
         """The oracle's actions, in a freshly loaded world, give the stored pictures."""
-        replay = Replay(self.scene, stored_pose(question.initial_pose))
+        actions = parse_actions(question.actions)
+        replay = Replay(self.scene, question.initial_pose.pose())
         try:
             for goal in question.goal_poses:
                 distance = _reach_m(replay, question, goal.position)
@@ -199,8 +201,8 @@ class CheckedRoom:
                         f"the arm reaches {ARM_REACH_M} m, and {question.target_id} is {distance:.3f} m off",
                     )
             is_manipulated = False
-            for action in question.actions:
-                if " " in action and not is_manipulated:
+            for action in actions:
+                if action.name in MANIPULATION and not is_manipulated:
                     is_manipulated = True
                     yield from _different(question, replay, "start")
                 replay.step(action)

@@ -13,10 +13,9 @@ from remqa_data.generators.figures.preview import map_pixel, room_map
 from remqa_data.geometry.types import U8
 from remqa_data.opencv import cv2
 from remqa_data.scene import Scene
-from remqa_data.sim.metadata import AgentState
-from remqa_data.sim.navigation.grid import GRID_M, ReachableGrid, reachable_grid
-from remqa_data.sim.navigation.paths import pose_after
-from remqa_data.sim.navigation.viewpoints import AgentPose
+from remqa_data.sim.agent.actions import parse_actions, walk_and_rest
+from remqa_data.sim.navigation.grid import reachable_grid
+from remqa_data.sim.navigation.paths import poses_along
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 from remqa_data.storage.manifest import load_manifest
@@ -76,28 +75,13 @@ def sample_picture(question: QuestionRow, scene: SceneRow) -> U8:
     return np.vstack([header, body])
 
 
-def poses_along(grid: ReachableGrid, start: AgentPose, actions: tuple[str, ...]) -> list[AgentPose]:
-    """The poses that navigation actions lead through, from the start up to the first manipulation."""
-    poses = [start]
-    for action in actions:
-        if " " in action or action == "Done":
-            break
-        poses.append(pose_after(grid, poses[-1], action))
-    return poses
-
-
-def stored_pose(agent: AgentState) -> AgentPose:
-    """The grid pose of a stored agent state."""
-    cell = (round(agent.position[0] / GRID_M), round(agent.position[1] / GRID_M))
-    return AgentPose(cell, round(agent.yaw_deg), round(agent.horizon_deg))
-
-
 def _way_map(question: QuestionRow, row: SceneRow) -> U8:
     scene = Scene.from_json(row.scene_json, row.scene)
     with World(scene) as world:
         grid = reachable_grid(world)
         plan = room_map(scene, WorldView(world), grid, TILE_PX)
-    poses = poses_along(grid, stored_pose(question.initial_pose), question.actions)
+    walk, _ = walk_and_rest(parse_actions(question.actions))
+    poses = poses_along(grid, question.initial_pose.pose(), (step.name for step in walk))
     points = np.array([map_pixel(scene, TILE_PX, *grid.position(pose.cell)) for pose in poses], dtype=np.int32)
     cv2.polylines(plan, [points], False, PATH_COLOR, 2, cv2.LINE_AA)
     for point, color in ((points[0], START_COLOR), (points[-1], GOAL_COLOR)):

@@ -20,6 +20,7 @@ from remqa_data.sim.agent.actions import (
     MANIPULATION,
     NAVIGATION,
     POSITION,
+    TELEPORT,
     Action,
     Amount,
     action_spec,
@@ -32,7 +33,7 @@ ActionMode = Literal["discrete", "parametrised"]
 Shares = tuple[float, float, float, float]
 """A box x1, y1, x2, y2 as shares of the width and height of the view, from its top left corner."""
 
-ANSWER, TELEPORT = "Answer", "Teleport"
+ANSWER = "Answer"
 ANSWERS = ("yes", "no", *map(str, range(10)))
 """The answers that the action spaces have; as text, any answer can be given."""
 

@@ -23,14 +23,14 @@ from gymnasium import spaces
 
 from remqa_data.catalog import catalog
 from remqa_data.datasets.vocabulary import Vocabulary
-from remqa_data.env.actions import TELEPORT, ActionMode, Command, action_space, command
+from remqa_data.env.actions import ActionMode, Command, action_space, command
 from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes
 from remqa_data.env.loaded_scene import LoadedRoom
 from remqa_data.env.question import QuestionText
 from remqa_data.env.record import EpisodeRecord
 from remqa_data.errors import ActionError
 from remqa_data.scene import Scene
-from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION, Action, perform
+from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION, TELEPORT, Action, perform
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
 from remqa_data.sim.render.view import Observation
 

@@ -10,10 +10,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from remqa_data.env.actions import Shares
-from remqa_data.errors import DatasetError, UnknownNameError
+from remqa_data.errors import ActionError, DatasetError, UnknownNameError, one_line
 from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.types import F64
 from remqa_data.scene import Scene
+from remqa_data.sim.agent.actions import Action, parse_actions
 from remqa_data.sim.agent.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.sim.physics.world import World
@@ -44,7 +45,7 @@ class Task:
     manipulation_object_id: str
     goals: F64
     path_length_m: float
-    actions: tuple[str, ...]
+    actions: tuple[Action, ...]
     target_box: Shares | None
 
 
@@ -140,12 +141,16 @@ class DatasetEpisodes:
                 )
         if not question["goal_poses"]:
             raise DatasetError(f"{self.root}: question {name}, field goal_poses: there is none")
+        try:
+            actions = parse_actions(question["actions"])
+        except ActionError as error:
+            raise DatasetError(f"{self.root}: question {name}, field actions: {one_line(error)}") from None
         return Episode(
             name=place,
             scene=scene,
             initial_pose=_pose(question["initial_pose"]),
             embodiment=Embodiment.of_dataset(**row["embodiment"]),
-            task=_task(question),
+            task=_task(question, actions),
         )
 
     def _row(self, name: str) -> int:
@@ -214,7 +219,7 @@ def _pose(stored: dict[str, Any]) -> Pose:
     return x, y, stored["yaw_deg"], stored["horizon_deg"]
 
 
-def _task(stored: dict[str, Any]) -> Task:
+def _task(stored: dict[str, Any], actions: tuple[Action, ...]) -> Task:
     box = stored["start_target_box_2d"]
     return Task(
         question_id=stored["question_id"],
@@ -226,6 +231,6 @@ def _task(stored: dict[str, Any]) -> Task:
         manipulation_object_id=stored["manipulation_object_id"],
         goals=np.array([pose["position"][:2] for pose in stored["goal_poses"]]),
         path_length_m=stored["path_length_m"],
-        actions=tuple(stored["actions"]),
+        actions=actions,
         target_box=None if box is None else tuple(edge / FRAME_PX for edge in box),
     )

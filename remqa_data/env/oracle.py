@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from remqa_data.env.actions import Command
 from remqa_data.env.episodes import Task
-from remqa_data.sim.agent.actions import DONE, MANIPULATION, parse_action
+from remqa_data.sim.agent.actions import DONE, MANIPULATION
 
 
 def oracle_commands(task: Task) -> list[Command]:
     """What the oracle does, for `RemqaEnv.step`: it walks, manipulates the target, whose box it knows, and answers."""
-    actions = [parse_action(text) for text in task.actions]
     commands = [
         Command(action, box=task.target_box if action.name in MANIPULATION else None)
-        for action in actions
+        for action in task.actions
         if action.name != DONE
     ]
     return [*commands, Command(answer=task.answer)]

@@ -23,14 +23,10 @@ from remqa_data.metrics import (
     spl,
     stages,
 )
-from remqa_data.sim.agent.actions import Action
+from remqa_data.sim.agent.actions import KIND_OF, MOVE, PULL, PUSH, Action
 from remqa_data.sim.agent.agent import Agent
 from remqa_data.sim.metadata import scaled_min_pixels
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
-
-MANIPULATION_OF = {"OpenObject": "Open", "CloseObject": "Close", "PickupObject": "Pickup", "MoveObject": "Move"}
-"""What a submission calls the manipulation that an action is."""
-PUSHES = ("PushObject", "PullObject")
 
 
 @dataclass
@@ -39,28 +35,28 @@ class EpisodeRecord:
 
     Attributes
     ----------
-    walk : list of str
+    walk : list of Action
         Navigation actions before the manipulation, refused ones too.
     positions : list of (float, float)
         Where the agent was, from the start on, before the manipulation; metres.
-    manipulation : str or None
-        The manipulation that was done first, as text, its target by id.
+    manipulation : Action or None
+        The manipulation that was done first, its target by id.
     target_box : tuple of float or None
         The question's target in the view just before it, pixels of a 300 x 300 frame; None where it is not visible.
     box : tuple of float or None
         Where the agent said that it is, in the same pixels.
     """
 
-    walk: list[str] = field(default_factory=list)
+    walk: list[Action] = field(default_factory=list)
     positions: list[tuple[float, float]] = field(default_factory=list)
-    manipulation: str | None = None
+    manipulation: Action | None = None
     target_box: Shares | None = None
     box: Shares | None = None
 
     def walked(self, action: Action, agent: Agent) -> None:
         """Note a navigation action, done or refused."""
         if self.manipulation is None:
-            self.walk.append(str(action.in_short()))
+            self.walk.append(action.in_short())
             self.positions.append((agent.x, agent.y))
 
     def look(self, agent: Agent, task: Task, box: Shares | None) -> None:
@@ -73,12 +69,12 @@ class EpisodeRecord:
         """Note that a manipulation was done to an object, whose centre is at a position now."""
         if self.manipulation is not None:
             return
-        if action.name in PUSHES:
-            self.manipulation = str(Action("MoveObject", object_id, position))
-        elif action.name == "MoveObject":
-            self.manipulation = str(Action(action.name, object_id, action.numbers))
-        elif action.name in MANIPULATION_OF:
-            self.manipulation = str(Action(action.name, object_id))
+        if action.name in (PUSH, PULL):
+            self.manipulation = Action(MOVE, object_id, position)
+        elif action.name == MOVE:
+            self.manipulation = Action(MOVE, object_id, action.numbers)
+        elif action.name in KIND_OF:
+            self.manipulation = Action(action.name, object_id)
 
     def measures(self, task: Task, answer: str | None) -> dict[str, Any]:
         """The measures of the episode at its end; names and definitions are in docs/METRICS.md."""
@@ -105,8 +101,8 @@ class EpisodeRecord:
     def _has_manipulated(self, task: Task) -> bool:
         if self.manipulation is None:
             return False
-        word, object_id = self.manipulation.split(" ")[:2]
-        return (MANIPULATION_OF[word], object_id) == (task.manipulation, task.manipulation_object_id)
+        done = KIND_OF[self.manipulation.name], self.manipulation.target
+        return done == (task.manipulation, task.manipulation_object_id)
 
 
 def target_box(agent: Agent, object_id: str) -> Shares | None:

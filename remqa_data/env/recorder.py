@@ -77,13 +77,13 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
     def _row(self, answer: str | None) -> dict[str, Any]:
         record, task = self._remqa.record, self._remqa.episode.task
         assert task is not None, "episodes of a dataset have a question"
-        for text in record.walk:
-            if text not in NAVIGATION:
-                raise ActionError(f"{task.question_id}: a submission holds whole steps, not {text!r}")
+        for action in record.walk:
+            if action.numbers or action.name not in NAVIGATION:
+                raise ActionError(f"{task.question_id}: a submission holds whole steps, not {str(action)!r}")
         return {
             "question_id": task.question_id,
-            "actions": list(record.walk),
+            "actions": [str(action) for action in record.walk],
             "box": None if record.box is None else list(record.box),
-            "manipulation": record.manipulation,
+            "manipulation": None if record.manipulation is None else str(record.manipulation),
             "answer": answer,
         }

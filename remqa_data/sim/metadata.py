@@ -15,7 +15,8 @@ from scipy.ndimage import find_objects
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Box, Vec3
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixel_counts
+from remqa_data.sim.navigation.grid import GRID_M, ReachableGrid
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, pixel_counts
 from remqa_data.sim.physics.support import SupportKind, supports
 
 if TYPE_CHECKING:
@@ -44,6 +45,17 @@ class AgentState:
     position: Vec3
     yaw_deg: float
     horizon_deg: float
+
+    @classmethod
+    def of(cls, grid: ReachableGrid, pose: AgentPose) -> AgentState:
+        """The state of an agent at a pose of the grid."""
+        x, y = grid.position(pose.cell)
+        return cls((x, y, grid.floor_z), float(pose.yaw_deg), float(pose.horizon_deg))
+
+    def pose(self) -> AgentPose:
+        """The nearest pose of the grid."""
+        cell = (round(self.position[0] / GRID_M), round(self.position[1] / GRID_M))
+        return AgentPose(cell, round(self.yaw_deg), round(self.horizon_deg))
 
 
 @dataclass(frozen=True)

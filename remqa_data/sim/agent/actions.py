@@ -9,11 +9,14 @@ left out have AI2-THOR's defaults.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import takewhile
 from typing import TYPE_CHECKING, NamedTuple
 
 from remqa_data.errors import ActionError, nearest_names
+from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent.embodiment import MAX_PUSH_M, Embodiment
 from remqa_data.sim.agent.results import ActionResult
 
@@ -90,6 +93,7 @@ class ActionSpec(NamedTuple):
     """Called with the agent, the object's id if it has a target, and the amounts."""
 
 
+@lru_cache(maxsize=256)
 def parse_action(text: str) -> Action:
     """Read an action.
 
@@ -120,6 +124,41 @@ def parse_action(text: str) -> Action:
     action = Action(name, target, numbers)
     _amounts(action)
     return action
+
+
+def parse_actions(texts: Iterable[str]) -> tuple[Action, ...]:
+    """Read some actions; see `parse_action`."""
+    return tuple(map(parse_action, texts))
+
+
+def open_action(object_id: str) -> Action:
+    """The action that opens an object."""
+    return Action(OPEN, object_id)
+
+
+def pick_up_action(object_id: str) -> Action:
+    """The action that picks an object up."""
+    return Action(PICK_UP, object_id)
+
+
+def move_action(object_id: str, position: Vec3) -> Action:
+    """The action that puts the centre of an object somewhere, metres.
+
+    >>> str(move_action("Stool|1", (1.25, -0.5, 0.38)))
+    'MoveObject Stool|1 1.25 -0.5 0.38'
+    """
+    return Action(MOVE, object_id, position)
+
+
+def walk_and_rest(actions: Sequence[Action]) -> tuple[tuple[Action, ...], tuple[Action, ...]]:
+    """The whole steps that an episode begins with, and what follows them: a manipulation, then Done.
+
+    >>> walk, rest = walk_and_rest(parse_actions(["MoveAhead", "RotateLeft", "OpenObject Fridge|1", "Done"]))
+    >>> [action.name for action in walk], [action.name for action in rest]
+    (['MoveAhead', 'RotateLeft'], ['OpenObject', 'Done'])
+    """
+    walk = tuple(takewhile(lambda action: action.name in NAVIGATION and not action.numbers, actions))
+    return walk, tuple(actions[len(walk) :])
 
 
 def perform(agent: Agent, action: Action) -> ActionResult:
@@ -156,6 +195,9 @@ def action_spec(name: str) -> ActionSpec:
     return ACTIONS[name]
 
 
+OPEN, CLOSE, PICK_UP, MOVE = "OpenObject", "CloseObject", "PickupObject", "MoveObject"
+PUSH, PULL, TELEPORT = "PushObject", "PullObject", "Teleport"
+
 _BODY = Embodiment()
 _STEP = Amount("metres", 0.0, 5.0, _BODY.step_m)
 _TURN = Amount("degrees", 0.0, 360.0, _BODY.rotate_deg)
@@ -176,23 +218,23 @@ _NAVIGATION: dict[str, ActionSpec] = {
     "LookDown": ActionSpec(False, (_TILT,), lambda agent, degrees: agent.look(degrees)),
     "Crouch": ActionSpec(False, (), lambda agent: agent.crouch()),
     "Stand": ActionSpec(False, (), lambda agent: agent.stand()),
-    "Teleport": ActionSpec(
+    TELEPORT: ActionSpec(
         False,
         (POSITION[0], POSITION[1], Amount("yaw_deg", -360.0, 360.0), Amount("horizon_deg", -90.0, 90.0, 0.0)),
         lambda agent, x, y, yaw_deg, horizon_deg: agent.teleport(x, y, yaw_deg, horizon_deg),
     ),
 }
 _MANIPULATION: dict[str, ActionSpec] = {
-    "OpenObject": ActionSpec(
+    OPEN: ActionSpec(
         True, (Amount("openness", 0.0, 1.0, 1.0),), lambda agent, target, openness: agent.open(target, openness)
     ),
-    "CloseObject": ActionSpec(True, (), lambda agent, target: agent.close(target)),
-    "PickupObject": ActionSpec(True, (), lambda agent, target: agent.pick_up(target)),
+    CLOSE: ActionSpec(True, (), lambda agent, target: agent.close(target)),
+    PICK_UP: ActionSpec(True, (), lambda agent, target: agent.pick_up(target)),
     "PutObject": ActionSpec(True, (), lambda agent, target: agent.put(target)),
     "DropHandObject": ActionSpec(False, (), lambda agent: agent.drop()),
-    "MoveObject": ActionSpec(True, POSITION, lambda agent, target, x, y, z: agent.move_object(target, (x, y, z))),
-    "PushObject": ActionSpec(True, (_PUSH,), lambda agent, target, metres: agent.push(target, metres)),
-    "PullObject": ActionSpec(True, (_PUSH,), lambda agent, target, metres: agent.pull(target, metres)),
+    MOVE: ActionSpec(True, POSITION, lambda agent, target, x, y, z: agent.move_object(target, (x, y, z))),
+    PUSH: ActionSpec(True, (_PUSH,), lambda agent, target, metres: agent.push(target, metres)),
+    PULL: ActionSpec(True, (_PUSH,), lambda agent, target, metres: agent.pull(target, metres)),
     "MoveArm": ActionSpec(False, POSITION, lambda agent, x, y, z: agent.move_hand((x, y, z))),
     "MoveArmBase": ActionSpec(
         False, (Amount("metres above the floor", 0.0, 3.0),), lambda agent, metres: agent.set_arm_base(metres)
@@ -200,6 +242,8 @@ _MANIPULATION: dict[str, ActionSpec] = {
 }
 NAVIGATION, MANIPULATION = tuple(_NAVIGATION), tuple(_MANIPULATION)
 """Names of the actions that move the agent or its camera and nothing else, and of those that do something."""
+KIND_OF = {OPEN: "Open", CLOSE: "Close", PICK_UP: "Pickup", MOVE: "Move", PUSH: "Move", PULL: "Move"}
+"""What the tables call the manipulation that an action is."""
 DONE = "Done"
 ACTIONS: dict[str, ActionSpec] = {
     **_NAVIGATION,

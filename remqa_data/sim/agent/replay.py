@@ -1,25 +1,16 @@
-"""Executing a list of actions in a room: what the oracle does, and how it is checked.
-
-Actions are written as `remqa_data.sim.agent.actions` says: `MoveAhead`, `OpenObject Fridge|...`, `MoveObject Stool|... 1 2 3`.
-"""
+"""Executing actions in a room: what the oracle does, and how it is checked."""
 
 from __future__ import annotations
 
 from remqa_data.errors import ActionError
-from remqa_data.geometry.types import Vec3
 from remqa_data.scene import Scene
-from remqa_data.sim.agent.actions import DONE, Action, parse_action, perform
+from remqa_data.sim.agent.actions import TELEPORT, Action, perform
 from remqa_data.sim.agent.agent import Agent, Embodiment
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.grid import GRID_M, ReachableGrid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, AgentPose
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import Observation, WorldView
-
-__all__ = ["CLOSE", "DONE", "MOVE", "OPEN", "PICK_UP", "Replay", "move_action", "open_action", "pick_up_action"]
-
-OPEN, CLOSE, PICK_UP, MOVE = "OpenObject", "CloseObject", "PickupObject", "MoveObject"
-TELEPORT = "Teleport"
 
 
 class Replay:
@@ -60,13 +51,13 @@ class Replay:
     def pose(self, pose: AgentPose) -> None:
         self.agent.place(self.grid.position(pose.cell), pose.yaw_deg, pose.horizon_deg, pose.is_standing)
 
-    def step(self, action: str) -> None:
+    def step(self, action: Action) -> None:
         """Execute one action.
 
         Raises
         ------
         ActionError
-            If the room or the agent's body refuses it, or it cannot be read.
+            If the room or the agent's body refuses it, or there is no such action.
         UnknownNameError
             If it names an object that is not in the room.
         """
@@ -74,20 +65,19 @@ class Replay:
         if not result.success:
             raise ActionError(f"{action} from {self.pose}: {result.error}")
 
-    def attempt(self, action: str) -> ActionResult:
+    def attempt(self, action: Action) -> ActionResult:
         """Execute one action, or say why the room or the agent's body refuses it; nobody teleports.
 
         Raises
         ------
         ActionError
-            If it cannot be read.
+            If there is no such action.
         UnknownNameError
             If it names an object that is not in the room.
         """
-        parsed = parse_action(action)
-        if parsed.name == TELEPORT:
+        if action.name == TELEPORT:
             raise ActionError(f"{action}: an episode is played without {TELEPORT}")
-        return perform(self.agent, parsed)
+        return perform(self.agent, action)
 
     def observe(self, size_px: int = FRAME_PX) -> Observation:
         """What the agent sees now."""
@@ -96,22 +86,3 @@ class Replay:
     def close(self) -> None:
         """Give the simulator's memory back."""
         self.world.close()
-
-
-def open_action(object_id: str) -> str:
-    """The action that opens an object."""
-    return str(Action(OPEN, object_id))
-
-
-def pick_up_action(object_id: str) -> str:
-    """The action that picks an object up."""
-    return str(Action(PICK_UP, object_id))
-
-
-def move_action(object_id: str, position: Vec3) -> str:
-    """The action that puts the centre of an object somewhere, metres.
-
-    >>> move_action("Stool|1", (1.25, -0.5, 0.38))
-    'MoveObject Stool|1 1.25 -0.5 0.38'
-    """
-    return str(Action(MOVE, object_id, position))

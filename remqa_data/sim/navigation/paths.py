@@ -9,8 +9,9 @@ Stand change the posture; the agent walks and turns in either.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import accumulate
 
 import networkx as nx
 
@@ -94,6 +95,11 @@ def pose_after(grid: ReachableGrid, pose: AgentPose, action: str) -> AgentPose:
             raise ActionError(f"{action} from {pose}: the agent does so already")
         return replace(pose, is_standing=action == STAND)
     raise ActionError(f"{action!r} is not a navigation action")
+
+
+def poses_along(grid: ReachableGrid, start: AgentPose, actions: Iterable[str]) -> list[AgentPose]:
+    """The poses that navigation actions lead through, the start first; raises what `pose_after` does."""
+    return list(accumulate(actions, lambda pose, action: pose_after(grid, pose, action), initial=start))
 
 
 def _reachable(grid: ReachableGrid, pose: AgentPose) -> AgentPose:

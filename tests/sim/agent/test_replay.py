@@ -4,7 +4,8 @@ import pytest
 from remqa_data.errors import ActionError
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.scene import Scene
-from remqa_data.sim.agent.replay import Replay, move_action, open_action, pick_up_action
+from remqa_data.sim.agent.actions import move_action, open_action, pick_up_action
+from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.navigation.grid import cells_in_reach
 from remqa_data.sim.navigation.paths import shortest_actions
 from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses, front_points
@@ -36,7 +37,7 @@ def test_the_oracles_way_to_the_fridge_ends_in_the_same_picture_every_time(kitch
             break
     replay.close()
     start = AgentPose(grid.cells[-1], 0, 0)
-    actions = [*shortest_actions(grid, start, goal), open_action(fridge), "Done"]
+    actions = [*map(Action, shortest_actions(grid, start, goal)), open_action(fridge), Action("Done")]
     pictures = []
     for scene in (kitchen, Scene.from_json(kitchen.to_json())):
         replay = Replay(scene, start)
@@ -87,5 +88,5 @@ def test_what_is_picked_up_is_gone_from_the_picture_and_what_is_moved_is_elsewhe
 def test_what_cannot_be_done_is_refused(kitchen: Scene, action: str, message: str) -> None:
     replay = Replay(kitchen, AgentPose((0, 4), 0, 0))
     with pytest.raises(ActionError, match=message):
-        replay.step(action)
+        replay.step(parse_action(action))
     replay.close()
