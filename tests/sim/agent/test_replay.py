@@ -4,7 +4,7 @@ import pytest
 from remqa_data.errors import ActionError
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.scene import Scene
-from remqa_data.sim.agent.actions import move_action, open_action, pick_up_action
+from remqa_data.sim.agent.actions import Action, move_action, open_action, parse_action, pick_up_action
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.navigation.grid import cells_in_reach
 from remqa_data.sim.navigation.paths import shortest_actions
