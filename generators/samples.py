@@ -24,7 +24,14 @@ from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.agent.actions import DONE, Action, move_action, open_action, pick_up_action
 from remqa_data.sim.agent.replay import Replay
-from remqa_data.sim.metadata import AgentState, Box2D, object_metadata, scaled_min_pixels
+from remqa_data.sim.metadata import (
+    AgentState,
+    changed_pixels,
+    is_visible,
+    object_metadata,
+    scaled_min_pixels,
+    tight_box,
+)
 from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.paths import path_length_m, shortest_actions
 from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, AgentPose
@@ -174,7 +181,7 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
         goal_poses=tuple(AgentState.of(room.grid, pose) for pose in goals),
         target_id=hiding.object_id,
         target_type=hiding.type,
-        start_target_box_2d=box_2d(before, ids.index(hiding.object_id)),
+        start_target_box_2d=tight_box(before.objects == ids.index(hiding.object_id)),
         answer_type=question.type,
         answer_ids=answer.ids,
         manipulation=hiding.manipulation,
@@ -190,14 +197,6 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
         end_instances=encode_instances(after.objects, ids, ids, f"{name}-end-instances"),
         object_ids=ids,
     )
-
-
-def box_2d(seen: Observation, index: int) -> Box2D | None:
-    """Tight box of an object's pixels, [x1, y1, x2, y2), or None where it has none."""
-    rows, columns = np.nonzero(seen.objects == index)
-    if not len(rows):
-        return None
-    return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
 
 
 def _way(
@@ -253,15 +252,15 @@ def _check_views(
     """Whether the pictures show the target before, the evidence only after, and the hidden space where there is none."""
     ids = room.replay.world.ids
     least = scaled_min_pixels(before.objects.shape)
-    if np.count_nonzero(before.objects == ids.index(hiding.object_id)) < least:
+    if not is_visible(before.objects == ids.index(hiding.object_id)):
         return Refusal("visible", f"{hiding.object_id} is not seen from its goal pose")
     for object_id in answer_ids:
         index = ids.index(object_id)
         if (before.objects == index).any():
             return Refusal("necessary", f"{object_id} is seen before the manipulation")
-        if np.count_nonzero(after.objects == index) < least:
+        if not is_visible(after.objects == index):
             return Refusal("sufficient", f"{object_id} shows fewer than {MIN_PIXELS} pixels after the manipulation")
-    changed = np.count_nonzero((before.objects != after.objects) | (np.abs(before.depth - after.depth) > 1e-3))
+    changed = changed_pixels((before.objects, before.depth), (after.objects, after.depth), 1e-3)
     if changed < 4 * least:
         return Refusal("sufficient", f"the manipulation of {hiding.object_id} hardly changes the view")
     return None

@@ -19,7 +19,7 @@ from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, KIND_OF, Action
 from remqa_data.sim.agent.embodiment import Embodiment
 from remqa_data.sim.agent.replay import Replay
-from remqa_data.sim.metadata import Box2D, scaled_min_pixels
+from remqa_data.sim.metadata import Box2D, is_visible, tight_box
 from remqa_data.sim.navigation.grid import GRID_M
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.storage.shards import read_table
@@ -161,10 +161,8 @@ def walk(replay: Replay, attempt: Attempt) -> tuple[list[Pose], int]:
 
 def box_of(objects: npt.NDArray[np.int32], index: int) -> Box2D | None:
     """Tight box of an object's pixels in an image of object indices, or None where it is not visible."""
-    rows, columns = np.nonzero(objects == index)
-    if len(rows) < scaled_min_pixels(objects.shape):
-        return None
-    return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
+    mask = objects == index
+    return tight_box(mask) if is_visible(mask) else None
 
 
 def place_of(replay: Replay, object_id: str) -> int:

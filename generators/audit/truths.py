@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from remqa_data.catalog import catalog
 from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownNameError, one_line
@@ -25,7 +24,14 @@ from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, MOVE, OPEN, PICK_UP, parse_actions, walk_and_rest
 from remqa_data.sim.agent.replay import Replay
-from remqa_data.sim.metadata import AgentState, object_metadata, scaled_min_pixels
+from remqa_data.sim.metadata import (
+    AgentState,
+    changed_pixels,
+    is_visible,
+    object_metadata,
+    scaled_min_pixels,
+    tight_box,
+)
 from remqa_data.sim.navigation.grid import ARM_REACH_M, reach_distance, reachable_grid
 from remqa_data.sim.navigation.paths import path_length_m, poses_along, shortest_actions
 from remqa_data.sim.navigation.viewpoints import front_points
@@ -148,10 +154,13 @@ class CheckedRoom:
         after = decode_instances(question.end_instances.bytes)
         least = scaled_min_pixels(before.shape)
         target = before == _number(question, question.target_id)
-        if np.count_nonzero(target) < least:
+        if not is_visible(target):
             yield "visible", f"{question.target_id} shows {np.count_nonzero(target)} pixels in the start frame"
-        if question.start_target_box_2d != _box_of(target):
-            yield "visible", f"the box of {question.target_id} is {_box_of(target)}, not {question.start_target_box_2d}"
+        if question.start_target_box_2d != tight_box(target):
+            yield (
+                "visible",
+                f"the box of {question.target_id} is {tight_box(target)}, not {question.start_target_box_2d}",
+            )
         for object_id in question.answer_ids:
             shown, revealed = (np.count_nonzero(image == _number(question, object_id)) for image in (before, after))
             if shown:
@@ -162,7 +171,7 @@ class CheckedRoom:
                     f"{object_id} shows {revealed} pixels after the manipulation, and {least} are needed",
                 )
         depths = decode_depth(question.start_depth.bytes), decode_depth(question.end_depth.bytes)
-        changed = np.count_nonzero((before != after) | (depths[0] != depths[1]))
+        changed = changed_pixels((before, depths[0]), (after, depths[1]))
         if changed < CHANGED_FACTOR * least:
             yield "sufficient", f"the manipulation changes {changed} pixels, and {CHANGED_FACTOR * least} are needed"
 
@@ -263,13 +272,6 @@ def _number(question: QuestionRow, object_id: str) -> int:
     if object_id not in question.object_ids:
         raise UnknownNameError("object", object_id, question.object_ids)
     return question.object_ids.index(object_id) + 1
-
-
-def _box_of(mask: npt.NDArray[np.bool_]) -> tuple[int, int, int, int] | None:
-    rows, columns = np.nonzero(mask)
-    if not len(rows):
-        return None
-    return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
 
 
 def _reach_m(replay: Replay, question: QuestionRow, position: tuple[float, float, float]) -> float:

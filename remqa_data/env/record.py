@@ -25,7 +25,7 @@ from remqa_data.metrics import (
 )
 from remqa_data.sim.agent.actions import KIND_OF, MOVE, PULL, PUSH, Action
 from remqa_data.sim.agent.agent import Agent
-from remqa_data.sim.metadata import scaled_min_pixels
+from remqa_data.sim.metadata import is_visible, tight_box
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 
 
@@ -108,7 +108,4 @@ class EpisodeRecord:
 def target_box(agent: Agent, object_id: str) -> Shares | None:
     """Tight box [x1, y1, x2, y2) of an object in the agent's 300 x 300 view, or None where it is not visible."""
     shown = agent.view.instances(agent.camera()) == agent.world.ids.index(object_id)
-    rows, columns = np.nonzero(shown)
-    if len(rows) < scaled_min_pixels(shown.shape):
-        return None
-    return float(columns.min()), float(rows.min()), float(columns.max() + 1), float(rows.max() + 1)
+    return tight_box(shown) if is_visible(shown) else None

@@ -8,13 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 from scipy.ndimage import find_objects
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Box, Vec3
+from remqa_data.geometry.types import F32, F64, Box, Flags, Vec3
 from remqa_data.sim.navigation.grid import GRID_M, ReachableGrid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, pixel_counts
 from remqa_data.sim.physics.support import SupportKind, supports
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 Box2D = tuple[int, int, int, int]
 """[x1, y1, x2, y2) in pixels, half open."""
+FrameImages = tuple[npt.NDArray[np.integer[Any]], F32]
+"""Object numbers and depth in metres, both (h, w)."""
 
 
 @dataclass(frozen=True)
@@ -203,6 +206,32 @@ def scaled_min_pixels(shape: tuple[int, ...]) -> int:
     (50, 200, 1)
     """
     return max(1, round(MIN_PIXELS * shape[0] * shape[1] / FRAME_PX**2))
+
+
+def is_visible(mask: Flags) -> bool:
+    """Whether the (h, w) mask of an object in a frame has as many pixels as make it visible."""
+    return int(np.count_nonzero(mask)) >= scaled_min_pixels(mask.shape)
+
+
+def tight_box(mask: Flags) -> Box2D | None:
+    """The box [x1, y1, x2, y2) of the pixels of a (h, w) mask, or None where it has none.
+
+    >>> tight_box(np.array([[0, 0, 0], [0, 1, 1]], dtype=bool))
+    (1, 1, 3, 2)
+    """
+    rows, columns = np.nonzero(mask)
+    if not len(rows):
+        return None
+    return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
+
+
+def changed_pixels(before: FrameImages, after: FrameImages, tolerance_m: float = 0.0) -> int:
+    """How many pixels of two frames from the same place show another object, or a depth that differs by more than that.
+
+    A frame is its (h, w) images of object numbers and of depth in metres.
+    """
+    depth_m = np.abs(np.subtract(before[1], after[1]))
+    return int(np.count_nonzero((before[0] != after[0]) | (depth_m > tolerance_m)))
 
 
 _SHARED = tuple(f.name for f in fields(ObjectMetadata))

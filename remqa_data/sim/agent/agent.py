@@ -1,7 +1,7 @@
 """An embodied agent in a room: where it stands and looks, what it holds, and what it can do.
 
 What the room refuses is an `ActionResult` that says why, in AI2-THOR's words; misuse, such as an unknown object or an
-openness of 2, is an exception. A refused action changes nothing, but for the arm, which stops where it was stopped.
+openness of 2, is an exception. A refused action changes nothing, but for an arm that sets out and is stopped: it stays there.
 """
 
 from __future__ import annotations
@@ -102,7 +102,10 @@ class Agent(Body):
             return ActionResult(False, f"{object_id} is not openable")
         if abs(was - openness) < 1e-6:
             return ActionResult(False, f"{object_id} is already {'closed' if openness == 0.0 else 'open'}")
-        refusal = None if force else self._refusal(object_id) or self._swing_refusal(object_id, was, openness)
+        refusal = None
+        if not force:
+            swing = self._swing_refusal(object_id, was, openness)
+            refusal = self.refusal(object_id) or swing or self.reach(object_id)
         return refusal or ActionResult(True, value=self.world.open(object_id, openness))
 
     def close(self, object_id: str, force: bool = False) -> ActionResult:
@@ -115,7 +118,7 @@ class Agent(Body):
             return ActionResult(False, f"{object_id} is not pickupable")
         if self.held is not None:
             return ActionResult(False, f"cannot pick up {object_id}: already holding {self.held}")
-        refusal = None if force else self._refusal(object_id)
+        refusal = None if force else self.refusal(object_id) or self.reach(object_id)
         if refusal is None:
             carried = self.world.contents(object_id)
             self.world.pick_up(object_id)
@@ -129,7 +132,7 @@ class Agent(Body):
             return ActionResult(False, "nothing is held")
         if not object_type(self.world.type_of(receptacle_id)).receptacle:
             return ActionResult(False, f"{receptacle_id} is not a receptacle")
-        refusal = None if force else self._refusal(receptacle_id)
+        refusal = None if force else self.refusal(receptacle_id) or self.reach(receptacle_id)
         return refusal or self._released(handling.put_into(self.world, receptacle_id, (self.x, self.y)))
 
     def drop(self) -> ActionResult:
@@ -147,12 +150,14 @@ class Agent(Body):
         if not _can_be_moved(self.world, object_id):
             return ActionResult(False, f"{object_id} is not moveable")
         if not force:
-            refusal = self._refusal(object_id)
+            refusal = self.refusal(object_id)
             if refusal is None and math.dist(self.world.state(object_id).position, position) > MAX_PUSH_M:
                 refusal = ActionResult(False, f"{object_id} cannot be moved more than {MAX_PUSH_M} m at once")
             if refusal is None:
                 blocker = handling.blocker_at(self.world, object_id, position) or self._body_at(object_id, position)
-                refusal = ActionResult(False, f"{blocker} is blocking {object_id}") if blocker else None
+                refusal = (
+                    ActionResult(False, f"{blocker} is blocking {object_id}") if blocker else self.reach(object_id)
+                )
             if refusal is not None:
                 return refusal
         self.world.move_alone(object_id, position)
@@ -167,7 +172,7 @@ class Agent(Body):
             raise ActionError(f"a push goes more than 0 and at most {MAX_PUSH_M} m, not {distance_m}")
         if not _can_be_moved(self.world, object_id):
             return ActionResult(False, f"{object_id} is not moveable")
-        refusal = self._refusal(object_id)
+        refusal = self.refusal(object_id) or self.reach(object_id)
         if refusal is not None:
             return refusal
         x, y, _ = self.world.state(object_id).position
@@ -183,7 +188,29 @@ class Agent(Body):
         """Slide an object towards the agent."""
         return self.push(object_id, distance_m, 180.0)
 
+    def refusal(self, object_id: str) -> ActionResult | None:
+        """Why the agent cannot act on an object from here, or None; whether an arm gets there is seen when it goes."""
+        if object_id == self.held:
+            return ActionResult(False, f"{object_id} is held")
+        if self.hands == "arm":
+            return None
+        if object_id not in self.visible_objects():
+            return ActionResult(False, f"{object_id} is not visible")
+        is_near = (
+            self.plan_distance(object_id) <= self.embodiment.visibility_m
+            if self.hands == "near"
+            else self.reach_distance(object_id) <= self.embodiment.reach_m
+        )
+        return None if is_near else ActionResult(False, f"{object_id} is not within reach")
+
     # ---- the arm
+
+    def reach(self, object_id: str) -> ActionResult | None:
+        """Bring the hand to an object, if acting takes the arm; why it does not get there, or None."""
+        if self.hands != "arm":
+            return None
+        result = _of_arm(self.arm.reach_object(self.base, object_id))
+        return None if result.success else ActionResult(False, f"{object_id}: {result.error}")
 
     def move_hand(self, position: Vec3) -> ActionResult:
         """Bring the hand to a point of the room, metres; the shoulder stays at its height."""
@@ -201,22 +228,6 @@ class Agent(Body):
             from remqa_data.sim.arm.arm import HOME
 
             self.arm.state = HOME
-
-    def _refusal(self, object_id: str) -> ActionResult | None:
-        """Why the agent cannot act on an object from here, or None; the arm, if it is in use, goes there."""
-        if object_id == self.held:
-            return ActionResult(False, f"{object_id} is held")
-        if self.hands == "arm":
-            result = _of_arm(self.arm.reach_object(self.base, object_id))
-            return None if result.success else ActionResult(False, f"{object_id}: {result.error}")
-        if object_id not in self.visible_objects():
-            return ActionResult(False, f"{object_id} is not visible")
-        is_near = (
-            self.plan_distance(object_id) <= self.embodiment.visibility_m
-            if self.hands == "near"
-            else self.reach_distance(object_id) <= self.embodiment.reach_m
-        )
-        return None if is_near else ActionResult(False, f"{object_id} is not within reach")
 
     def _swing_refusal(self, object_id: str, was: float, openness: float) -> ActionResult | None:
         """Why a door or drawer cannot move, because the agent itself is in its way."""

@@ -200,7 +200,8 @@ def _toggle(simulator: SimulatorState, target: str | ActionResult, on: bool, for
         return ActionResult(False, f"{target} is not toggleable")
     if (target in toggled) == on:
         return ActionResult(False, f"{target} is already {'on' if on else 'off'}")
-    refusal = None if force else simulator.agent.refusal(target)
+    agent = simulator.agent
+    refusal = None if force else agent.refusal(target) or agent.reach(target)
     if refusal is not None:
         return refusal
     (toggled.add if on else toggled.remove)(target)

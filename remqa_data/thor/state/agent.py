@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from remqa_data.geometry.types import F64, I32
-from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
+from remqa_data.sim.agent.agent import Agent, Hands
 from remqa_data.sim.agent.embodiment import Embodiment
 from remqa_data.sim.metadata import scaled_min_pixels
 from remqa_data.sim.physics.world import World
@@ -77,10 +77,6 @@ class ThorAgent(Agent):
         if self.plan_distance(object_id) > limit or not _may_show(self.camera(), self.world.box(object_id)):
             return False
         return object_id in self.visible_objects()
-
-    def refusal(self, object_id: str) -> ActionResult | None:
-        """Why the agent cannot act on an object from here, or None."""
-        return self._refusal(object_id)
 
 
 def _may_show(camera: Camera, box: F64) -> bool:

@@ -235,6 +235,19 @@ def test_what_is_far_away_cannot_be_acted_on(kitchen: Scene, hands: Hands) -> No
     agent.world.close()
 
 
+def test_an_arm_stays_folded_when_the_agent_itself_is_in_the_way_of_a_door(kitchen: Scene) -> None:
+    agent = agent_in(kitchen, "arm")
+    fridge = first_of(agent, "Fridge")
+    for cell in agent.grid.cells:
+        agent.place(agent.grid.position(cell), 0.0)
+        if agent._swing_refusal(fridge, 0.0, 1.0) is not None:
+            break
+    folded = agent.arm.state
+    assert agent.open(fridge).error == f"Agent is blocking {fridge} from moving"
+    assert agent.arm.state == folded
+    agent.world.close()
+
+
 def test_misuse_is_an_exception(agent: Agent) -> None:
     with pytest.raises(UnknownNameError, match="did you mean"):
         agent.open(first_of(agent, "Fridge")[:-1])
