@@ -11,7 +11,7 @@ import typer
 
 from remqa_data.command_line import OneLineErrors, announce_compiling, output
 from remqa_data.errors import SubmissionError, nearest_names
-from remqa_data.evaluation.submission.tracks import Track, is_walked
+from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.processes.cores import worker_count
 from remqa_data.processes.interrupts import ends_the_process
 
@@ -110,7 +110,7 @@ def score(
     if header.dataset is not None and header.dataset != sha256:
         reason = f"the predictions are for dataset {header.dataset[:16]}, but {data} is {sha256[:16]}"
         raise SubmissionError(predictions, "the header", reason)
-    replays = is_walked(header.track) and not no_replay
+    replays = TRACKS[header.track].walks and not no_replay
     announce_compiling(worker_count(workers) if replays else 1)
     with _progress(len(truth.ids)) as on_replayed:
         scores = run(submission, truth, replay=not no_replay, workers=worker_count(workers), progress=on_replayed)

@@ -16,7 +16,7 @@ from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, box_of, lo
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.scoring.scoring import attempt_of
 from remqa_data.evaluation.submission.reader import Submission
-from remqa_data.evaluation.submission.tracks import Track, id_column
+from remqa_data.evaluation.submission.tracks import TRACKS
 from remqa_data.geometry.types import F64, U8
 from remqa_data.opencv import cv2
 from remqa_data.sim.agent.replay import Replay
@@ -26,13 +26,6 @@ from remqa_data.tables.images import decode_rgb
 from remqa_data.tables.rows import EmbodimentRow
 
 MAX_FAILURES = 24
-MAIN_MEASURE: dict[Track, str] = {
-    "remqa": "S_QA",
-    "nav": "success@50",
-    "rec": "prec@0.5",
-    "qa": "answer_accuracy",
-}
-"""The measure whose failures are shown."""
 SHOWN_DETAILS = ("steps", "goal_distance_m", "target_visible", "iou", "manipulated")
 TRUE_COLOR, PREDICTED_COLOR, PATH_COLOR, GOAL_COLOR = (40, 170, 70), (225, 60, 40), (30, 90, 220), (225, 60, 40)
 JPEG_QUALITY = 85
@@ -79,7 +72,7 @@ def find_failures(results: Results, submission: Submission, truth: GroundTruth) 
 
     Agents walk again in the simulator if their actions were replayed; otherwise only stored frames are shown.
     """
-    failed = [place for place, ok in enumerate(results.samples[MAIN_MEASURE[truth.track]]) if not ok]
+    failed = [place for place, ok in enumerate(results.samples[TRACKS[truth.track].main_measure]) if not ok]
     chosen = np.unique(np.linspace(0, len(failed) - 1, min(MAX_FAILURES, len(failed))).round().astype(int))
     rows = _rows(submission, truth, [failed[i] for i in chosen], replay=results.replayed is not False)
     build = _expressions if truth.track == "rec" else _questions
@@ -92,7 +85,7 @@ def _rows(
     """By place, what was submitted; {} for nothing."""
     found: dict[int, dict[str, object]] = {place: {} for place in places}
     for batch in submission.batches(replay=replay, max_rows=len(truth.ids)):
-        for row, place in enumerate(truth.places(batch.rows[id_column(truth.track)]).tolist()):
+        for row, place in enumerate(truth.places(batch.rows[TRACKS[truth.track].id_column]).tolist()):
             if place in found:
                 found[place] = batch.rows.slice(row, 1).to_pylist()[0]
     return found

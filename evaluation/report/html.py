@@ -11,11 +11,10 @@ import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
-from remqa_data.evaluation.report.gallery import MAIN_MEASURE, find_failures
+from remqa_data.evaluation.report.gallery import find_failures
 from remqa_data.evaluation.report.published import questions_beside_published
 from remqa_data.evaluation.report.tables import (
     BREAKDOWNS,
-    TITLES,
     Grid,
     asked_things,
     grid_of,
@@ -25,22 +24,16 @@ from remqa_data.evaluation.report.tables import (
     rounded,
 )
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
+from remqa_data.evaluation.scoring.measures import measures_of
 from remqa_data.evaluation.scoring.results import OVERALL, Metric, Results
 from remqa_data.evaluation.submission.reader import Submission
-from remqa_data.evaluation.submission.tracks import Track
+from remqa_data.evaluation.submission.tracks import TRACKS
 from remqa_data.extras import require
 from remqa_data.files import atomic_path
 from remqa_data.published import SOURCE
 from remqa_data.storage.shards import read_table
 
 TEMPLATE, SCRIPT, STYLE = (Path(__file__).with_name(name) for name in ("report.html.j2", "report.js", "report.css"))
-PLOTTED: dict[Track, tuple[str, ...]] = {
-    "remqa": ("S_N", "S_L", "S_QA"),
-    "nav": ("success@50", "SPL@50"),
-    "rec": ("prec@0.5", "mean_iou"),
-    "qa": ("answer_accuracy",),
-}
-"""The measures that plots show."""
 MOST_PLOTTED_GROUPS = 12
 """A breakdown with more groups is a table only."""
 MAX_SAMPLES = 5000
@@ -77,10 +70,10 @@ def write_report(path: Path, results: Results, submission: Submission, truth: Gr
     environment.filters["rounded"] = rounded
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     script = SCRIPT.read_text(encoding="utf-8")
-    main_measure = MAIN_MEASURE[results.track]
+    main_measure = TRACKS[results.track].main_measure
     page = template.render(
         results=results,
-        title=TITLES[results.track],
+        title=TRACKS[results.track].title,
         notes=notes(results),
         meanings=meanings(results),
         grids=[grid_of(results, breakdown) for breakdown in _breakdowns(results)],
@@ -88,7 +81,7 @@ def write_report(path: Path, results: Results, submission: Submission, truth: Gr
         source=SOURCE,
         things=asked_things(results),
         plots=_plots(results),
-        plotted=[in_words(name) for name in PLOTTED[results.track]],
+        plotted=[in_words(name) for name in _plotted(results)],
         failures=find_failures(results, submission, truth),
         failed=results.samples[main_measure].count(False),
         main_measure=in_words(main_measure),
@@ -125,8 +118,13 @@ def _plots(results: Results) -> list[Plot]:
     return plots
 
 
+def _plotted(results: Results) -> tuple[str, ...]:
+    """Names of the measures that plots show."""
+    return tuple(measure.name for measure in measures_of(results.track) if results.track in measure.plotted)
+
+
 def _plot_row(results: Results, breakdown: str, group: str) -> PlotRow:
-    metrics = tuple(results.metric(name, breakdown, group) for name in PLOTTED[results.track])
+    metrics = tuple(results.metric(name, breakdown, group) for name in _plotted(results))
     return PlotRow(in_words(group), metrics[0].questions, metrics)
 
 

@@ -9,14 +9,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from remqa_data.evaluation.scoring.measures import MEASURES, measures_of
 from remqa_data.evaluation.scoring.results import NOT_REPLAYED, OVERALL, Metric, Results
+from remqa_data.evaluation.submission.tracks import TRACKS
 
-TITLES = {
-    "remqa": "REMQA: navigated, localised, answered (each over all questions)",
-    "nav": "Object-goal navigation",
-    "rec": "Referring expression comprehension",
-    "qa": "Question answering on the stored frames",
-}
 BREAKDOWNS = {
     "kind": "Kind",
     "room_type": "Room",
@@ -26,28 +22,13 @@ BREAKDOWNS = {
     "target_type": "Target",
 }
 
-
-MEANINGS = {
-    "S_N": "navigated: the agent has stopped at most 1 m from a pose that reaches the target, and sees the target",
-    "S_L": "S_N, and its box of the target overlaps the true one with an IoU of at least 0.5",
-    "S_QA": "S_L, and its answer is right",
-    "answer_accuracy": "the answer is right, wherever the agent stands",
-    "manipulated": "it did the right thing to the right object, and the simulator let it; not part of S_QA",
-    "success": "the agent has stopped at most 1 m from a pose that reaches the target, and sees the target; with @, in at "
-    "most that many steps",
-    "SPL": "success weighted by path length, 1 for the shortest path: success * shortest / max(walked, shortest)",
-    "prec": "the share of boxes whose IoU with the true one is at least what stands after the @",
-    "mean_iou": "the mean of intersection over union of the box and the true one",
-}
-"""What the measures are, for people; docs/METRICS.md has the definitions. By what stands before the @ of a name."""
-
-IN_WORDS = {
+IN_WORDS = {measure.name: measure.words for measure in MEASURES if measure.words} | {
     "iou": "IoU",
-    "mean_iou": "mean IoU",
     "path_m": "metres walked",
     "goal_distance_m": "metres to the nearest goal pose",
     "target_visible": "target in the final view",
 }
+"""Measures and details whose name for people is not their name with spaces."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +55,7 @@ def grid_of(results: Results, breakdown: str = "kind") -> Grid:
         of_group = [by_key[name, *found] for name in results.measures]
         rows.append((in_words(found[1]), str(of_group[0].questions), *(cell(metric) for metric in of_group)))
     headings = (BREAKDOWNS[breakdown], asked_things(results), *map(in_words, results.measures))
-    return Grid(f"{TITLES[results.track]}, split {results.split}", headings, tuple(rows))
+    return Grid(f"{TRACKS[results.track].title}, split {results.split}", headings, tuple(rows))
 
 
 def cell(metric: Metric) -> str:
@@ -91,20 +72,18 @@ def rounded(share: float) -> str:
 
 def asked_things(results: Results) -> str:
     """What is counted."""
-    return "expressions" if results.track == "rec" else "questions"
+    return f"{TRACKS[results.track].asks}s"
 
 
 def in_words(name: str) -> str:
     """A column's or a group's name as people read it: "answer accuracy", but "S_QA"."""
-    if name.startswith("S_"):
-        return name
     return IN_WORDS.get(name) or name.replace("_", " ")
 
 
 def meanings(results: Results) -> list[tuple[str, str]]:
     """Name and meaning of each measure of these results, once for all of its limits."""
-    names = dict.fromkeys(name.partition("@")[0] for name in results.measures)
-    return [(in_words(name), MEANINGS[name]) for name in names]
+    own = [measure for measure in measures_of(results.track) if measure.name in results.measures]
+    return list({in_words(measure.name.partition("@")[0]): measure.meaning for measure in own}.items())
 
 
 def notes(results: Results) -> list[str]:

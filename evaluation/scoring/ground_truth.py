@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from remqa_data.errors import DatasetError
-from remqa_data.evaluation.submission.tracks import Track, id_column
+from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.geometry.types import F64
 from remqa_data.storage.manifest import Manifest, load_manifest
 from remqa_data.storage.shards import read_table
@@ -64,7 +64,7 @@ class GroundTruth:
     @cached_property
     def ids(self) -> pa.Array:
         """(n,) ids of the rows."""
-        return self.table[id_column(self.track)].combine_chunks()
+        return self.table[TRACKS[self.track].id_column].combine_chunks()
 
     def places(self, ids: pa.Array) -> npt.NDArray[np.int64]:
         """(m,) where each id is among those of the rows, -1 where it is not."""

@@ -16,10 +16,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from remqa_data.errors import ResultsError
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth, dataset_sha256
-from remqa_data.evaluation.scoring.scoring import IOU_THRESHOLDS, STEP_LIMITS, Scores
+from remqa_data.evaluation.scoring.measures import IOU_THRESHOLDS, STEP_LIMITS
+from remqa_data.evaluation.scoring.scoring import Scores
 from remqa_data.evaluation.scoring.statistics import LEVEL, RESAMPLES, IntervalKind, estimate
 from remqa_data.evaluation.submission.reader import Submission
-from remqa_data.evaluation.submission.tracks import Track, is_walked
+from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.files import atomic_path
 from remqa_data.metrics import LOCALISED_IOU, SUCCESS_DISTANCE_M
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
@@ -120,7 +121,7 @@ class Results(_Record):
 
 def make_results(submission: Submission, truth: GroundTruth, scores: Scores, *, replay: bool, seed: int = 0) -> Results:
     """Means, intervals and breakdowns of what was scored; `seed` is that of the resampling."""
-    replayed = replay if is_walked(truth.track) else None
+    replayed = replay if TRACKS[truth.track].walks else None
     asked, answered = len(truth.ids), int(scores.answered.sum())
     refused = scores.refused
     return Results(

@@ -14,25 +14,14 @@ import pyarrow as pa
 
 from remqa_data.errors import SubmissionError, nearest_names
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
+from remqa_data.evaluation.scoring.measures import Answers, measures_of
 from remqa_data.evaluation.scoring.replay import Attempt, Replayed, Room, replay_all
 from remqa_data.evaluation.submission.reader import Batch, Submission
-from remqa_data.evaluation.submission.tracks import Track, id_column, is_walked
-from remqa_data.geometry.boxes import is_hit
+from remqa_data.evaluation.submission.tracks import TRACKS
 from remqa_data.geometry.types import F64
-from remqa_data.metrics import (
-    box_iou,
-    distance_to_goal_m,
-    is_right_answer,
-    navigation_success,
-    path_lengths_m,
-    spl,
-    stages,
-)
+from remqa_data.metrics import distance_to_goal_m, path_lengths_m
 from remqa_data.sim.agent.actions import parse_action, parse_actions
 
-STEP_LIMITS = (25, 50)
-"""Steps within which the track `nav` asks for success, beside any number of them."""
-IOU_THRESHOLDS = (0.5, 0.6, 0.7, 0.8, 0.9)
 START_SLACK = 1e-3
 """Metres and degrees by which the first pose may differ from the initial pose."""
 MOST_KNOWN_FOR_HINTS = 10_000
@@ -95,25 +84,24 @@ def score(
     DatasetError
         If the dataset cannot be read.
     """
-    replay = replay or not is_walked(truth.track)
+    replay = replay or not TRACKS[truth.track].walks
     filled = _Filled(len(truth.ids), points=truth.track in ("remqa", "rec"))
     attempts: dict[Room, list[Attempt]] = {}
     for batch in submission.batches(replay=replay, max_rows=len(truth.ids)):
         places = _places(submission, truth, batch, filled.answered)
         filled.add_predictions(places, batch.rows)
-        if is_walked(truth.track) and replay:
+        if TRACKS[truth.track].walks and replay:
             for place, row in zip(places.tolist(), batch.rows.to_pylist(), strict=True):
                 attempt, room = attempt_of(truth, place, row["actions"], row.get("manipulation"))
                 attempts.setdefault(room, []).append(attempt)
-        elif is_walked(truth.track):
+        elif TRACKS[truth.track].walks:
             _fill_claimed(submission, truth, filled, places, batch)
     if attempts:
         for done in replay_all(truth.root, truth.split, attempts, workers, progress):
             filled.add_replayed(truth, done)
-    measures = _MEASURES[truth.track](truth, filled)
-    if not replay:
-        measures.pop("manipulated", None)  # only the simulator knows
-    return Scores(filled.answered, measures, _details(truth.track, filled), filled.refused)
+    answers = filled.answers(truth)
+    measures = {m.name: m.of(answers) for m in measures_of(truth.track) if replay or not m.takes_replay}
+    return Scores(filled.answered, measures, _details(answers), filled.refused)
 
 
 def attempt_of(
@@ -144,7 +132,7 @@ class _Filled:
         self.answered = np.zeros(count, dtype=bool)
         self.boxes = np.full((count if points else 0, 4), np.nan)
         self.target_boxes = np.full((count, 4), np.nan)
-        self.answers: list[str | None] = [None] * count
+        self.texts: list[str | None] = [None] * count
         self.steps = np.zeros(count, dtype=np.int64)
         self.walked_m = np.zeros(count)
         self.distance_m = np.full(count, np.inf)
@@ -157,7 +145,7 @@ class _Filled:
             self.boxes[places] = _boxes(rows["box"])
         if "answer" in rows.schema.names:
             for place, answer in zip(places.tolist(), rows["answer"].to_pylist(), strict=True):
-                self.answers[place] = answer
+                self.texts[place] = answer
 
     def add_walks(
         self, truth: GroundTruth, places: npt.NDArray[np.int64], poses: F64, counts: npt.NDArray[np.int64]
@@ -175,67 +163,36 @@ class _Filled:
         self.is_manipulated[done.place] = done.is_manipulated
         self.refused += done.refused
 
-    def is_visible(self) -> Bools:
-        return np.asarray(~np.isnan(self.target_boxes[:, 0]))
-
-    def navigated(self) -> Bools:
-        return np.asarray(self.answered & navigation_success(self.distance_m, self.is_visible()))
-
-
-def _remqa(truth: GroundTruth, filled: _Filled) -> Columns:
-    is_right = is_right_answer(filled.answers, truth.texts("answer"))
-    three = stages(filled.navigated(), box_iou(filled.boxes, filled.target_boxes), is_right)
-    return {
-        "S_N": three.navigated,
-        "S_L": three.localised,
-        "S_QA": three.answered,
-        "answer_accuracy": is_right,
-        "manipulated": np.asarray(filled.is_manipulated),
-    }
+    def answers(self, truth: GroundTruth) -> Answers:
+        return Answers(
+            truth=truth,
+            answered=self.answered,
+            boxes=self.boxes,
+            target_boxes=self.target_boxes,
+            texts=self.texts,
+            steps=self.steps,
+            walked_m=self.walked_m,
+            distance_m=self.distance_m,
+            is_manipulated=self.is_manipulated,
+        )
 
 
-def _nav(truth: GroundTruth, filled: _Filled) -> Columns:
+def _details(answers: Answers) -> Columns:
+    track = answers.truth.track
     found: Columns = {}
-    for limit in (None, *STEP_LIMITS):
-        suffix = "" if limit is None else f"@{limit}"
-        success = filled.navigated() & (True if limit is None else filled.steps <= limit)
-        found[f"success{suffix}"] = success
-        found[f"SPL{suffix}"] = spl(success, truth.path_lengths_m, filled.walked_m)
-    return found
-
-
-def _rec(truth: GroundTruth, filled: _Filled) -> Columns:
-    iou = box_iou(filled.boxes, truth.boxes)
-    return {f"prec@{x}": is_hit(iou, x) for x in IOU_THRESHOLDS} | {"mean_iou": iou}
-
-
-def _qa(truth: GroundTruth, filled: _Filled) -> Columns:
-    return {"answer_accuracy": is_right_answer(filled.answers, truth.texts("answer"))}
-
-
-_MEASURES: dict[Track, Callable[[GroundTruth, _Filled], Columns]] = {
-    "remqa": _remqa,
-    "nav": _nav,
-    "rec": _rec,
-    "qa": _qa,
-}
-
-
-def _details(track: Track, filled: _Filled) -> Columns:
-    found: Columns = {}
-    if is_walked(track):
-        found["steps"], found["path_m"] = filled.steps, filled.walked_m
-        found["goal_distance_m"], found["target_visible"] = filled.distance_m, filled.is_visible()
+    if TRACKS[track].walks:
+        found["steps"], found["path_m"] = answers.steps, answers.walked_m
+        found["goal_distance_m"], found["target_visible"] = answers.distance_m, answers.is_visible
     if track == "remqa":
-        found["iou"] = box_iou(filled.boxes, filled.target_boxes)
-    if track in ("remqa", "qa"):
-        found["submitted_answer"] = np.array(filled.answers, dtype=np.object_)
+        found["iou"] = answers.iou
+    if "answer" in TRACKS[track].predictions:
+        found["submitted_answer"] = np.array(answers.texts, dtype=np.object_)
     return found
 
 
 def _places(submission: Submission, truth: GroundTruth, batch: Batch, answered: Bools) -> npt.NDArray[np.int64]:
     """Where in the truth the rows belong; an unknown id, or one that was there before, is an error."""
-    name = id_column(truth.track)
+    name = TRACKS[truth.track].id_column
     places = truth.places(batch.rows[name])
     seen = answered[places]
     seen |= ~np.isin(np.arange(len(places)), np.unique(places, return_index=True)[1])

@@ -24,7 +24,7 @@ from typing_extensions import TypedDict
 from remqa_data.errors import SubmissionError
 from remqa_data.evaluation.submission.checks import find_problem
 from remqa_data.evaluation.submission.parquet_rows import METADATA_KEY, parquet_batches, parquet_header, too_many_rows
-from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, VERSION, Track, arrow_schema, columns_of
+from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, TRACKS, VERSION, Track, arrow_schema
 from remqa_data.files import atomic_path
 
 MAX_LINE_BYTES = 1 << 20
@@ -75,7 +75,7 @@ class Submission:
         Parameters
         ----------
         replay : bool
-            Whether rows hold actions, or poses; see `tracks.columns_of`.
+            Whether rows hold actions, or poses; see `tracks.TrackSpec.columns`.
         max_rows : int
             How many there may be.
 
@@ -84,7 +84,7 @@ class Submission:
         SubmissionError
             For the first row that cannot be scored.
         """
-        names = columns_of(self.header.track, replay=replay)
+        names = TRACKS[self.header.track].columns(replay=replay)
         first = 1
         for rows in (
             parquet_batches(self.path, names, max_rows) if self.is_parquet else _jsonl_batches(self.path, names)
@@ -150,7 +150,7 @@ def write_submission(path: Path, header: Header, rows: Sequence[Mapping[str, Any
             lines = (json.dumps(row, ensure_ascii=False) for row in rows)
             temporary.write_text("\n".join([about, *lines]) + "\n", encoding="utf-8")
         else:
-            schema = arrow_schema(columns_of(header.track, replay=True)).with_metadata({METADATA_KEY: about})
+            schema = arrow_schema(TRACKS[header.track].columns(replay=True)).with_metadata({METADATA_KEY: about})
             pq.write_table(pa.Table.from_pylist(list(rows), schema), temporary)
 
 

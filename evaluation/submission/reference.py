@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from remqa_data.evaluation.submission.tracks import WORDS, Track, columns_of
+from remqa_data.evaluation.submission.tracks import TRACKS, WORDS, Track
 from remqa_data.extras import require
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, open_action, parse_actions, walk_and_rest
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
@@ -43,7 +43,7 @@ def reference_rows(agent: Agent, root: Path, track: Track, split: str, rng: np.r
     MissingExtraError
         If `blind` needs scikit-learn and it is not installed.
     """
-    names = columns_of(track, replay=True)
+    names = TRACKS[track].columns(replay=True)
     if track == "rec":
         asked = read_table(root, "expressions", split, ["expression_id", "box_2d"]).to_pylist()
     else:

@@ -7,7 +7,7 @@ be besides its type is in `remqa_data.evaluation.submission.checks`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, Literal, get_args
+from typing import Annotated, Any, Final, Literal
 
 import pyarrow as pa
 from annotated_types import MaxLen
@@ -15,7 +15,6 @@ from annotated_types import MaxLen
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION
 
 Track = Literal["remqa", "nav", "rec", "qa"]
-TRACKS: tuple[Track, ...] = get_args(Track)
 
 FORMAT: Final = "remqa-submission"
 VERSION: Final = 1
@@ -83,26 +82,68 @@ COLUMNS: dict[str, SubmissionColumn] = {
 """By name."""
 
 
-def id_column(track: Track) -> str:
-    """Name of the column that says what a row is about."""
-    return "expression_id" if track == "rec" else "question_id"
+@dataclass(frozen=True)
+class TrackSpec:
+    """A track.
+
+    Attributes
+    ----------
+    title : str
+        For people.
+    asks : str
+        What a row is about: "question" or "expression".
+    walks : bool
+        Whether agents walk in it, so that there is something to replay.
+    predictions : tuple of str
+        Columns of a submission beside the id and the walk.
+    main_measure : str
+        The measure whose failures the report shows.
+    """
+
+    title: str
+    asks: Literal["question", "expression"]
+    walks: bool
+    predictions: tuple[str, ...]
+    main_measure: str
+
+    @property
+    def id_column(self) -> str:
+        """Name of the column that says what a row is about."""
+        return f"{self.asks}_id"
+
+    def columns(self, *, replay: bool) -> tuple[str, ...]:
+        """Names of the columns of a submission, in order; without replay, poses and true boxes stand for the actions."""
+        walk = () if not self.walks else ("actions",) if replay else ("poses", "target_box")
+        return self.id_column, *walk, *self.predictions
 
 
-def is_walked(track: Track) -> bool:
-    """Whether submissions to a track walk, so that there is something to replay."""
-    return track in ("remqa", "nav")
-
-
-def columns_of(track: Track, *, replay: bool) -> tuple[str, ...]:
-    """Names of the columns of a submission, in order; without replay, poses and true boxes stand for the actions."""
-    walk = ("actions",) if replay else ("poses", "target_box")
-    rest = {
-        "remqa": (*walk, "box", "manipulation", "answer"),
-        "nav": walk,
-        "rec": ("box",),
-        "qa": ("answer",),
-    }
-    return id_column(track), *rest[track]
+TRACKS: dict[Track, TrackSpec] = {
+    "remqa": TrackSpec(
+        "REMQA: navigated, localised, answered (each over all questions)",
+        "question",
+        walks=True,
+        predictions=("box", "manipulation", "answer"),
+        main_measure="S_QA",
+    ),
+    "nav": TrackSpec(
+        "Object-goal navigation",
+        "question",
+        walks=True,
+        predictions=(),
+        main_measure="success@50",
+    ),
+    "rec": TrackSpec(
+        "Referring expression comprehension", "expression", walks=False, predictions=("box",), main_measure="prec@0.5"
+    ),
+    "qa": TrackSpec(
+        "Question answering on the stored frames",
+        "question",
+        walks=False,
+        predictions=("answer",),
+        main_measure="answer_accuracy",
+    ),
+}
+"""By name. What is measured in each is in `remqa_data.evaluation.scoring.measures`."""
 
 
 def arrow_schema(names: tuple[str, ...]) -> pa.Schema:
