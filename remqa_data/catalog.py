@@ -17,7 +17,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, ValidationError, field_validator, model_validator
 
 from remqa_data.errors import CatalogError, UnknownNameError, one_line
 
@@ -66,6 +66,9 @@ class ObjectType(BaseModel):
         Whether it is one of the 60 types that questions use.
     traits : frozenset of str
         What else the code needs to know of it, such as "on_wall"; `templates/traits.yaml` says what each means.
+    size_m : (float, float, float) or None
+        Typical width, depth and height of a closed one, of a type that no iTHOR floor plan has; of the others they are
+        measured (`templates/sizes.yaml`).
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -80,6 +83,7 @@ class ObjectType(BaseModel):
     rooms: tuple[Room, ...] = Field(min_length=1)
     question_type: bool = Field(default=False, strict=True)
     traits: frozenset[str] = frozenset()
+    size_m: tuple[PositiveFloat, PositiveFloat, PositiveFloat] | None = None
 
     @field_validator("traits")
     @classmethod

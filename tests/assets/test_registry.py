@@ -41,6 +41,9 @@ def sizes() -> dict[str, list[tuple[float, float, float]]]:
         chosen[type_] = [tuple(map(float, array[row])) for row in sorted(rows)]
     # A laptop and a box are recorded open; closed they are flat, and as wide and deep as recorded.
     chosen["Laptop"] = [(w, d, 0.055 * w) for w, d, _ in chosen["Laptop"]]
+    for type_ in set(TYPES) - set(chosen):  # no floor plan has one
+        w, d, h = typical_size(type_)
+        chosen[type_] = [(a * w, b * d, c * h) for a in (0.7, 1.0, 1.4) for b in (0.7, 1.4) for c in (0.7, 1.4)]
     return chosen
 
 
