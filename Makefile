@@ -11,6 +11,7 @@ NEWEST ?= $(shell for python in python3.14 python3.13 python3.12; do \
 
 BIN := .venv/bin
 INSTALLED := .venv/.installed
+INSTALLED_LINT := .venv/.installed-lint
 INSTALLED_DEV := .venv/.installed-dev
 PINS := pyproject.toml constraints.txt
 
@@ -19,7 +20,7 @@ SCENES ?= 120
 DATASET := out/remqa$(if $(filter-out 120,$(SCENES)),-$(SCENES))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup dataset test test-fast test-newest lint bench clean
+.PHONY: help setup dataset test test-fast test-newest lint format build bench clean
 
 help:  ## list the targets
 	@awk -F ':.*##  *' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -29,7 +30,7 @@ setup: $(INSTALLED_DEV)  ## make .venv and install the package with its developm
 dataset: $(INSTALLED)  ## the main job: the whole benchmark, in out/remqa; `make dataset SCENES=12` for less, in out/remqa-12
 	$(BIN)/remqa-gen --scenes $(SCENES) --out $(DATASET) --resume
 
-test: lint  ## lint, then all tests on two cores
+test: $(INSTALLED_DEV) lint  ## lint, then all tests on two cores
 	$(BIN)/python -m pytest -n 2
 
 test-fast: $(INSTALLED_DEV)  ## only the tests that take seconds
@@ -40,10 +41,17 @@ test-newest: .venv-newest/bin/python  ## test-fast with the newest version of ev
 	$(call without_screen,$<)
 	$< -m pytest -n 2 -m "not slow"
 
-lint: $(INSTALLED_DEV)  ## ruff, the format, and mypy --strict on the library
+lint: $(INSTALLED_LINT)  ## ruff, the format, and mypy --strict on the library; installs neither torch nor ray
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+format: $(INSTALLED_LINT)  ## let ruff sort imports and lay the code out
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+build: $(INSTALLED_DEV)  ## the sdist and the wheel, in dist/
+	$(BIN)/python -c "from setuptools import build_meta; build_meta.build_sdist('dist'); build_meta.build_wheel('dist')"
 
 bench: $(INSTALLED_DEV)  ## measure speed, with the dataset in out/remqa if there is one
 	$(BIN)/python benchmarks/run.py $(patsubst %/manifest.json,%,$(wildcard $(DATASET)/manifest.json))
@@ -57,10 +65,14 @@ $(INSTALLED): $(PINS) | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
 	@touch $@
 
+$(INSTALLED_LINT): $(PINS) | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[lint]'
+	@touch $(INSTALLED) $@
+
 $(INSTALLED_DEV): $(PINS) | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
 	$(call without_screen,$(BIN)/python,--constraint constraints.txt)
-	@touch $(INSTALLED) $@
+	@touch $(INSTALLED) $(INSTALLED_LINT) $@
 
 # ai2thor brings the OpenCV that opens windows and needs libGL; the one without takes its place again.
 define without_screen
