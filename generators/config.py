@@ -21,7 +21,7 @@ from pydantic import (
 from remqa_data.errors import ConfigError, UnknownNameError, nearest_names, one_line
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
-from remqa_data.generators.questions.allotment import GROUP_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
+from remqa_data.generators.questions.allotment import LOT_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
 from remqa_data.generators.walks.walk import WalkSettings
 from remqa_data.limits import MOST_IMAGE_PX, MOST_SEED
 from remqa_data.scene import Light
@@ -129,7 +129,7 @@ class Config(_Section):
     seed: Annotated[int, Field(ge=0, le=MOST_SEED)]
     layouts: Layouts
     scenes: Annotated[int, Field(ge=1)] | Annotated[tuple[str, ...], Field(min_length=1, strict=False)]
-    configurations: Annotated[int, Field(ge=GROUP_SIZE, le=32)]
+    configurations: Annotated[int, Field(ge=LOT_SIZE, le=32)]
     questions: Totals
     spare_groups: KindCounts
     walk: WalkConfig

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remqa_data.assets import AssetSpec, build, variant_count
-from remqa_data.assets.core.sizes import typical_size
 from remqa_data.catalog import object_type
 from remqa_data.errors import ArrangementError
 from remqa_data.generators.arrangement.hiding_check import (
@@ -26,7 +25,7 @@ from remqa_data.generators.arrangement.hiding_check import (
     violations,
 )
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.arrangement.hiding_rules import hiding_rules
+from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
 from remqa_data.generators.arrangement.loose_objects import open_surfaces, put_anew
 from remqa_data.generators.arrangement.packing import Put, packed
 from remqa_data.geometry import arithmetic
@@ -163,7 +162,7 @@ def _make(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> l
                 number += 1
             numbers[wish.type] = number + 1
             scale = 1.0 + float(rng.uniform(-spread, spread))
-            w, d, h = (scale * side for side in typical_size(wish.type))
+            w, d, h = (scale * side for side in hidden_size(wish.type))
             variant, seed = int(rng.integers(variant_count(wish.type))), int(rng.integers(1 << 16))
             spec = AssetSpec(wish.type, (w, d, h), variant, seed)
             things.append(SceneObject(f"{wish.type}|cfg|{number:02d}", spec, _parking(len(known)), is_fixed=False))
@@ -213,7 +212,7 @@ def _packed(
 
 def _largest_size(type_name: str) -> Vec3:
     grown = 1.0 + hiding_rules().size_spread
-    width, depth, height = (grown * side for side in typical_size(type_name))
+    width, depth, height = (grown * side for side in hidden_size(type_name))
     return width, depth, height
 
 

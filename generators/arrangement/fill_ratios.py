@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from remqa_data.assets import AssetSpec, build, variant_count
-from remqa_data.assets.core.sizes import typical_size
+from remqa_data.generators.arrangement.hiding_rules import hidden_size
 from remqa_data.opencv import cv2
 
 RASTER_PX = 64
@@ -23,7 +23,7 @@ def fill_ratios(type_: str) -> tuple[float, float]:
     """
     top, side = 1.0, 1.0
     for variant in range(min(MAX_VARIANTS, variant_count(type_))):
-        asset = build(AssetSpec(type_, typical_size(type_), variant))
+        asset = build(AssetSpec(type_, hidden_size(type_), variant))
         low, high = asset.bounds()
         images = {axes: np.zeros((RASTER_PX, RASTER_PX), dtype=np.uint8) for axes in ((0, 1), (0, 2), (1, 2))}
         for link in asset.links:

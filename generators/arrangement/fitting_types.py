@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from remqa_data.assets.core.sizes import typical_size
-from remqa_data.catalog import object_type, question_types, types_with
 from remqa_data.floorplans.ithor.placements import probability
 from remqa_data.generators.arrangement.fill_ratios import fill_ratios
 from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
-from remqa_data.generators.arrangement.hiding_rules import hiding_rules
+from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
+from remqa_data.generators.arrangement.plausible import plausible_types
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M
@@ -17,7 +16,7 @@ from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
 
 
 def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) -> list[tuple[str, float]]:
-    """The types of things that can be hidden in or under a place, with how likely a thing of the type is there.
+    """The types of things that can be hidden in or under a place, of those that are found there, with weights.
 
     Parameters
     ----------
@@ -30,21 +29,16 @@ def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) 
 
     Returns
     -------
-    Pairs of type and weight, sorted by type; weights are positive and do not sum to 1. Types that were never recorded
-    in such a place have a small weight if they occur in the kind of room, or in all.
+    Pairs of type and weight, sorted by type: 1, and more the more of its things were recorded in such a place.
     """
     rules = hiding_rules()
     wanted = min(3, len(place.spots)) if count is None else count
     found = []
-    for type_ in question_types():
-        kind = object_type(type_)
-        is_found = room_type in kind.rooms or type_ in types_with("found_anywhere")
-        if not kind.pickupable or type_ in types_with("never_hidden") or type_ == place.type or not is_found:
-            continue
+    for type_ in sorted(plausible_types(place.type, place.relation, room_type) - {place.type}):
         grown = 1.0 + rules.size_spread
-        size = tuple(side * grown for side in typical_size(type_))
+        size = tuple(side * grown for side in hidden_size(type_))
         if sum(_fits(area, place, type_, (size[0], size[1], size[2])) for area in place.areas) >= wanted:
-            found.append((type_, rules.epsilon + probability(type_, place.type, room_type)))
+            found.append((type_, 1.0 + probability(type_, place.type, room_type)))
     return found
 
 
@@ -68,7 +62,7 @@ def visible_pixels(place: HidingPlace, area: Area, type_: str, size: Vec3) -> fl
     top = from_above * size[0] * size[1] * np.maximum(-away[:, 2], 0.0) / r
     raised = max(size[2] - area.seen_from_m, 0.0)
     side = from_beside * min(size[0], size[1]) * raised * arithmetic.length(away[:, :2]) / r
-    return float(np.min((top * (area.seen_from_m == 0.0) + side) * (FRAME_PX / 2) ** 2 * r / depth**3))
+    return float(np.median((top * (area.seen_from_m == 0.0) + side) * (FRAME_PX / 2) ** 2 * r / depth**3))
 
 
 def _fits(area: Area, place: HidingPlace, type_: str, size: Vec3) -> int:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 from importlib import resources
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field
+
+from remqa_data.assets.core.sizes import typical_size
+from remqa_data.geometry.types import Vec3
 
 SOURCE = "hiding.yaml"
 
@@ -16,6 +20,7 @@ class HidingRules(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    folded_m: Mapping[str, Vec3]
     min_pickup_side_m: float = Field(gt=0)
     min_move_side_m: float = Field(gt=0)
     max_move_side_m: float = Field(gt=0)
@@ -37,7 +42,6 @@ class HidingRules(BaseModel):
     size_spread: float = Field(ge=0, lt=1)
     gap_m: float = Field(ge=0)
     pixel_margin: float = Field(gt=0)
-    epsilon: float = Field(ge=0)
     moved_share: float = Field(ge=0, le=1)
 
 
@@ -46,3 +50,12 @@ def hiding_rules() -> HidingRules:
     """The rules that ship with the package."""
     text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
     return HidingRules.model_validate(yaml.safe_load(text))
+
+
+def hidden_size(type_: str) -> Vec3:
+    """Width, depth and height in metres of a thing as it is put away: towels lie folded, all else is of its usual size.
+
+    >>> hidden_size("Towel")[2] < 0.1
+    True
+    """
+    return hiding_rules().folded_m.get(type_) or typical_size(type_)

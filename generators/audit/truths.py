@@ -50,7 +50,7 @@ LONGEST_TEXT = 300
 """Characters; a phrase that leans on one thing has fewer than 100."""
 RELATIONS_OF: dict[QuestionKind, tuple[Relation, ...]] = {
     "EXISTENCE": ("in",),
-    "COUNTING": ("in",),
+    "COUNTING": ("in", "under"),
     "SPATIAL": ("in", "under"),
 }
 """Where a kind of question looks."""

@@ -1,15 +1,15 @@
 """How many questions each room owes: decided up front from the floor plans alone, so that rooms stay independent jobs.
 
 What a room can take is in `templates/capacities.csv`, counted on the room as recorded. The totals of a split are dealt out
-in whole groups of four samples, one for each answer 0 to 3, or two yes and two no, so that answers are balanced in every
-room; what a total leaves over becomes one smaller group.
+in whole lots of four samples, one for each answer 0 to 3, or two yes and two no, so that answers are balanced in every
+room; what a total leaves over becomes one smaller lot.
 """
 
 from __future__ import annotations
 
 import csv
 import heapq
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib import resources
@@ -27,8 +27,10 @@ QuestionSplit = Literal["train", "test"]
 SPLITS: tuple[QuestionSplit, ...] = ("train", "test")
 Totals = Mapping[QuestionKind, int]
 
-GROUP_SIZE = 4
-"""Samples of a whole group: as many as there are answers to a COUNTING question."""
+LOT_SIZE = 4
+"""Samples of a whole lot: as many as there are answers to a COUNTING question."""
+FEWEST_LOTS, MOST_LOTS = 4, 15
+"""Of a room, of all kinds together, as far as the totals allow."""
 ROOMS_OF_A_TYPE, TEST_ROOMS_OF_A_TYPE = 30, 5
 ROOM_OFFSETS = (0, 200, 300, 400)
 """iTHOR's numbers: kitchens 1 to 30, living rooms 201 to 230, bedrooms 301 to 330, bathrooms 401 to 430."""
@@ -36,13 +38,13 @@ ROOM_OFFSETS = (0, 200, 300, 400)
 
 @dataclass(frozen=True)
 class SceneCapacity:
-    """How many groups of questions of each kind a room can take.
+    """How many lots of questions of each kind a room can take.
 
     Attributes
     ----------
     scene, room_type : str
         The room.
-    groups : mapping
+    lots : mapping
         By kind, how many it takes easily.
     most : mapping
         By kind, how many it takes at all: with more questions about one place, and longer ones, than there should be.
@@ -50,7 +52,7 @@ class SceneCapacity:
 
     scene: str
     room_type: str
-    groups: Mapping[QuestionKind, int]
+    lots: Mapping[QuestionKind, int]
     most: Mapping[QuestionKind, int]
 
 
@@ -140,8 +142,9 @@ def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]
     Returns
     -------
     One quota for each room, in the order of the rooms. By split and kind, they add up to the totals exactly; the numbers
-    of samples with each answer differ by at most one; and a room's quota can be met by as many groups as it can take at
-    most, each of which asks for at least two different answers. No room takes more than it does easily, unless all do.
+    of samples with each answer differ by at most one; and a room's quota makes no more lots than it can take at most, in
+    groups each of which asks for at least two different answers. No room takes more than it does easily, unless all do;
+    and as far as they easily can, all rooms take `FEWEST_LOTS` to `MOST_LOTS`.
 
     Raises
     ------
@@ -152,11 +155,14 @@ def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]
     answers: dict[str, dict[QuestionKind, dict[str, int]]] = {room.scene: {} for room in rooms}
     for split in SPLITS:
         own = [room for room in rooms if splits[room.scene] == split]
-        for kind in reversed(KINDS):  # rooms that take nothing else still take EXISTENCE, which comes last
-            idle = {room.scene for room in own if not any(any(q.values()) for q in answers[room.scene].values())}
-            first = idle if kind == KINDS[0] else set()
-            for scene, quota in _deal(own, split, kind, totals.get(split, {}).get(kind, 0), first).items():
+        had = dict.fromkeys((room.scene for room in own), 0)
+        later = {room.scene: sum(room.lots.values()) for room in own}
+        for kind in reversed(KINDS):  # of EXISTENCE rooms take most, so it comes last and evens out
+            later = {room.scene: later[room.scene] - room.lots[kind] for room in own}
+            first = {name: FEWEST_LOTS - lots - later[name] for name, lots in had.items()}
+            for scene, quota in _deal(own, split, kind, totals.get(split, {}).get(kind, 0), had, first).items():
                 answers[scene][kind] = quota
+                had[scene] += -(-sum(quota.values()) // LOT_SIZE)
     in_order = {scene: {kind: quotas[kind] for kind in KINDS if kind in quotas} for scene, quotas in answers.items()}
     return [SceneQuota(room.scene, room.room_type, splits[room.scene], in_order[room.scene]) for room in rooms]
 
@@ -165,32 +171,40 @@ def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]
 
 
 def _deal(
-    rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, total: int, first: Collection[str]
+    rooms: Sequence[SceneCapacity],
+    split: str,
+    kind: QuestionKind,
+    total: int,
+    had: Mapping[str, int],
+    first: Mapping[str, int],
 ) -> dict[str, dict[str, int]]:
-    """Samples by room and answer; some rooms are served first."""
+    """Samples by room and answer, after each room had some lots of other kinds; so many lots are dealt first."""
     names = question_rules().answers(kind)
     if total == 1 or total < 0:
         raise QuotaError(
             f"{split}: {kind}: {total} samples cannot have different answers; ask for none or for at least 2"
         )
-    whole, left = divmod(total, GROUP_SIZE)
+    whole, left = divmod(total, LOT_SIZE)
     room_for = {room.scene: room.most[kind] for room in rooms}
     if whole + (left > 0) > sum(room_for.values()):
-        empty = [scene for scene, groups in room_for.items() if groups == 0]
-        msg = f"{split}: {kind}: {total} questions need {whole + (left > 0)} groups, but {len(rooms)} rooms "
+        empty = [scene for scene, lots in room_for.items() if lots == 0]
+        msg = (
+            f"{split}: {kind}: {total} questions need {whole + (left > 0)} lots of {LOT_SIZE}, but {len(rooms)} rooms "
+        )
         msg += f"({_some(list(room_for))}) have room for {sum(room_for.values())}"
         msg += f"; {_some(empty)} can take none" if empty else ""
         raise QuotaError(f"{msg}; ask for more scenes or fewer questions")
-    easy = {room.scene: min(room.groups[kind], room.most[kind]) for room in rooms}
-    dealt = _deal_groups(easy, room_for, whole + (left > 0), first)
-    twice = GROUP_SIZE // len(names)
-    quotas = {scene: dict.fromkeys(names, groups * twice) for scene, groups in dealt.items()}
-    if left:  # the last group of the room with most of them is not a whole one
+    easy = {room.scene: min(room.lots[kind], room.most[kind]) for room in rooms}
+    even = {scene: max(0, min(lots, MOST_LOTS - had[scene])) for scene, lots in easy.items()}
+    dealt = _deal_lots((even, easy, room_for), whole + (left > 0), first)
+    twice = LOT_SIZE // len(names)
+    quotas = {scene: dict.fromkeys(names, lots * twice) for scene, lots in dealt.items()}
+    if left:  # the last lot of the room with most of them is not a whole one
         fullest = max(dealt, key=lambda scene: dealt[scene])
-        others = [scene for scene, groups in dealt.items() if groups == 1 and scene != fullest]
+        others = [scene for scene, lots in dealt.items() if lots == 1 and scene != fullest]
         quotas[fullest] = dict.fromkeys(names, (dealt[fullest] - 1) * twice)
         extra = [fullest] * left
-        if left == dealt[fullest] == 1:  # one sample makes no group: two rooms share it with a whole one, as 3 and 2
+        if left == dealt[fullest] == 1:  # one sample makes no lot: two rooms share it with a whole one, as 3 and 2
             quotas[others[0]] = dict.fromkeys(names, 0)
             extra = [fullest] * 3 + [others[0]] * 2
         for index, scene in enumerate(extra):
@@ -198,26 +212,24 @@ def _deal(
     return quotas
 
 
-def _deal_groups(
-    easy: Mapping[str, int], most: Mapping[str, int], count: int, first: Collection[str]
-) -> dict[str, int]:
-    """Deal groups to rooms one by one, each to the room that is least full, and first what rooms take easily.
+def _deal_lots(limits: Sequence[Mapping[str, int]], count: int, first: Mapping[str, int]) -> dict[str, int]:
+    """Deal lots to rooms one by one, each to the room that is least full, up to one limit of all rooms after the other.
 
-    So all rooms keep some room, in case things cannot be arranged as planned.
+    So all rooms keep some room, in case things cannot be arranged as planned. Before that, rooms get so many lots `first`.
     """
-    dealt = dict.fromkeys(easy, 0)
-    for limit in (easy, most):
-        waiting = [
-            (0.0 if name in first else (dealt[name] + 1) / room, order, name)
-            for order, (name, room) in enumerate(limit.items())
-            if dealt[name] < room
-        ]
+    dealt = dict.fromkeys(limits[0], 0)
+
+    def turn(name: str, room: int) -> float:
+        return float(dealt[name]) if dealt[name] < first[name] else 1e3 + (dealt[name] + 1) / room
+
+    for limit in limits:
+        waiting = [(turn(name, n), order, name) for order, (name, n) in enumerate(limit.items()) if dealt[name] < n]
         heapq.heapify(waiting)
         while waiting and sum(dealt.values()) < count:
             _, order, name = heapq.heappop(waiting)
             dealt[name] += 1
             if dealt[name] < limit[name]:
-                heapq.heappush(waiting, ((dealt[name] + 1) / limit[name], order, name))
+                heapq.heappush(waiting, (turn(name, limit[name]), order, name))
     return dealt
 
 

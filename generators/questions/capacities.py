@@ -17,10 +17,11 @@ from remqa_data.files import atomic_path
 from remqa_data.floorplans.ithor.scenes import load_scene, scene_names
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_places import hiding_places
-from remqa_data.generators.questions.allotment import GROUP_SIZE, SOURCE, SceneCapacity
+from remqa_data.generators.questions.allotment import LOT_SIZE, SOURCE, SceneCapacity
 from remqa_data.generators.questions.expressions import Expression, Expressions
+from remqa_data.generators.questions.groups import group_shapes
 from remqa_data.generators.questions.planning import FittingTypes, Planner, sites_of
-from remqa_data.generators.questions.questions import KINDS, P
+from remqa_data.generators.questions.questions import KINDS, P, question_rules
 from remqa_data.published import QUESTIONS
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata
@@ -28,14 +29,14 @@ from remqa_data.sim.physics.world import World
 from remqa_data.tables.rows import QuestionKind
 
 HEADER = """\
-# How many groups of questions of each kind a room can take at once, counted on the room as recorded: easily, and at most,
+# How many lots of four questions of each kind a room can take, counted on the room as recorded: easily, and at most,
 # that is with more questions about a place, and longer ones, than templates/questions.yaml wants.
 # Written by: python -m remqa_data.generators.questions.capacities
 """
 WANTED = QUESTIONS["train"]
 """Kinds are filled up in these proportions."""
-MOST_GROUPS = 12
-"""No room needs to take more groups of one kind."""
+MOST_LOTS = 12
+"""No room needs to take more lots of one kind."""
 
 
 def measured_capacity(scene_name: str) -> SceneCapacity:
@@ -57,24 +58,33 @@ def room_capacity(
     scene: str,
     room_type: str,
 ) -> SceneCapacity:
-    """How many groups of each kind a room can take at once: a line of `capacities.csv`.
+    """How many lots of each kind a room can take at once: a line of `capacities.csv`.
 
-    Groups are added in the proportion in which the published benchmark has questions, until no more fit: first without
+    Lots are added in the proportion in which the published benchmark has questions, until no more fit: first without
     crowding places and without long questions, then with them.
     """
-    planner = Planner(sites_of(places, expressions, fitting_types), scene, GROUP_SIZE, np.random.default_rng(0))
-    easy = _fill_up(planner, crowd=False)
-    return SceneCapacity(scene, room_type, easy, _fill_up(planner, crowd=True))
+    planner = Planner(sites_of(places, expressions, fitting_types), scene, LOT_SIZE, np.random.default_rng(0))
+    easy = _fill_up(planner, dict.fromkeys(KINDS, 0), crowd=False)
+    return SceneCapacity(scene, room_type, easy, _fill_up(planner, easy, crowd=True))
 
 
-def _fill_up(planner: Planner[P], crowd: bool) -> dict[QuestionKind, int]:
-    """Add groups until no more fit; returns how many there are."""
-    waiting = list(KINDS)
+def _fill_up(planner: Planner[P], had: Mapping[QuestionKind, int], crowd: bool) -> dict[QuestionKind, int]:
+    """Add lots to those that a room has until no more fit; returns how many there are."""
+    lots, waiting = dict(had), list(KINDS)
     while waiting:
-        kind = min(waiting, key=lambda k: ((planner.per_kind[k] + 1) / WANTED[k], KINDS.index(k)))
-        if planner.per_kind[kind] >= MOST_GROUPS or not planner.add(kind, {}, crowd=crowd):
+        kind = min(waiting, key=lambda k: ((lots[k] + 1) / WANTED[k], KINDS.index(k)))
+        if lots[kind] < MOST_LOTS and _add_lot(planner, kind, crowd):
+            lots[kind] += 1
+        else:
             waiting.remove(kind)
-    return {kind: planner.per_kind[kind] for kind in KINDS}
+    return lots
+
+
+def _add_lot(planner: Planner[P], kind: QuestionKind, crowd: bool) -> bool:
+    """Add the groups of one lot; False if there is no room for all of them."""
+    answers = question_rules().answers(kind)
+    shapes = group_shapes(dict.fromkeys(answers, LOT_SIZE // len(answers)), planner.configurations, planner.scene)
+    return all(planner.add(kind, shape, crowd=crowd) for shape in shapes)
 
 
 def write_capacities(rooms: Iterable[SceneCapacity], path: Path) -> None:
@@ -82,7 +92,7 @@ def write_capacities(rooms: Iterable[SceneCapacity], path: Path) -> None:
     names = ["scene", "room_type", *KINDS, *(f"{kind}_most" for kind in KINDS)]
     lines = [HEADER + ",".join(names)]
     for room in rooms:
-        numbers = [*(room.groups[kind] for kind in KINDS), *(room.most[kind] for kind in KINDS)]
+        numbers = [*(room.lots[kind] for kind in KINDS), *(room.most[kind] for kind in KINDS)]
         lines.append(",".join([room.scene, room.room_type, *map(str, numbers)]))
     with atomic_path(path) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")

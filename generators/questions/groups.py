@@ -6,6 +6,7 @@ in each configuration, so that yes and no, or 0 to 3, come out as often as the r
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic
@@ -61,21 +62,21 @@ def things_for(answer: str) -> int:
     return {YES: 1, NO: 0}[answer] if answer in (YES, NO) else int(answer)
 
 
-def group_shapes(quota: Mapping[str, int], per_answer: int, where: str) -> list[dict[str, int]]:
+def group_shapes(quota: Mapping[str, int], most: int, where: str) -> list[dict[str, int]]:
     """Split a quota into groups that each ask for at least two different answers.
 
     Parameters
     ----------
     quota : mapping
         Samples by answer.
-    per_answer : int
-        The most samples of one group that have the same answer.
+    most : int
+        The most samples of one group.
     where : str
         What to call the quota in an error.
 
     Returns
     -------
-    For each group, samples by answer; as few groups as possible.
+    For each group, samples by answer; as many groups as possible, so that as many different questions are asked.
 
     Raises
     ------
@@ -84,20 +85,16 @@ def group_shapes(quota: Mapping[str, int], per_answer: int, where: str) -> list[
 
     Examples
     --------
-    >>> group_shapes({"yes": 3, "no": 3}, 2, "FloorPlan1")
-    [{'yes': 2, 'no': 1}, {'yes': 1, 'no': 2}]
-    >>> group_shapes({"0": 2, "1": 1, "2": 1, "3": 1}, 1, "FloorPlan1")
-    [{'0': 1, '1': 1, '3': 1}, {'0': 1, '2': 1}]
+    >>> group_shapes({"yes": 3, "no": 2}, 4, "FloorPlan1")
+    [{'yes': 2, 'no': 1}, {'yes': 1, 'no': 1}]
+    >>> group_shapes({"0": 1, "1": 1, "2": 1, "3": 1}, 4, "FloorPlan1")
+    [{'0': 1, '2': 1}, {'1': 1, '3': 1}]
     """
-    count = max((-(-n // per_answer) for n in quota.values()), default=0)
-    shapes: list[dict[str, int]] = [{} for _ in range(count)]
-    dealt = 0
-    for answer, n in quota.items():
-        for _ in range(n):
-            shape = shapes[dealt % count]
-            shape[answer] = shape.get(answer, 0) + 1
-            dealt += 1
-    if any(len(shape) < 2 for shape in shapes):
+    total = sum(quota.values())
+    count = min(total // 2, total - max(quota.values(), default=0))
+    if total > most * count:
         msg = f"{where}: {dict(quota)} cannot be split into groups of questions with different answers; balance the answers"
         raise QuotaError(msg)
-    return shapes
+    # The most frequent answer first: what is left then comes to each group at most once.
+    dealt = [answer for answer in sorted(quota, key=lambda name: -quota[name]) for _ in range(quota[answer])]
+    return [dict(Counter(dealt[index::count])) for index in range(count)]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Generic
 
 import numpy as np
@@ -103,8 +103,7 @@ def plan_groups(
 def _fill(planner: Planner[P], order: Sequence[QuestionKind], quota: SceneQuota) -> QuestionKind | None:
     """Plan what a room owes; returns the kind for which there is no room."""
     for kind in order:
-        per_answer = 1 if kind == "COUNTING" else max(planner.configurations // 2, 1)
-        for shape in group_shapes(quota.answers[kind], per_answer, f"{quota.scene}: {kind}"):
+        for shape in group_shapes(quota.answers[kind], planner.configurations, f"{quota.scene}: {kind}"):
             if not planner.add(kind, shape):
                 return kind
     return None
@@ -177,21 +176,46 @@ class Planner(Generic[P]):
         self.options = {kind: list(self._options(kind)) for kind in PLAN_ORDER}
 
     def add(self, kind: QuestionKind, shape: Mapping[str, int], crowd: bool = True) -> bool:
-        """Add a group that asks for so many samples of each answer; False if there is no room.
+        """Ask for so many samples of each answer; False if there is no room.
 
-        With `crowd`, a place takes more groups than it should once all have as many as they should.
+        A new question is asked, or one that is asked already is asked in more configurations. With `crowd`, a place takes
+        more groups than it should once all have as many as they should.
         """
+        asked = self._ask(kind, shape, strict=True) or (crowd and self._ask(kind, shape, strict=False))
+        return asked or self._widen(kind, shape)
+
+    def _ask(self, kind: QuestionKind, shape: Mapping[str, int], strict: bool) -> bool:
+        """Add a group, if there is room for it."""
         size = sum(shape.values()) or self.configurations
-        for strict in (True, False) if crowd else (True,):
-            options = self._free_options(kind, strict)
-            for pool in self._pools(kind, size, options):
-                while pool:
-                    chosen = self._draw(kind, size, pool)
-                    answers = self._answers(kind, chosen.site)
-                    if answers is not None:
-                        self._take(kind, chosen, answers, shape)
-                        return True
-                    pool = [option for option in pool if option.site is not chosen.site]
+        for pool in self._pools(kind, size, self._free_options(kind, strict)):
+            while pool:
+                chosen = self._draw(kind, size, pool)
+                answers = self._answers(kind, chosen.site, shape)
+                if answers is not None:
+                    self._take(kind, chosen, answers, shape)
+                    return True
+                pool = [option for option in pool if option.site is not chosen.site]
+        return False
+
+    def _widen(self, kind: QuestionKind, shape: Mapping[str, int]) -> bool:
+        """Let a group ask in configurations in which it does not ask yet, if one has room for what is to be found there."""
+        more = [answer for answer, count in shape.items() for _ in range(count)]
+        for place in self.rng.permutation(len(self.groups)) if more else ():
+            group = self.groups[place]
+            free = [c for c in range(self.configurations) if c not in group.asked]
+            if group.question.kind != kind or not group.asked or len(free) < len(more):
+                continue
+            chosen = self.rng.permutation(free)[: len(more)].tolist()
+            given = dict(zip(chosen, more, strict=True))
+            answers = tuple(given.get(c, answer) for c, answer in enumerate(group.answers))
+            wider = replace(group, answers=answers, asked=tuple(sorted((*group.asked, *chosen))))
+            key = group.question.place.object_id, group.question.place.relation
+            filled = self.filled[key] + wider.counts - np.array(group.counts)
+            if np.any(filled > len(group.question.place.spots)):
+                continue
+            self.groups[place], self.filled[key] = wider, filled
+            self._count(group.question, len(more))
+            return True
         return False
 
     def refusal(self, kind: QuestionKind, quota: Mapping[str, int]) -> str:
@@ -208,18 +232,18 @@ class Planner(Generic[P]):
 
     def _options(self, kind: QuestionKind) -> Iterator[_Option[P]]:
         """All questions of a kind that could be asked of the room."""
+        fits = Counter(name for site in self.sites for name, _ in site.types.get(kind, ()))
         for site in self.sites:
             types = site.types.get(kind, ())
-            total = sum(weight for _, weight in types)
             spoken: dict[bool, list[float]] = {True: [], False: []}
             for expression, weight in site.expressions:
                 spoken[_is_bare(expression)].append(weight)
             for expression, weight in site.expressions:
                 others = spoken[_is_bare(expression)]
-                for name, share in types:
+                for name, likely in types:
                     question = Candidate(kind, site.place, expression, name)
-                    # A place counts for as much as its best phrase, however many phrases and types there are for it.
-                    worth = weight * max(others) / sum(others) * share / total
+                    # A type counts for the same in however many places it fits, and a place for as much as its best phrase.
+                    worth = weight * max(others) / sum(others) * likely / fits[name]
                     yield _Option(site, question, worth, question.text, mentioned_types(expression.program))
 
     def _free_options(self, kind: QuestionKind, strict: bool) -> list[_Option[P]]:
@@ -241,6 +265,7 @@ class Planner(Generic[P]):
             if option.site.key not in full
             and asked.get(option.site.place.object_id, option.site.place.relation) == option.site.place.relation
             and not (strict and option.words > self.rules.longest_words[kind])
+            and not (strict and self.asked_for[option.question.type] >= self.rules.max_groups_per_type)
             and option.text not in self.texts
             and not _any_confusable({option.question.type}, at_object[option.site.place.object_id] | option.named)
             and not _any_confusable(option.named, self.asked_for)
@@ -252,9 +277,7 @@ class Planner(Generic[P]):
 
     def _pools(self, kind: QuestionKind, size: int, options: list[_Option[P]]) -> Iterator[list[_Option[P]]]:
         """The options in lots, of which the first that has room is drawn from: bare nouns or not, then by manipulation."""
-        shares: Mapping[Manipulation, float] = {"Open": 1.0}
-        if kind == "SPATIAL":
-            shares = self.rules.spatial_manipulations
+        shares = self.rules.manipulations[kind]
         total = sum(self.samples[kind, m] for m in shares) + size
         owed = sorted(shares, key=lambda m: (self.samples[kind, m] - shares[m] * total, self.rng.random()))
         bare = bool(self.rng.random() < self._bare_share(kind))
@@ -278,10 +301,14 @@ class Planner(Generic[P]):
         weights *= arithmetic.exp((off.min() - off) / self.rules.tolerance_words[kind])
         return pool[int(self.rng.choice(len(pool), p=weights / weights.sum()))]
 
-    def _answers(self, kind: QuestionKind, site: _Site[P]) -> tuple[str, ...] | None:
-        """One answer for each configuration such that the place has room for all things, if there are such."""
-        possible = self.rules.answers(kind)
-        pattern = [possible[i % len(possible)] for i in range(self.configurations)]
+    def _answers(self, kind: QuestionKind, site: _Site[P], shape: Mapping[str, int]) -> tuple[str, ...] | None:
+        """One answer for each configuration such that the place has room for all things, if there are such.
+
+        Configurations about which nobody asks have none of the things, and so room for others.
+        """
+        possible = sorted(self.rules.answers(kind), key=things_for)
+        asked = [answer for answer, count in shape.items() for _ in range(count)] or possible
+        pattern = asked + possible[:1] * (self.configurations - len(asked))
         things = np.array([things_for(answer) for answer in pattern])
         free = len(site.place.spots) - self.filled[site.key]
         for _ in range(SHUFFLES):
@@ -308,9 +335,13 @@ class Planner(Generic[P]):
         self.asked_for[chosen.question.type] += 1
         self.mentioned |= chosen.named
         self.texts.add(chosen.text)
-        size = len(asked)
-        self.samples[kind, chosen.question.place.manipulation] += size
-        self.excess_words[kind] += size * (chosen.words - self.rules.aim_words[kind])  # type: ignore[assignment]
+        self._count(chosen.question, len(asked))
+
+    def _count(self, question: Candidate[P], size: int) -> None:
+        """So many more samples ask this."""
+        kind = question.kind
+        self.samples[kind, question.place.manipulation] += size
+        self.excess_words[kind] += size * (question.words - self.rules.aim_words[kind])  # type: ignore[assignment]
 
 
 def _any_confusable(some: Iterable[str], others: Iterable[str]) -> bool:

@@ -68,8 +68,10 @@ class QuestionRules(BaseModel):
     expression_weights: Mapping[ExpressionKind, float]
     rank_factor: float = Field(gt=0, le=1)
     spatial_open_types: frozenset[str]
-    spatial_manipulations: Mapping[Manipulation, float]
+    spatial_words: Mapping[Relation, str]
+    manipulations: Mapping[QuestionKind, Mapping[Manipulation, float]]
     max_groups_per_place: Mapping[QuestionKind, int]
+    max_groups_per_type: int
     again_factor: float = Field(ge=1)
     counts: tuple[int, ...]
 
@@ -128,8 +130,11 @@ def question_text(kind: QuestionKind, type_name: str, relation: Relation, expres
     >>> question_text("COUNTING", "Mug", "in", "the fridge")
     'How many mugs are there in the fridge?'
     """
+    rules = question_rules()
     words = relation_rules().words[relation]
-    template = question_rules().templates[kind]
+    if kind == "SPATIAL":
+        words = rules.spatial_words.get(relation, words)
+    template = rules.templates[kind]
     return template.format(a_obj=with_article(type_name), objs=plural(type_name), relation=words, re=expression)
 
 
@@ -144,9 +149,9 @@ def question_program(kind: QuestionKind, type_name: str, relation: Relation, whe
 
 
 def kinds_for(place: QuestionSite) -> tuple[QuestionKind, ...]:
-    """The kinds of question that a place serves: what is opened serves the first two, what is lifted the last."""
-    if place.relation == "under":
-        return ("SPATIAL",)
+    """The kinds of question that a place serves: what is lifted or pushed serves the last two, what is opened the first."""
+    if place.relation != "in":
+        return ("COUNTING", "SPATIAL")
     return KINDS if place.type in question_rules().spatial_open_types else ("EXISTENCE", "COUNTING")
 
 

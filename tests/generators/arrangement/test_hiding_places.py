@@ -148,12 +148,13 @@ def test_priors_are_those_of_the_table() -> None:
     assert probability("Egg", "Fridge", "bathroom") == 0.0
 
 
-def test_weights_follow_the_priors_and_pots_do_not_fit_under_a_book() -> None:
+def test_what_fits_is_found_there_and_pots_do_not_fit_under_a_book() -> None:
     fridge = next(place for place in places_of("FloorPlan7") if place.type == "Fridge")
     weights = dict(fitting_types(fridge, "kitchen", 1))
-    # placements.csv: 8 of 30 heads of lettuce and no mug lie in a fridge; 0.02 is the epsilon of hiding.yaml
-    assert weights["Lettuce"] == pytest.approx(0.02 + 8 / 30, abs=1e-4)
-    assert weights["Mug"] == pytest.approx(0.02)
+    # placements.csv: 8 of 30 heads of lettuce and no mug lie in a fridge
+    assert weights["Lettuce"] == pytest.approx(1 + 8 / 30, abs=1e-4)
+    assert weights["Mug"] == 1.0
+    assert weights.keys().isdisjoint({"Book", "CD", "CellPhone", "Fork"})
     book = next(place for place in places_of("FloorPlan7") if place.type == "Book")
     assert "Pot" not in dict(fitting_types(book, "kitchen"))
 

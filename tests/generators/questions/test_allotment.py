@@ -1,6 +1,7 @@
 import math
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 
 import pytest
 from hypothesis import assume, given, settings
@@ -9,7 +10,8 @@ from hypothesis import strategies as st
 from remqa_data.errors import QuotaError, UnknownNameError
 from remqa_data.floorplans.ithor.table import recorded_objects, scene_names
 from remqa_data.generators.questions.allotment import (
-    GROUP_SIZE,
+    FEWEST_LOTS,
+    LOT_SIZE,
     SceneCapacity,
     allot,
     capacities,
@@ -43,20 +45,19 @@ def check(quotas, totals, rooms) -> None:
     for split in totals:
         of_split = [(q, room) for q, room in zip(quotas, rooms, strict=True) if q.split == split]
         for kind in KINDS:
-            needed = [groups_needed(quota.answers[kind]) for quota, _ in of_split]
-            if any(n > room.groups[kind] for n, (_, room) in zip(needed, of_split, strict=True)):
-                assert all(n >= room.groups[kind] for n, (_, room) in zip(needed, of_split, strict=True))
+            needed = [lots_needed(quota.answers[kind]) for quota, _ in of_split]
+            if any(n > room.lots[kind] for n, (_, room) in zip(needed, of_split, strict=True)):
+                assert all(n >= room.lots[kind] for n, (_, room) in zip(needed, of_split, strict=True))
     for quota, room in zip(quotas, rooms, strict=True):
         assert (quota.scene, quota.room_type) == (room.scene, room.room_type)
         for kind in KINDS:
-            assert groups_needed(quota.answers[kind]) <= room.most[kind]
-            shapes = group_shapes(quota.answers[kind], 1 if kind == "COUNTING" else 2, quota.scene)
-            assert len(shapes) == groups_needed(quota.answers[kind])
+            assert lots_needed(quota.answers[kind]) <= room.most[kind]
+            assert all(len(shape) > 1 for shape in group_shapes(quota.answers[kind], LOT_SIZE, quota.scene))
 
 
-def groups_needed(answers: Mapping[str, int]) -> int:
-    """How many groups a quota takes, if a group asks once for each count, or twice for yes and twice for no."""
-    per_answer = GROUP_SIZE // len(answers)
+def lots_needed(answers: Mapping[str, int]) -> int:
+    """How many lots a quota makes, if a lot has one of each count, or two times yes and two times no."""
+    per_answer = LOT_SIZE // len(answers)
     return max(math.ceil(count / per_answer) for count in answers.values())
 
 
@@ -97,6 +98,15 @@ def test_totals_that_do_not_fit_name_split_kind_and_rooms(groups, extra) -> None
     rooms = [room_for(name, n) for name, n in zip(names, groups, strict=True)]
     with pytest.raises(QuotaError, match=r"train: COUNTING: .* questions need .*FloorPlan1"):
         allot(rooms, {"train": {"COUNTING": 4 * sum(groups) + extra}})
+
+
+def test_rooms_are_asked_about_alike_where_they_have_room() -> None:
+    rooms = [room_for("FloorPlan1", 12), room_for("FloorPlan2", 12), room_for("FloorPlan3", 2)]
+    quotas = allot(rooms, {"train": {"EXISTENCE": 80, "COUNTING": 24, "SPATIAL": 24}})
+    assert [sum(quota.total(kind) for kind in KINDS) for quota in quotas] == [56, 56, 16]
+    poor = [replace(room_for("FloorPlan3", 4), lots={"EXISTENCE": 4, "COUNTING": 0, "SPATIAL": 0})]
+    quotas = allot([*rooms[:2], *poor], {"train": {"EXISTENCE": 60}})
+    assert quotas[2].total("EXISTENCE") == 4 * FEWEST_LOTS
 
 
 def test_one_sample_cannot_be_balanced() -> None:

@@ -5,11 +5,13 @@ import pytest
 from remqa_data.catalog import object_type, question_types
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.questions import (
+    KINDS,
     Candidate,
     confusable,
     kinds_for,
     mentioned_types,
     question_rules,
+    question_text,
     usable_expressions,
 )
 from remqa_data.language.answers import execute
@@ -34,7 +36,9 @@ def candidate(kind, where: StandIn, type_name: str) -> Candidate[StandIn]:
         ("COUNTING", place("Cabinet"), "Knife", "How many knives are there in the cabinet below the sink?"),
         ("COUNTING", place("Fridge"), "Lettuce", "How many heads of lettuce are there in the fridge?"),
         ("SPATIAL", place("Pillow", "Pickup", "under"), "CD", "Is there a CD under the pillow?"),
-        ("SPATIAL", place("Toaster", "Move", "under"), "Egg", "Is there an egg under the toaster?"),
+        ("SPATIAL", place("Toaster", "Move", "under"), "Fork", "Is there a fork under the toaster?"),
+        ("SPATIAL", place("Fridge"), "Apple", "Is there an apple inside the fridge?"),
+        ("COUNTING", place("Toaster", "Move", "under"), "Fork", "How many forks are there under the toaster?"),
     ],
 )
 def test_words(kind, where, type_name, text) -> None:
@@ -64,7 +68,12 @@ def test_the_program_is_stored_as_json_and_finds_the_place() -> None:
 def test_what_is_furniture_is_opened_for_existence_and_counting_only() -> None:
     assert kinds_for(place("Drawer")) == ("EXISTENCE", "COUNTING")
     assert kinds_for(place("Box")) == ("EXISTENCE", "COUNTING", "SPATIAL")
-    assert kinds_for(place("Box", "Pickup", "under")) == ("SPATIAL",)
+    assert kinds_for(place("Box", "Pickup", "under")) == ("COUNTING", "SPATIAL")
+
+
+def test_no_kind_of_question_is_phrased_as_another() -> None:
+    asked = [(kind, r) for kind in KINDS for r in ("in", "under") if (kind, r) != ("EXISTENCE", "under")]
+    assert len({question_text(kind, "Book", relation, "the box") for kind, relation in asked}) == len(asked)
 
 
 def expression(text: str, anchor: str | None, kind="relation") -> Expression:
@@ -94,5 +103,5 @@ def test_types_that_are_taken_for_one_another() -> None:
 def test_the_shipped_rules_name_real_types_and_shares() -> None:
     rules = question_rules()
     assert all(object_type(name).openable for name in rules.spatial_open_types)
-    assert sum(rules.spatial_manipulations.values()) == pytest.approx(1)
+    assert all(sum(shares.values()) == pytest.approx(1) for shares in rules.manipulations.values())
     assert rules.answers("COUNTING") == ("0", "1", "2", "3")

@@ -31,13 +31,19 @@ RAIL_METALS = (materials.CHROME, materials.STEEL, materials.BRASS, materials.BLA
 
 
 def towel(b: Builder) -> None:
-    """A bath towel folded over a bar: with a border, layered with a smaller one, striped, or with a fringe."""
-    _folded_towel(b, folds=2.0, gather=1.0)
+    """A bath towel folded over a bar: with a border, layered with a smaller one, striped, or with a fringe; a flat one lies."""
+    if _lies(b):
+        _lying_towel(b)
+    else:
+        _folded_towel(b, folds=2.0, gather=1.0)
 
 
 def hand_towel(b: Builder) -> None:
-    """A hand towel drawn through a ring, narrower at the top: with a border, layered, striped, or with a fringe."""
-    _folded_towel(b, folds=1.5, gather=0.78)
+    """A hand towel drawn through a ring, narrower at the top: with a border, layered, striped, or fringed; a flat one lies."""
+    if _lies(b):
+        _lying_towel(b)
+    else:
+        _folded_towel(b, folds=1.5, gather=0.78)
 
 
 def towel_holder(b: Builder) -> None:
@@ -137,6 +143,19 @@ def cloth_(b: Builder) -> None:
             _loose_cloth(b, main, second)
         b.solid((0.8 * b.w, 0.8 * b.d, b.h * 0.9), (0, 0, 0.45 * b.h))
         b.looks_like(main)
+
+
+def _lies(b: Builder) -> bool:
+    """Whether a towel is put away rather than hung up: it is flatter than it is deep."""
+    return b.h < b.d
+
+
+def _lying_towel(b: Builder) -> None:
+    """A towel that is folded to a pile of layers."""
+    main = b.pick(TOWELS)
+    _folded_cloth(b, main, _other(b, main))
+    b.solid((b.w, b.d, b.h), (0, 0, b.h / 2))
+    b.looks_like(main)
 
 
 def _folded_towel(b: Builder, *, folds: float, gather: float) -> None:

@@ -1,0 +1,54 @@
+"""What people keep in which things, and what comes to lie under them; the lists are in `templates/plausible.yaml`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from importlib import resources
+from typing import Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from remqa_data.catalog import Room, object_type
+
+SOURCE = "plausible.yaml"
+DEFAULT = "default"
+ByRoom = Mapping[Room, frozenset[str]]
+
+
+class PlausibleTypes(BaseModel):
+    """All of `plausible.yaml`: types that can be picked up, by relation, what hides them, and kind of room."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    inside: Mapping[str, ByRoom] = Field(alias="in")
+    under: Mapping[str, ByRoom]
+
+    @field_validator("inside", "under")
+    @classmethod
+    def _types_are_known(cls, table: Mapping[str, ByRoom]) -> Mapping[str, ByRoom]:
+        hidden = {name for by_room in table.values() for names in by_room.values() for name in names}
+        unfit = sorted(name for name in hidden if not object_type(name).pickupable)
+        if unfit:
+            raise ValueError(f"{unfit[0]} cannot be picked up, and is hidden nowhere")
+        for name in table.keys() - {DEFAULT}:
+            object_type(name)
+        return table
+
+
+def plausible_types(place_type: str, relation: Literal["in", "under"], room_type: str) -> frozenset[str]:
+    """The types that are found in or under a type of thing in a kind of room.
+
+    >>> "Egg" in plausible_types("Fridge", "in", "kitchen"), "Book" in plausible_types("Fridge", "in", "kitchen")
+    (True, False)
+    """
+    table = _plausible().inside if relation == "in" else _plausible().under
+    by_room: Mapping[str, frozenset[str]] = table.get(place_type, table.get(DEFAULT, {}))  # type: ignore[assignment]
+    return by_room.get(room_type, frozenset())
+
+
+@lru_cache(maxsize=1)
+def _plausible() -> PlausibleTypes:
+    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
+    return PlausibleTypes.model_validate(yaml.safe_load(text))
