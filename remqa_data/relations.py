@@ -35,6 +35,12 @@ class PartRules(_Rules):
     parts: dict[str, frozenset[str]]
 
 
+class FloorRules(_Rules):
+    """When a thing is on the floor."""
+
+    max_gap_m: float = Field(ge=0)
+
+
 class UnderRules(_Rules):
     """When a thing is under another: beneath what can be lifted, or beneath furniture on legs."""
 
@@ -55,6 +61,7 @@ class StackedRules(_Rules):
     max_gap_m: float = Field(ge=0)
     max_sunk_m: float = Field(ge=0)
     max_sunk_share: float = Field(ge=0, le=1)
+    sunk_in: frozenset[str]
     max_distance_m: float = Field(gt=0)
     max_iou: float = Field(ge=0, le=1)
     never: frozenset[str]
@@ -85,7 +92,7 @@ class RelationRules(_Rules):
         What stands between the two nouns of a phrase.
     inverses : mapping of relation to relation or None
         What the second object is to the first.
-    part, under, stacked, next_to
+    floor, part, under, stacked, next_to
         Thresholds of the relations.
     near_miss_factor : float
         How much `loosened` loosens.
@@ -95,6 +102,7 @@ class RelationRules(_Rules):
     vessels: dict[str, tuple[str, ...]]
     words: dict[Relation, str]
     inverses: dict[Relation, Relation | None]
+    floor: FloorRules
     part: PartRules
     under: UnderRules
     stacked: StackedRules
@@ -104,9 +112,10 @@ class RelationRules(_Rules):
     def loosened(self) -> RelationRules:
         """Rules under which more pairs are related: limits times the factor, shares to be reached divided by it."""
         more = self.near_miss_factor
-        part, under, stacked, beside = self.part, self.under, self.stacked, self.next_to
+        floor, part, under, stacked, beside = self.floor, self.part, self.under, self.stacked, self.next_to
         return self.model_copy(
             update={
+                "floor": floor.model_copy(update={"max_gap_m": floor.max_gap_m * more}),
                 "part": part.model_copy(update={"min_share": part.min_share / more}),
                 "under": under.model_copy(
                     update={

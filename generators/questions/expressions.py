@@ -15,7 +15,7 @@ from typing import Literal
 from remqa_data.catalog import object_type
 from remqa_data.geometry.boxes import centre_distance
 from remqa_data.language.referring import Program, Step, candidates, resolve
-from remqa_data.language.rules import expression_rules
+from remqa_data.language.rules import expression_rules, may_be_called
 from remqa_data.relations import Relation, relation_rules
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import ObjectMetadata
@@ -104,7 +104,7 @@ class Expressions:
         closest = [_expression(target, anchor) for anchor in self._closest_anchors(target)]
         yield from closest
         for plain in (bare, *related, *closest):
-            if not self._picked_out(plain) and self._leans_on_one(plain):
+            if not self._picked_out(plain):
                 singles = list(_placed(target, plain, doubly=False))
                 yield from singles
                 if not any(self._picked_out(single) == target.id for single in singles):
@@ -121,10 +121,12 @@ class Expressions:
             rank = _landmark_rank(record.type)
             if rank is None or relation not in rules.only_for.get(record.type, (relation,)):
                 continue
-            if record.type == target.type or self._is_hidden(other) or not _suits(record, target):
+            if record.type == target.type or not self._is_one(record.type) or self._is_hidden(other):
+                continue
+            if not _suits(record, target):
                 continue
             order = rules.relation_order.index(relation)
-            key = (rank, self._count[record.type] > 1, order, data["distance_m"], other)
+            key = (rank, order, data["distance_m"], other)
             ranked.append((key, _Anchor(other, record.type, relation)))
         return [anchor for _, anchor in sorted(ranked, key=lambda pair: pair[0])]
 
@@ -137,18 +139,16 @@ class Expressions:
         others = [
             record
             for record in self.graph.objects.values()
-            if record.type in types - {target.type} and self._count[record.type] == 1
+            if record.type in types - {target.type} and self._is_one(record.type)
         ]
         apart = centre_distance(target.box, [record.box for record in others])[0] if others else ()
         ranked = sorted(zip(apart, others, strict=True), key=lambda pair: (pair[0], pair[1].id))
         return [_Anchor(record.id, record.type, "closest to") for _, record in ranked]
 
-    def _leans_on_one(self, expression: Expression) -> bool:
-        """Whether the landmark is the only one of its type, or seen as one; true without a landmark."""
-        if expression.anchor_id is None:
-            return True
-        anchor_type = self.graph.node(expression.anchor_id).type
-        return self._count[anchor_type] == 1 or anchor_type in expression_rules().seen_as_one
+    def _is_one(self, type_name: str) -> bool:
+        """Whether the word for a type means one thing: nothing else is called so, or all are seen as one."""
+        called = sum(self._count.get(name, 0) for name in may_be_called(type_name))
+        return called == 1 or type_name in expression_rules().seen_as_one
 
     def _is_hidden(self, object_id: str) -> bool:
         """Whether it is in something closed."""
@@ -197,7 +197,9 @@ def _expression(target: ObjectMetadata, anchor: _Anchor | None) -> Expression:
 
 def _described(target: ObjectMetadata, plain: Expression) -> Iterator[Expression]:
     """The phrase with a colour, and with a material."""
-    steps: list[Step] = [("filter_color", target.color)]
+    steps: list[Step] = []
+    if any(target.color in group for group in expression_rules().similar_words):
+        steps.append(("filter_color", target.color))
     if target.substance in expression_rules().substances:
         steps.append(("filter_substance", target.substance))
     for step in steps:

@@ -205,17 +205,17 @@ class Planner(Generic[P]):
             free = [c for c in range(self.configurations) if c not in group.asked]
             if group.question.kind != kind or not group.asked or len(free) < len(more):
                 continue
-            chosen = self.rng.permutation(free)[: len(more)].tolist()
-            given = dict(zip(chosen, more, strict=True))
-            answers = tuple(given.get(c, answer) for c, answer in enumerate(group.answers))
-            wider = replace(group, answers=answers, asked=tuple(sorted((*group.asked, *chosen))))
             key = group.question.place.object_id, group.question.place.relation
-            filled = self.filled[key] + wider.counts - np.array(group.counts)
-            if np.any(filled > len(group.question.place.spots)):
-                continue
-            self.groups[place], self.filled[key] = wider, filled
-            self._count(group.question, len(more))
-            return True
+            for _ in range(SHUFFLES):
+                chosen = self.rng.permutation(free)[: len(more)].tolist()
+                given = dict(zip(chosen, more, strict=True))
+                answers = tuple(given.get(c, answer) for c, answer in enumerate(group.answers))
+                wider = replace(group, answers=answers, asked=tuple(sorted((*group.asked, *chosen))))
+                filled = self.filled[key] + wider.counts - np.array(group.counts)
+                if np.all(filled <= len(group.question.place.spots)):
+                    self.groups[place], self.filled[key] = wider, filled
+                    self._count(group.question, len(more))
+                    return True
         return False
 
     def refusal(self, kind: QuestionKind, quota: Mapping[str, int]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import lru_cache
 from types import ModuleType
 
@@ -11,6 +12,7 @@ import numpy as np
 from remqa_data.assets.core.builder import Builder
 from remqa_data.assets.core.kind import Kind
 from remqa_data.assets.core.model import Asset, AssetSpec
+from remqa_data.assets.looks.seen_colors import color_word
 from remqa_data.assets.types.bathroom import basins, faucets, shower, tissue, toiletries, toilets, towels
 from remqa_data.assets.types.fixtures import candles, lamps, wall_and_floor
 from remqa_data.assets.types.furniture import beds, desks, seating, sofas, storage, tables
@@ -104,7 +106,7 @@ def build(spec: AssetSpec) -> Asset:
         is_whole = False
     if not is_whole:
         raise AssetError(f"{spec.type}: cannot be built in the size {spec.size} m")
-    return asset
+    return replace(asset, color=color_word(asset.links, asset.color))
 
 
 def variant_count(type_: str) -> int:

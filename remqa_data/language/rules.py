@@ -44,6 +44,8 @@ class ExpressionRules(BaseModel):
     closest_margin_m: float
     closest_margin_factor: float
     closest_landmark_groups: int
+    near_m: float
+    near_height_m: float
     never_targets: frozenset[str]
     substances: frozenset[str]
     similar_words: tuple[frozenset[str], ...]

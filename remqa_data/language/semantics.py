@@ -73,8 +73,10 @@ class Roughly(Exactly):
         return actual in similar_words(said)
 
     def related(self, graph: SceneGraph, source: str, relation: Relation, anchors: set[str]) -> bool:
-        """Also relations that sound alike, what holds what holds the object, and stacks of which one is beside."""
+        """Also relations that sound alike, what holds the object's holder, what is near, and stacks of which one is beside."""
         if relation in ("in", "on") and anchors.intersection(graph.holders(source)):
+            return True
+        if relation == "next to" and any(_near(graph, source, anchor) for anchor in anchors):
             return True
         near = {source, *_neighbours_in_column(graph, source)} if relation == "next to" else {source}
         return any(graph.relation(i, anchor) in _SOUNDS_LIKE[relation] for i in near for anchor in anchors)
@@ -136,6 +138,15 @@ _SOUNDS_LIKE: Mapping[Relation, frozenset[Relation]] = {
     "below": frozenset({"under", "below"}),
     "next to": frozenset({"next to"}),
 }
+
+
+def _near(graph: SceneGraph, a: str, b: str) -> bool:
+    """Whether two objects are so near that either may be called next to the other; not what holds the other."""
+    rules, one, two = expression_rules(), graph.node(a).box, graph.node(b).box
+    if a in graph.holders(b) or b in graph.holders(a):
+        return False
+    over = max(one[2] - two[5], two[2] - one[5])
+    return over <= rules.near_height_m and float(geometry.horizontal_gap(one, two).min()) <= rules.near_m
 
 
 def _neighbours_in_column(graph: SceneGraph, object_id: str) -> list[str]:

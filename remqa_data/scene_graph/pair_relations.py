@@ -134,6 +134,9 @@ class _Measured:
 def _held(a: _Side, b: _Side, rules: RelationRules, kind: str) -> Table:
     """A rests in or on b, or is a part of it."""
     held = np.asarray((a.support[:, None] == b.ids[None]) & (a.kind == kind)[:, None], dtype=np.bool_)
+    if kind == "on":
+        above_floor = geometry.vertical_gap(a.boxes, b.boxes) > rules.floor.max_gap_m
+        held &= ~(above_floor & b.are({"Floor"})[None])
     if kind == "in":
         shared = geometry.intersection_volume(a.boxes, b.boxes)
         inside = shared >= rules.part.min_share * np.maximum(geometry.volume(a.boxes), _TINY)[:, None]
@@ -171,8 +174,8 @@ def _above(a: _Side, b: _Side, rules: RelationRules, measured: _Measured) -> Tab
     over = np.ones_like(between, dtype=np.bool_)
     for axis in (0, 1):
         over &= geometry.overlap_share(wide_a, wide_b, axes=(axis,)) >= stacked.min_side_share
-    sunk = np.maximum(stacked.max_sunk_m, stacked.max_sunk_share * b.sides()[:, 2])
-    over &= (between >= -sunk[None]) & (between <= stacked.max_gap_m)
+    hangs_in = a.are(stacked.sunk_in)[:, None] * stacked.max_sunk_share * b.sides()[:, 2][None]
+    over &= (between >= -np.maximum(stacked.max_sunk_m, hangs_in)) & (between <= stacked.max_gap_m)
     over &= geometry.centres(a.boxes)[:, 2][:, None] > geometry.centres(b.boxes)[:, 2][None]
     over &= (measured.distance <= stacked.max_distance_m) & (measured.iou <= stacked.max_iou)
     fit_a, fit_b = (~side.liftable() & ~side.are(stacked.never) for side in (a, b))

@@ -59,12 +59,12 @@ def test_relations_in_a_kitchen(source: str, expected: str | None, target: str) 
 
 
 def test_an_edge_carries_distance_and_iou() -> None:
-    low, high = thing("Cabinet|1", (0, 0, 0), (1, 1, 1)), thing("Cabinet|2", (0, 0, 0.9), (1, 1, 1))
+    low, high = thing("Cabinet|1", (0, 0, 0), (1, 1, 1)), thing("Cabinet|2", (0, 0, 0.95), (1, 1, 1))
     edges = {(e.source, e.relation): e for e in SceneGraph.from_objects([low, high]).edges}
     assert set(edges) == {("Cabinet|1", "below"), ("Cabinet|2", "above")}
     for edge in edges.values():
-        assert edge.distance_m == pytest.approx(0.9)
-        assert edge.iou == pytest.approx(0.1 / 1.9)  # 0.1 shared of 2 - 0.1
+        assert edge.distance_m == pytest.approx(0.95)
+        assert edge.iou == pytest.approx(0.05 / 1.95)  # 0.05 shared of 2 - 0.05
 
 
 @pytest.mark.parametrize(

@@ -166,11 +166,6 @@ def _skirted(b: Builder, plan: _Plan) -> None:
             materials.tinted(cloth, 0.72),
             solid=False,
         )
-    accent = b.pick([other for other in CLOTHS[:6] if other != cloth])
-    for side in (-1, 1):
-        pillow = primitives.cushion((0.4, 0.4, 0.13)).turned(primitives.turn("x", 68) @ primitives.turn("z", side * 8))
-        if plan.places > 1 and b.h - plan.seat > 0.34:
-            b.add(pillow, accent, (side * (plan.inner / 2 - 0.2), b.d / 2 - plan.back - 0.2, plan.seat + 0.18))
     b.looks_like(cloth)
 
 

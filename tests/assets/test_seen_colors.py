@@ -1,0 +1,29 @@
+import pytest
+
+from remqa_data.assets import AssetSpec, build
+from remqa_data.assets.core.sizes import typical_size
+from remqa_data.assets.looks.materials import COLORS, paint
+from remqa_data.assets.looks.seen_colors import MIXED, colors_of
+from remqa_data.assets.types.furniture.seating import CLOTHS
+
+
+@pytest.mark.parametrize("word", COLORS)
+def test_plain_paint_is_of_its_colour(word) -> None:
+    assert word in colors_of(paint(word))
+
+
+def test_a_vase_of_clear_glass_is_not_called_blue() -> None:
+    vases = [build(AssetSpec("Vase", typical_size("Vase"), 0, seed)) for seed in range(12)]
+    clear = [v for v in vases if v.substance == "glass"]
+    assert clear
+    assert {v.color for v in clear} == {MIXED}
+    assert {v.color for v in vases} - {MIXED}
+
+
+@pytest.mark.parametrize("variant", range(4))
+def test_a_sofa_has_no_pillows_of_its_own(variant) -> None:
+    # They were of another cloth than the sofa, and nobody could tell them from the pillow that a question asks about.
+    sofa = build(AssetSpec("Sofa", typical_size("Sofa"), variant))
+    cloths = {s.material.color for link in sofa.links for s in link.surfaces if s.material.substance == "fabric"}
+    assert len(CLOTHS) > 1
+    assert len(cloths) <= 1
