@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from remqa_data.errors import RemqaError, one_line
 from remqa_data.generators.audit.failures import Broken, Failure
 from remqa_data.generators.audit.truths import CheckedRoom, understood
 from remqa_data.generators.scene_job import expression_split
 from remqa_data.language.referring import Program, candidates, resolve
+from remqa_data.language.rules import expression_rules, may_be_called
 from remqa_data.tables.rows import ExpressionRow, FrameRow
 
 
@@ -27,10 +28,14 @@ def expression_failures(
     expressions : sequence of ExpressionRow
         All its expressions, in order.
     """
-    best = _best_views(frames)
+    by_name = {frame.frame_id: frame for frame in frames}
     for said in expressions:
         try:
-            for truth, reason in (*_meaning(room, said), *_view(said, best), *_anchor(room, said)):
+            for truth, reason in (
+                *_meaning(room, said),
+                *_view(said, by_name.get(said.frame_id)),
+                *_anchor(room, said),
+            ):
                 yield Failure(said.expression_id, truth, reason)
         except RemqaError as error:
             yield Failure(said.expression_id, "unique", one_line(error))
@@ -58,16 +63,15 @@ def _meaning(room: CheckedRoom, said: ExpressionRow) -> Iterator[Broken]:
         yield "consistent", f"the expression is of the kind {_kind(program)}, not {said.kind}"
 
 
-def _view(said: ExpressionRow, best: Mapping[str, tuple[FrameRow, int]]) -> Iterator[Broken]:
-    """The frame is the one that shows the target best, and the box is where it shows it."""
-    if said.target_id not in best:
-        yield "visible", f"no frame shows {said.target_id}"
-        return
-    frame, place = best[said.target_id]
-    if said.frame_id != frame.frame_id:
-        yield "visible", f"{said.target_id} is best seen in {frame.frame_id}, not in {said.frame_id}"
-    if said.box_2d != frame.objects[place].box_2d:
-        yield "visible", f"the box of {said.target_id} is {frame.objects[place].box_2d}, not {said.box_2d}"
+def _view(said: ExpressionRow, frame: FrameRow | None) -> Iterator[Broken]:
+    """The frame shows the target and the landmark, and the box is where it shows the target."""
+    boxes = {seen.id: seen.box_2d for seen in frame.objects} if frame is not None else {}
+    if said.target_id not in boxes:
+        yield "visible", f"{said.frame_id} does not show {said.target_id}"
+    elif said.box_2d != boxes[said.target_id]:
+        yield "visible", f"the box of {said.target_id} is {boxes[said.target_id]}, not {said.box_2d}"
+    if said.anchor_id is not None and said.anchor_id not in boxes:
+        yield "visible", f"{said.frame_id} does not show {said.anchor_id}, which the words lean on"
 
 
 def _anchor(room: CheckedRoom, said: ExpressionRow) -> Iterator[Broken]:
@@ -82,6 +86,8 @@ def _anchor(room: CheckedRoom, said: ExpressionRow) -> Iterator[Broken]:
         yield "consistent", f"the relation is {relation}, not {said.relation}"
     if said.anchor_id is None or said.anchor_id not in resolve(leaning[-1], room.graph):
         yield "consistent", f"{said.anchor_id} is not what the expression leans on"
+    elif len(_called(room, said.anchor_id)) > 1 and room.type_of(said.anchor_id) not in expression_rules().seen_as_one:
+        yield "unique", f"{said.text!r} leans on one of several things that are called so"
     elif leaning[0] == "relate" and room.graph.relation(said.target_id, said.anchor_id) != relation:
         yield "consistent", f"{said.target_id} is not {relation} {said.anchor_id}"
 
@@ -95,12 +101,7 @@ def _kind(program: Program) -> str:
     return "relation" if "relate" in steps else "bare"
 
 
-def _best_views(frames: Sequence[FrameRow]) -> dict[str, tuple[FrameRow, int]]:
-    """By object, the first frame that shows the most pixels of it, and where the frame lists it."""
-    best: dict[str, tuple[FrameRow, int]] = {}
-    for frame in frames:
-        for place, seen in enumerate(frame.objects):
-            known = best.get(seen.id)
-            if known is None or seen.pixels > known[0].objects[known[1]].pixels:
-                best[seen.id] = frame, place
-    return best
+def _called(room: CheckedRoom, object_id: str) -> list[str]:
+    """The objects of the room that the word for one of them may mean."""
+    names = may_be_called(room.type_of(object_id))
+    return [name for name, record in room.records.items() if record.type in names]

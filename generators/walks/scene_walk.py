@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remqa_data.generators.questions.expressions import Expression
+from remqa_data.generators.walks.said import Said, said_of
 from remqa_data.generators.walks.walk import WalkFrame, WalkSettings, walk
 from remqa_data.mapping.semantic_map import VoxelMap
 from remqa_data.scene_graph.graph import GraphUpdate, SceneGraph
@@ -72,7 +73,7 @@ def walk_through(
     start : Cell
         Where the walk begins.
     expressions : mapping of str to list of Expression
-        Referring expressions of this configuration by target id; each is tied to the frame that shows its target best.
+        Referring expressions of this configuration by target id; `said.said_of` says which are kept, and for which frames.
     settings : WalkSettings
         Which frames to take.
     rng : numpy.random.Generator
@@ -85,20 +86,12 @@ def walk_through(
     world = view.world
     types = [world.type_of(object_id) for object_id in world.ids]
     graph, voxels = SceneGraph(), VoxelMap.of_scene(world.scene)
-    frames, best_view = [], dict[str, tuple[int, FrameRow]]()
+    frames: list[FrameRow] = []
     for index, taken in enumerate(walk(view, grid, start, settings, rng)):
         voxels.add(taken.observation.depth, taken.observation.objects, types, taken.camera)
         update = graph.add_frame(taken.metadata)
         frames.append(_frame_row(place, index, taken, world.ids, update, rgb_format))
-        for seen in taken.metadata.objects:
-            if seen.pixels > best_view.get(seen.id, (0, None))[0]:
-                best_view[seen.id] = (seen.pixels, frames[-1])
-    said = [
-        _expression_row(place, expression, best_view[target][1], expression_split or place.split, number)
-        for target, found in expressions.items()
-        if target in best_view
-        for number, expression in enumerate(found)
-    ]
+    said = [_expression_row(place, one, expression_split or place.split) for one in said_of(frames, expressions)]
     stored, map_2d = map_columns(voxels.to_sparse(), voxels.plan())
     scene = SceneRow(
         scene=place.scene,
@@ -141,12 +134,11 @@ def _frame_row(
     )
 
 
-def _expression_row(
-    place: ConfigurationInfo, expression: Expression, frame: FrameRow, split: Split, number: int
-) -> ExpressionRow:
+def _expression_row(place: ConfigurationInfo, said: Said, split: Split) -> ExpressionRow:
+    expression, frame = said.expression, said.frame
     seen = next(item for item in frame.objects if item.id == expression.target_id)
     return ExpressionRow(
-        expression_id=f"{place.prefix}-{expression.target_id}-e{number}",
+        expression_id=f"{place.prefix}-{expression.target_id}-e{said.number}",
         scene=place.scene,
         configuration=place.configuration,
         split=split,

@@ -61,6 +61,7 @@ def test_expressions_are_boxed_in_a_frame_that_shows_their_target(walked: SceneW
         assert said.box_2d == (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1)
         assert resolve(said.text, graph) == [said.target_id]
         assert json.loads(said.program)
+        assert said.anchor_id is None or said.anchor_id in [seen.id for seen in frame.objects]
 
 
 def test_the_stored_room_draws_the_stored_frame(walked: SceneWalk) -> None:
