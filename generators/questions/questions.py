@@ -158,11 +158,13 @@ def kinds_for(place: QuestionSite) -> tuple[QuestionKind, ...]:
 def usable_expressions(expressions: Sequence[Expression]) -> list[tuple[Expression, float]]:
     """The phrases for one place that questions may use, with weights, the best first.
 
-    A phrase must be true of all configurations of a room, so it leans on nothing that a hand carries away.
+    A phrase must be true of all configurations of a room, so it leans on nothing that a hand carries away. Where the noun
+    alone picks out the place, it is all that is said.
     """
     rules = question_rules()
     usable: list[tuple[Expression, float]] = []
-    for expression in expressions:
+    bare = [expression for expression in expressions if expression.kind == "bare"]
+    for expression in bare or expressions:
         anchor = expression.anchor_id
         weight = rules.expression_weights[expression.kind]
         if weight > 0 and not (anchor is not None and any(map(_is_loose, mentioned_types(expression.program[1:])))):

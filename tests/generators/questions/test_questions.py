@@ -88,6 +88,11 @@ def test_phrases_lean_on_nothing_that_may_be_carried_away_and_name_no_colours() 
     assert [phrase for phrase, _ in usable] == [on_table]
 
 
+def test_no_landmark_where_the_noun_is_enough() -> None:
+    bare, on_table = expression("the bowl", None, "bare"), expression("the bowl on the desk", "Desk")
+    assert [phrase for phrase, _ in usable_expressions([on_table, bare])] == [bare]
+
+
 def test_types_that_a_program_names_at_any_depth() -> None:
     assert mentioned_types(candidate("EXISTENCE", place("Cabinet"), "Mug").program) == {"Mug", "Cabinet", "Sink"}
 
