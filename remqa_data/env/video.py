@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env import RemqaEnv
 from remqa_data.env.actions import Command
 from remqa_data.env.oracle import oracle_commands
@@ -85,6 +86,7 @@ def film(root: Path, question_id: str) -> Iterator[U8]:
         width=SIZE_PX,
         height=SIZE_PX,
         max_steps=10_000,
+        vocabulary=Vocabulary.build((), ()),  # nobody reads the question's tokens; a dataset may have no train split
     )
     try:
         observation, _ = env.reset(options={"episode": question_id})

@@ -50,10 +50,12 @@ def read_rows_(root: Path) -> None:
 
 
 def play_in_env(root: Path) -> None:
+    from remqa_data.datasets.vocabulary import Vocabulary
     from remqa_data.env import RemqaEnv
     from remqa_data.env.oracle import oracle_commands
 
-    env = RemqaEnv(root, "test", privileged=True, render_mode="rgb_array")
+    vocabulary = Vocabulary.build((), ())  # there may be no train split
+    env = RemqaEnv(root, "test", privileged=True, render_mode="rgb_array", vocabulary=vocabulary)
     try:
         env.reset(seed=0, options={"episode": env.episode_ids[0]})
         assert env.episode.task is not None
