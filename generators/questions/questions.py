@@ -67,7 +67,6 @@ class QuestionRules(BaseModel):
     longest_words: Mapping[QuestionKind, int]
     expression_weights: Mapping[ExpressionKind, float]
     rank_factor: float = Field(gt=0, le=1)
-    spatial_open_types: frozenset[str]
     spatial_words: Mapping[Relation, str]
     manipulations: Mapping[QuestionKind, Mapping[Manipulation, float]]
     max_groups_per_place: Mapping[QuestionKind, int]
@@ -149,10 +148,8 @@ def question_program(kind: QuestionKind, type_name: str, relation: Relation, whe
 
 
 def kinds_for(place: QuestionSite) -> tuple[QuestionKind, ...]:
-    """The kinds of question that a place serves: what is lifted or pushed serves the last two, what is opened the first."""
-    if place.relation != "in":
-        return ("COUNTING", "SPATIAL")
-    return KINDS if place.type in question_rules().spatial_open_types else ("EXISTENCE", "COUNTING")
+    """The kinds of question that a place serves: what is opened serves all, what is lifted or pushed the last two."""
+    return KINDS if place.relation == "in" else ("COUNTING", "SPATIAL")
 
 
 def usable_expressions(expressions: Sequence[Expression]) -> list[tuple[Expression, float]]:

@@ -65,9 +65,8 @@ def test_the_program_is_stored_as_json_and_finds_the_place() -> None:
     assert execute(program, kitchen_graph()).text == "0"
 
 
-def test_what_is_furniture_is_opened_for_existence_and_counting_only() -> None:
-    assert kinds_for(place("Drawer")) == ("EXISTENCE", "COUNTING")
-    assert kinds_for(place("Box")) == ("EXISTENCE", "COUNTING", "SPATIAL")
+def test_existence_is_never_asked_of_what_lies_under_things() -> None:
+    assert kinds_for(place("Drawer")) == KINDS
     assert kinds_for(place("Box", "Pickup", "under")) == ("COUNTING", "SPATIAL")
 
 
@@ -107,6 +106,5 @@ def test_types_that_are_taken_for_one_another() -> None:
 
 def test_the_shipped_rules_name_real_types_and_shares() -> None:
     rules = question_rules()
-    assert all(object_type(name).openable for name in rules.spatial_open_types)
     assert all(sum(shares.values()) == pytest.approx(1) for shares in rules.manipulations.values())
     assert rules.answers("COUNTING") == ("0", "1", "2", "3")
