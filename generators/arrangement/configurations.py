@@ -232,7 +232,7 @@ def _put_all(
     for key, (place, ids) in sorted(by_place.items(), key=lambda item: item[1][0].relation):
         # What is "in" comes before what is "under": a box that is raised takes its contents along.
         heights = [np.ptp(world.assets[object_id].bounds()[:, 2]) for object_id in ids]
-        if place.relation == "under" and ids:  # first, because it would carry along what is beneath it
+        if place.relation == "under" and ids:
             x, y, z = scene.object(place.object_id).position
             world.move(place.object_id, (x, y, z + float(max(heights)) + 2 * SKIN_M))
         for object_id, put in zip(ids, puts[key], strict=True):

@@ -68,7 +68,7 @@ def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[l
             view.hide(place.object_id)
         else:
             assert place.move_to is not None
-            world.move_alone(place.object_id, place.move_to)  # as the replay of the oracle's actions does
+            carried = world.move(place.object_id, place.move_to)  # as the replay of the oracle's actions does
         yield carried
     finally:
         view.hide(place.object_id, False)

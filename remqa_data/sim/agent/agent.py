@@ -120,9 +120,9 @@ class Agent(Body):
             return ActionResult(False, f"cannot pick up {object_id}: already holding {self.held}")
         refusal = None if force else self.refusal(object_id) or self.reach(object_id)
         if refusal is None:
-            carried = self.world.contents(object_id)
+            bears = self.world.bears_something(object_id)
             self.world.pick_up(object_id)
-            if carried:
+            if bears:
                 handling.settle(self.world)
         return refusal or DONE
 
@@ -146,7 +146,7 @@ class Agent(Body):
         return self._released(handling.drop_at(self.world, spots))
 
     def move_object(self, object_id: str, position: Vec3, force: bool = False) -> ActionResult:
-        """Bring the centre of an object somewhere near, metres, alone: what is in or under it stays where it is."""
+        """Bring the centre of an object somewhere near, metres, with what is in or on it; what is under it stays."""
         if not _can_be_moved(self.world, object_id):
             return ActionResult(False, f"{object_id} is not moveable")
         if not force:
@@ -160,8 +160,7 @@ class Agent(Body):
                 )
             if refusal is not None:
                 return refusal
-        self.world.move_alone(object_id, position)
-        return DONE
+        return ActionResult(True, value=self.world.move(object_id, position))
 
     def push(self, object_id: str, distance_m: float = 0.25, angle_deg: float = 0.0) -> ActionResult:
         """Slide an object away from the agent, or at an angle counter-clockwise from that; it stops before obstacles.

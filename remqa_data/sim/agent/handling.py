@@ -100,9 +100,9 @@ def settle(world: World) -> None:
 
 def blocker_at(world: World, object_id: str, position: Vec3) -> str | None:
     """What fixed thing an object would overlap somewhere else; None if none. What is loose would be pushed aside."""
-    was = world.state(object_id).position
+    was, carried = world.state(object_id).position, set(world.contents(object_id))
     world.move_alone(object_id, position)
-    met = [other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M]
+    met = [other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M and other not in carried]
     world.move_alone(object_id, was)
     return next((other for other in met if other not in world.ids or world.state(other).is_fixed), None)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,18 @@ DISTANCE_STEP_M = 2.0**-30
 STRUCTURE_NAME = "structure"
 """What the building is called where things touch it."""
 
+REST_M = 0.004
+"""A thing rests on what is no farther below it than this: it may have been put down a hair above."""
+REST_SLOPE = 0.3
+"""What a thing rests on pushes it up: the vertical part of the direction is at least so much of it."""
+
+
+class Part(NamedTuple):
+    """A link of an object, or the building."""
+
+    object_id: str
+    link: int
+
 
 class Bodies:
     """The bodies of one PyBullet client, which is disconnected by `close`, or with the last reference to this.
@@ -47,6 +60,7 @@ class Bodies:
         self.client = BulletClient()
         self._assets: Mapping[str, Asset] = {}
         self._of: dict[str, int] = {}
+        self._names: dict[int, str] = {}
         self._structure: list[int] = []
 
     def load(self, structure: Sequence[Box], assets: Mapping[str, Asset], states: Mapping[str, ObjectState]) -> None:
@@ -62,6 +76,7 @@ class Bodies:
         for object_id, state in states.items():
             self._of[object_id] = self._create(assets[object_id], state)
             self.place(object_id, state)
+        self._names = {b: name for name, b in self._of.items()} | dict.fromkeys(self._structure, STRUCTURE_NAME)
 
     def step(self, steps: int) -> None:
         """Let time pass, in steps of 1/240 s."""
@@ -122,20 +137,45 @@ class Bodies:
     def nearby(self, object_id: str, box: F64, margin_m: float) -> dict[str, float]:
         """Distance to everything that comes closer to an object, whose (2, 3) box is given, than a margin; metres."""
         body = self._of[object_id]
-        low, high = box[0] - margin_m - 0.02, box[1] + margin_m + 0.02
-        pairs = self.client.getOverlappingObjects(low.tolist(), high.tolist())
-        names = {b: name for name, b in self._of.items()} | dict.fromkeys(self._structure, STRUCTURE_NAME)
         found: dict[str, float] = {}
-        for other in sorted({b for b, _ in pairs or ()} - {body}):
+        for other in self._around(box, margin_m, body):
             points = self.client.getClosestPoints(body, other, margin_m)
             if points:
                 distance = float(arithmetic.snapped(min(float(point[8]) for point in points), DISTANCE_STEP_M))
-                found[names[other]] = min(distance, found.get(names[other], distance))
+                name = self._names[other]
+                found[name] = min(distance, found.get(name, distance))
+        return found
+
+    def around(self, box: F64, margin_m: float) -> set[str]:
+        """Objects whose own boxes come near to a (2, 3) box; cheap, and some of them may be farther away."""
+        return {self._names[body] for body in self._around(box, margin_m)} - {STRUCTURE_NAME}
+
+    def carriers(self, object_id: str, box: F64) -> set[Part]:
+        """The parts of other objects, and of the building, that an object, whose (2, 3) box is given, rests on."""
+        body = self._of[object_id]
+        found = set()
+        for other in self._around(box, REST_M, body):
+            for point in self.client.getClosestPoints(body, other, REST_M):
+                if arithmetic.snapped(point[7][2]) >= REST_SLOPE:
+                    name = self._names[other]
+                    found.add(Part(name, 0 if name == STRUCTURE_NAME else self._link_of(name, int(point[4]))))
         return found
 
     def close(self) -> None:
         """Give PyBullet's memory back."""
         self.client.close()
+
+    def _around(self, box: F64, margin_m: float, without: int = -1) -> list[int]:
+        low, high = box[0] - margin_m - 0.02, box[1] + margin_m + 0.02
+        pairs = self.client.getOverlappingObjects(low.tolist(), high.tolist())
+        return sorted({body for body, _ in pairs or ()} - {without})
+
+    def _link_of(self, object_id: str, number: int) -> int:
+        """The asset's link to which a link of PyBullet's body belongs; its base is number -1."""
+        links = self._assets[object_id].links
+        return (
+            number + 1 if number < len(links) - 1 else _further_boxes(self._assets[object_id])[number + 1 - len(links)]
+        )
 
     def _static_boxes(self, boxes: Sequence[Box]) -> list[int]:
         bodies = []
@@ -214,6 +254,11 @@ class Bodies:
         for joint in moving:  # hold every joint where it is told to be
             self.client.setJointMotorControl2(body, joint, pybullet.VELOCITY_CONTROL, targetVelocity=0.0, force=1000.0)
         return int(body)
+
+
+def _further_boxes(asset: Asset) -> list[int]:
+    """The asset's link of each compound that did not fit into its link's own one, in the order in which they follow."""
+    return [i for i, link in enumerate(asset.links) for _ in range(MAX_COMPOUND, len(link.boxes), MAX_COMPOUND)]
 
 
 _JOINT_TYPES = {"revolute": pybullet.JOINT_REVOLUTE, "prismatic": pybullet.JOINT_PRISMATIC}

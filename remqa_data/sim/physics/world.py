@@ -23,11 +23,10 @@ from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Quaternion, Scene, SceneObject
 from remqa_data.sim.physics.bodies import Bodies
 from remqa_data.sim.physics.bullet import BulletClient
+from remqa_data.sim.physics.carrying import riders
 from remqa_data.sim.physics.state import ObjectState
 
 SETTLE_STEPS, CHECK_STEPS = 240, 20
-CARRY_MARGIN_M = 0.03
-"""Things whose centre is within this distance of a space belong to it."""
 
 _Kept = dict[str, tuple[ObjectState, F64]]
 """What was found of objects, with the state that they were in."""
@@ -105,18 +104,16 @@ class World:
         return self._known(self._boxes, object_id, self._find_box)
 
     def contents(self, object_id: str, link: int | None = None) -> list[str]:
-        """Ids of the free objects whose centre is in a space of an object (of one link of it, if given)."""
-        asset, poses = self.assets[object_id], self.link_poses(object_id)
-        spaces = [s for s in asset.spaces if link is None or s.link == link]
-        others = [o for o, s in self._states.items() if not s.is_fixed and o not in (object_id, self.held)]
-        centres = np.array([self._states[other].position for other in others]).reshape(-1, 3)
-        is_inside = np.zeros(len(others), dtype=np.bool_)
-        for space in spaces:
-            pose = poses[space.link]
-            local = arithmetic.moved_back(centres, pose)
-            low, high = np.asarray(space.box[:3]) - CARRY_MARGIN_M, np.asarray(space.box[3:]) + CARRY_MARGIN_M
-            is_inside |= ((local > low) & (local < high)).all(axis=1)
-        return [other for other, inside in zip(others, is_inside, strict=True) if inside]
+        """Ids of the things that go along with an object (with one link of it, if given), in the scene's order.
+
+        What rests on it or in it, and what rests on that; see `remqa_data.sim.physics.carrying`.
+        """
+        carried = riders(self, self._bodies, object_id, link)
+        return [other for other in self._objects if other in carried]
+
+    def bears_something(self, object_id: str) -> bool:
+        """Whether anything rests on or in an object, if only partly, and would fall without it."""
+        return bool(riders(self, self._bodies, object_id, or_lean=True))
 
     def to_scene(self) -> Scene:
         """The world as it is now, as data; loading it gives this world again."""

@@ -1,0 +1,75 @@
+"""What goes along with a thing that moves, or with a part of it: what rests on it, and on what rests on it.
+
+Contacts tell. A mug in a drawer rests on the drawer's floor, a book on a book on the tray, a pen in a box on the box, and
+all go along; what lies on the desk above rests on the desk and stays. What rests partly on something else stays too.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from remqa_data.catalog import object_type
+from remqa_data.geometry import arithmetic
+
+if TYPE_CHECKING:
+    from remqa_data.sim.physics.bodies import Bodies, Part
+    from remqa_data.sim.physics.world import World
+
+NEAR_M = 0.01
+"""Who rests on a thing has a box that comes so near to the thing's own."""
+
+
+def riders(world: World, bodies: Bodies, object_id: str, link: int | None = None, *, or_lean: bool = False) -> set[str]:
+    """Ids of the things that go along with an object, or with one link of it.
+
+    Parameters
+    ----------
+    world : World
+        The room; what is held is not in it.
+    bodies : Bodies
+        Its side of PyBullet.
+    object_id : str
+        What moves.
+    link : int, optional
+        Which part of it moves; by default all of it.
+    or_lean : bool
+        Whether to count what rests on something else too, and would stay or fall.
+    """
+    carriers: dict[str, set[Part]] = {}
+    found: set[str] = set()
+    news = [object_id]
+    while news:
+        for other in sorted(bodies.around(world.box(news.pop()), NEAR_M) - found - {object_id, world.held}):
+            if not _can_ride(world, other):
+                continue
+            if other not in carriers:
+                carriers[other] = bodies.carriers(other, world.box(other))
+            rests = any(_moves(part, object_id, link, found) for part in carriers[other])
+            if rests or (not carriers[other] and _is_enclosed(world, other, object_id, link)):
+                found.add(other)
+                news.append(other)
+    if or_lean:
+        return found
+    while held_back := {o for o in found if any(not _moves(part, object_id, link, found) for part in carriers[o])}:
+        found -= held_back
+    return found
+
+
+def _can_ride(world: World, object_id: str) -> bool:
+    kind = object_type(world.type_of(object_id))
+    return kind.pickupable or kind.moveable or not world.state(object_id).is_fixed
+
+
+def _moves(part: Part, object_id: str, link: int | None, found: set[str]) -> bool:
+    return part.object_id in found or (part.object_id == object_id and link in (None, part.link))
+
+
+def _is_enclosed(world: World, other: str, object_id: str, link: int | None) -> bool:
+    """Whether the middle of a thing that touches nothing below it is inside something closed all around."""
+    poses, middle = world.link_poses(object_id), world.state(other).position
+    for space in world.assets[object_id].spaces:
+        if space.enclosed and link in (None, space.link):
+            local = arithmetic.moved_back(middle, poses[space.link])
+            if (local > space.box[:3]).all() and (local < space.box[3:]).all():
+                return True
+    return False
