@@ -6,6 +6,7 @@ A sample that fails a check is refused, with the name of the truth that it would
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -16,6 +17,7 @@ from remqa_data.generators.arrangement.hiding_goals import at_height
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.questions.groups import GroupPlan
+from remqa_data.generators.undisturbed import counted_again, disturbed
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
@@ -26,6 +28,7 @@ from remqa_data.sim.agent.actions import DONE, Action, move_action, open_action,
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import (
     AgentState,
+    ObjectMetadata,
     changed_pixels,
     is_visible,
     object_metadata,
@@ -40,9 +43,12 @@ from remqa_data.sim.render.view import Observation
 from remqa_data.tables.images import RgbFormat, encode_depth, encode_instances, encode_rgb
 from remqa_data.tables.rows import QuestionRow
 
-Truth = Literal["answer", "unique", "clear", "reachable", "visible", "necessary", "sufficient", "replayable"]
+Truth = Literal[
+    "answer", "unique", "clear", "reachable", "visible", "necessary", "sufficient", "undisturbed", "replayable"
+]
 """What a refused sample would have broken: `answer` is that the room holds what was planned, `visible` that the target
-is seen from the goal pose, `clear` that no other object nearly fits the question; docs/ARCHITECTURE.md lists them all."""
+is seen from the goal pose, `clear` that no other object nearly fits the question, `undisturbed` that acting moves nothing
+else and that counting afterwards gives the answer; docs/ARCHITECTURE.md lists them all."""
 
 LEAST_SHARE = 0.5
 """Of the space that a manipulation reveals, so much is in view where nothing is found in it."""
@@ -60,13 +66,14 @@ class Refusal(NamedTuple):
 class Views(NamedTuple):
     """What is seen from a goal pose before and after a manipulation, and what the manipulation does.
 
-    `motion` holds the (4, 4) motions of the object's links, `state` the room afterwards.
+    `motion` holds the (4, 4) motions of the object's links, `state` the room afterwards, `records` what is known of it.
     """
 
     before: Observation
     after: Observation
     motion: F64
     state: Snapshot
+    records: Mapping[str, ObjectMetadata]
 
 
 @dataclass(eq=False)
@@ -117,7 +124,7 @@ class AuditedRoom:
                 self.replay.observe(),
                 arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed)),
             )
-            self._views[key] = Views(before, after, motion, world.save())
+            self._views[key] = Views(before, after, motion, world.save(), object_metadata(world))
             self.start_over(goal)
         return self._views[key]
 
@@ -156,6 +163,8 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
     refusal = _check_views(room, hiding, answer.ids, before, after)
     if refusal is None and not answer.ids and _share_in_view(room, hiding, goal, views) < LEAST_SHARE:
         refusal = Refusal("sufficient", f"too little of the space that {hiding.object_id} hides comes to light")
+    if refusal is None:
+        refusal = _disturbance(room, group, answer.ids, views)
     if refusal is not None:
         return refusal
     actions = (*map(Action, way), manipulation, Action(DONE))
@@ -263,6 +272,22 @@ def _check_views(
     changed = changed_pixels((before.objects, before.depth), (after.objects, after.depth), 1e-3)
     if changed < 4 * least:
         return Refusal("sufficient", f"the manipulation of {hiding.object_id} hardly changes the view")
+    return None
+
+
+def _disturbance(
+    room: AuditedRoom, group: GroupPlan[HidingPlace], answer_ids: tuple[str, ...], views: Views
+) -> Refusal | None:
+    """Whether the manipulation moves nothing else, and the answer counted again after it is the same."""
+    hiding, before, after = group.question.place, room.graph.objects, views.records
+    moved = disturbed(before, after, hiding.object_id, hiding.manipulation)
+    if moved:
+        return Refusal("undisturbed", f"{hiding.object_id} takes {', '.join(moved)} along")
+    inside = hiding.object_id if hiding.relation == "in" else None
+    images, ids = (views.before.objects, views.after.objects), room.replay.world.ids
+    counted = counted_again(before, after, images, ids, group.question.type, inside, answer_ids)
+    if counted != set(answer_ids):
+        return Refusal("undisturbed", f"counted again: {', '.join(sorted(counted)) or 'nothing'}")
     return None
 
 

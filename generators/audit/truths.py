@@ -56,6 +56,8 @@ RELATIONS_OF: dict[QuestionKind, tuple[Relation, ...]] = {
 """Where a kind of question looks."""
 CHANGED_FACTOR = 4
 """A manipulation changes so many times the pixels that an object needs to be visible."""
+MOST_MOVED_M = 0.001
+"""What moves by no more than this has stayed where it was."""
 PNG = b"\x89PNG"
 
 
@@ -214,10 +216,45 @@ class CheckedRoom:
                 if action.name in MANIPULATION and not is_manipulated:
                     is_manipulated = True
                     yield from _different(question, replay, "start")
+                    positions = _corners(replay.world)
                 replay.step(action)
             yield from _different(question, replay, "end")
+            if is_manipulated:
+                yield from self._is_undisturbed(question, positions, replay)
         finally:
             replay.close()
+
+    def _is_undisturbed(
+        self, question: QuestionRow, before: npt.NDArray[np.float64], replay: Replay
+    ) -> Iterator[Broken]:
+        """What the manipulation moves was in the target by the stored records, and all that comes to light is counted."""
+        ids = replay.world.ids
+        shift = np.abs(_corners(replay.world) - before).max(axis=(1, 2))
+        for index in np.flatnonzero(shift > MOST_MOVED_M):
+            if ids[index] != question.target_id and question.target_id not in self._holders(ids[index], question):
+                yield "undisturbed", f"{ids[index]} moves by {shift[index]:.3f} m"
+        start, end = (decode_instances(image.bytes) for image in (question.start_instances, question.end_instances))
+        revealed = np.setdiff1d(end, start)
+        revealed = revealed[[np.count_nonzero(end == number) >= scaled_min_pixels(end.shape) for number in revealed]]
+        found = sorted(ids[number - 1] for number in revealed if self.type_of(ids[number - 1]) == question.answer_type)
+        if found != sorted(question.answer_ids):
+            yield "undisturbed", f"after acting one counts {', '.join(found) or 'nothing'}"
+        held_by = {name: record.support for name, record in object_metadata(replay.world).items()}
+        for name in question.answer_ids:
+            if question.manipulation == "Open" and held_by[name] != question.target_id:
+                yield "undisturbed", f"{name} is not in {question.target_id} after it was opened"
+            if question.manipulation != "Open" and shift[ids.index(name)] > MOST_MOVED_M:
+                yield "undisturbed", f"{name} moves by {shift[ids.index(name)]:.3f} m"
+
+    def _holders(self, object_id: str, question: QuestionRow) -> set[str]:
+        """What holds an object by the stored records, and what holds that; of what is opened, only what is inside counts."""
+        found: set[str] = set()
+        record = self.records[object_id]
+        while record.support is not None and record.support not in found:
+            if record.support != question.target_id or question.manipulation != "Open" or record.support_kind == "in":
+                found.add(record.support)
+            record = self.records[record.support]
+        return found
 
     def type_of(self, object_id: str) -> str:
         """Type of an object; UnknownNameError if there is none."""
@@ -272,6 +309,11 @@ def _number(question: QuestionRow, object_id: str) -> int:
     if object_id not in question.object_ids:
         raise UnknownNameError("object", object_id, question.object_ids)
     return question.object_ids.index(object_id) + 1
+
+
+def _corners(world: World) -> npt.NDArray[np.float64]:
+    """(objects, 2, 3) corners of the boxes around all objects, metres."""
+    return np.array([world.box(object_id) for object_id in world.ids])
 
 
 def _reach_m(replay: Replay, question: QuestionRow, position: tuple[float, float, float]) -> float:

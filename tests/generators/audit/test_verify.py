@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -152,6 +153,21 @@ def manipulation_at(question: QuestionRow) -> int:
 
 def turned_away(actions: tuple[str, ...], at: int) -> tuple[str, ...]:
     return (*actions[:at], "RotateLeft", *actions[at:])
+
+
+def test_what_moves_without_being_in_the_target_is_found(rooms, questions) -> None:
+    question = next(q for q in questions.values() if q.manipulation == "Open" and q.answer_ids)
+    room, carried = rooms[question.configuration], question.answer_ids[0]
+    assert not list(room.question_failures(question))
+    told = copy(room)
+    told.records = {**room.records, carried: replace(room.records[carried], support=None)}
+    reasons = [failure.reason for failure in told.question_failures(question) if failure.truth == "undisturbed"]
+    assert any(reason.startswith(f"{carried} moves by") for reason in reasons)
+
+
+def test_what_comes_to_light_and_is_not_counted_is_found(rooms, questions) -> None:
+    question = next(q for q in questions.values() if len(q.answer_ids) > 0)
+    assert "undisturbed" in broken_by(rooms, question, answer_ids=question.answer_ids[1:])
 
 
 @pytest.mark.parametrize("when", ["start", "end"])
