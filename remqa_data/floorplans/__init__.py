@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from remqa_data.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from remqa_data.floorplans.load import load_scene, recorded_pivots, scene_names
+    from remqa_data.floorplans.load import load_scene, recorded_poses, scene_names
 
-__all__ = ["load_scene", "recorded_pivots", "scene_names"]
+__all__ = ["load_scene", "recorded_poses", "scene_names"]
 
 __getattr__ = lazy_names(__name__, dict.fromkeys(__all__, "remqa_data.floorplans.load"))

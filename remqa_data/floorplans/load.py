@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from remqa_data.errors import UnknownNameError
 from remqa_data.floorplans.ithor import scenes as ithor
-from remqa_data.floorplans.ithor.table import recorded_objects
+from remqa_data.floorplans.ithor.table import recorded_objects, unity_rotation
 from remqa_data.floorplans.sampled import scenes as sampled
 from remqa_data.floorplans.sampled.naming import is_sampled, sampled_index
 from remqa_data.geometry.types import F64
@@ -29,9 +31,24 @@ def load_scene(name: str) -> Scene:
     return ithor.load_scene(name)
 
 
-def recorded_pivots(name: str) -> dict[str, F64]:
-    """AI2-THOR's `position` of each object in a floor plan, metres in the room; none for a room that was not recorded."""
+class RecordedPose(NamedTuple):
+    """What AI2-THOR calls an object's position and rotation.
+
+    Attributes
+    ----------
+    pivot : (3,) array
+        Its `position`, metres in the room.
+    turn : (3, 3) array
+        Its `rotation`, in AI2-THOR's frame.
+    """
+
+    pivot: F64
+    turn: F64
+
+
+def recorded_poses(name: str) -> dict[str, RecordedPose]:
+    """AI2-THOR's poses of the objects in a floor plan, by id; none for a room that was not recorded."""
     try:
-        return {row.id: row.pivot for row in recorded_objects(name)}
+        return {row.id: RecordedPose(row.pivot, unity_rotation(row.angles)) for row in recorded_objects(name)}
     except UnknownNameError:
         return {}

@@ -11,6 +11,7 @@ from remqa_data.thor.state.frames import (
     euler_to_thor,
     to_room,
     to_thor,
+    turn_to_thor,
     whole,
     yaw_to_room,
     yaw_to_thor,
@@ -65,7 +66,7 @@ def test_yaw_comes_back(rotation_y: float) -> None:
 def test_rotations_come_back(x: float, y: float, z: float) -> None:
     rotation = whole({"x": x, "y": y, "z": z})
     quaternion = quaternion_to_room(rotation)
-    again = quaternion_to_room(euler_to_thor(quaternion))
+    again = quaternion_to_room(euler_to_thor(turn_to_thor(quaternion)))
     np.testing.assert_allclose(rotation_of(again), rotation_of(quaternion), atol=1e-6)
 
 
@@ -73,7 +74,7 @@ def test_an_object_faces_where_its_rotation_says() -> None:
     front = np.array([0.0, -1.0, 0.0])  # of every asset
     faces = rotation_of(quaternion_to_room({"x": 0.0, "y": 90.0, "z": 0.0})) @ front
     np.testing.assert_allclose(faces, [1, 0, 0], atol=1e-12)
-    assert euler_to_thor(quaternion_of(np.eye(3)))["y"] == 180.0
+    assert euler_to_thor(turn_to_thor(quaternion_of(np.eye(3))))["y"] == 180.0
 
 
 def test_tilted_about_unitys_x_looks_down() -> None:
@@ -82,4 +83,8 @@ def test_tilted_about_unitys_x_looks_down() -> None:
 
 
 def test_upright_is_looking_up() -> None:
-    assert euler_to_thor(quaternion_to_room({"x": 270.0, "y": 40.0, "z": 0.0})) == {"x": 270.0, "y": 40.0, "z": 0.0}
+    assert euler_to_thor(turn_to_thor(quaternion_to_room({"x": 270.0, "y": 40.0, "z": 0.0}))) == {
+        "x": 270.0,
+        "y": 40.0,
+        "z": 0.0,
+    }

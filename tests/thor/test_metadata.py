@@ -2,8 +2,16 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+
+from remqa_data.floorplans.ithor.scenes import load_scene
+from remqa_data.floorplans.ithor.table import recorded_objects, unity_rotation
+from remqa_data.sim.physics.world import World
+from remqa_data.thor.state.objects import ObjectRecords
+from remqa_data.thor.state.simulator import LoadedFloorPlan
 
 SCHEMA = json.loads((Path(__file__).parent / "ai2thor_schema.json").read_text())
 TYPES = {
@@ -76,6 +84,42 @@ def test_objects_are_where_ai2thor_recorded_them(kitchen, object_id, position, r
     if parent is not None:
         assert record["parentReceptacles"] == [parent]
         assert object_id in kitchen.last_event.get_object(parent)["receptacleObjectIds"]
+
+
+def yaw_off(record, row) -> float:
+    """Degrees between two rotations in AI2-THOR's frame."""
+    told = unity_rotation(tuple(record["rotation"].values()))
+    turn = told.T @ unity_rotation(row.angles)
+    return float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))))
+
+
+@pytest.mark.parametrize("name", ["FloorPlan1", "FloorPlan301"])
+def test_rotations_are_those_that_ai2thor_recorded_whichever_side_is_the_front(name) -> None:
+    """Cabinets, drawers and windows were made with their front on any side of their own frame."""
+    with World(load_scene(name)) as world:
+        records = ObjectRecords(world)
+        told = {r["objectId"]: r for r in records.listing((0, 0, 0), (), (0, 0, 0), None)}
+        for row in recorded_objects(name):
+            assert yaw_off(told[row.id], row) < 0.05, row.id
+        drawer = next(o for o in world.ids if world.type_of(o) == "Drawer")
+        before = told[drawer]["rotation"]["y"]
+        x, y, z, w = world.state(drawer).quaternion
+        half = 0.5**0.5
+        world.move(
+            drawer, world.state(drawer).position, (half * (x + y), half * (y - x), half * (z + w), half * (w - z))
+        )
+        turned = records.listing((0, 0, 0), (), (0, 0, 0), {drawer})[0]["rotation"]["y"]
+        assert (before - turned) % 360 == pytest.approx(90, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "height"), [("FloorPlan1", 0.901), ("FloorPlan3", 1.124), ("FloorPlan12", 0.98), ("FloorPlan221", 0.998)]
+)
+def test_the_agent_stands_on_the_floor_of_its_room_wherever_that_is(name, height) -> None:
+    """Heights as AI2-THOR 5 recorded them."""
+    scene = load_scene(name)
+    room = SimpleNamespace(world=SimpleNamespace(scene=scene))
+    assert LoadedFloorPlan.agent_y.fget(room) == pytest.approx(height, abs=0.003)
 
 
 def test_facts_of_one_object(kitchen) -> None:

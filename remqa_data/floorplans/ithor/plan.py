@@ -21,7 +21,6 @@ BACKED = types_with("has_back")
 """Furniture that stands with its back to a wall when it stands at one."""
 BEFORE_WALLS = types_with("back_is_no_sight")
 """Furniture whose back is no sight: there is a wall behind it."""
-IN_FURNITURE = types_with("built_in")
 WALL_SLACK_M = 0.60
 WALL_EVIDENCE_SLACK_M = 2.6
 """A floor's recorded box may reach this far behind the wall (the second: where something hangs on the wall)."""
@@ -76,12 +75,7 @@ def fit_shell(objects: Sequence[RecordedObject]) -> RoomShell:
     things on that side end, when they end shortly before the floor does.
     """
     floor = next(o for o in objects if o.type == "Floor")
-    standing = [
-        float(o.low[2])
-        for o in objects
-        if any(p.startswith("Floor|") for p in o.parents) and o.size[2] > 0.1 and o.type not in IN_FURNITURE
-    ]
-    floor_z = float(np.percentile(standing, 20, method="lower")) if standing else float(floor.high[2])
+    floor_z = float(floor.high[2])
     bounds = []
     for axis, sign in ((0, -1), (1, -1), (0, 1), (1, 1)):
         edge = float((floor.low if sign < 0 else floor.high)[axis])

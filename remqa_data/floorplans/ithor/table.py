@@ -44,6 +44,9 @@ class RecordedObject:
         Of the oriented box, along its own axes: x to the right as seen from the front, front at -y, z up.
     rotation : (3, 3) array
         Columns are the oriented box's axes in the room.
+    angles : tuple of float
+        AI2-THOR's `rotation`: degrees about its x, y and z axes. They turn a frame of the object's maker, which need not
+        have its front anywhere; what faces where is told by `rotation`.
     """
 
     scene: str
@@ -56,6 +59,7 @@ class RecordedObject:
     centre: F64
     size: F64
     rotation: F64
+    angles: Vec3
     is_oriented: bool
     openable: bool
     pickupable: bool
@@ -142,6 +146,7 @@ def parse_row(row: Mapping[str, Any], where: str) -> RecordedObject:
         centre=oriented[0],
         size=np.maximum(oriented[1], MIN_SIZE_M),
         rotation=oriented[2],
+        angles=angles,
         is_oriented=corners is not None,
         openable=bool(row["openable"]),
         pickupable=bool(row["pickupable"]),
@@ -245,14 +250,19 @@ def _from_corners(read: _Reader, corners: Any, angles: Vec3) -> tuple[F64, F64, 
     return points.mean(axis=0), size, rotation
 
 
-@lru_cache(maxsize=1024)
-def _forward(angles: Vec3) -> F64:
-    """Where AI2-THOR's forward axis points in our frame; where that is vertical, its up axis. Nobody may change it."""
+def unity_rotation(angles: Vec3) -> F64:
+    """(3, 3) rotation of AI2-THOR's frame by degrees about x, y and z: Unity turns about z, then x, then y."""
     (sx, sy, sz), (cx, cy, cz) = arithmetic.sin_cos_deg(angles)
     rz = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
     rx = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
     ry = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
-    turned = arithmetic.product(arithmetic.product(ry, rx), rz)[[0, 2, 1]]  # Unity turns about z, then x, then y
+    return arithmetic.product(arithmetic.product(ry, rx), rz)
+
+
+@lru_cache(maxsize=1024)
+def _forward(angles: Vec3) -> F64:
+    """Where AI2-THOR's forward axis points in our frame; where that is vertical, its up axis. Nobody may change it."""
+    turned = unity_rotation(angles)[[0, 2, 1]]
     forward = turned[:, 2]
     axis = np.array(turned[:, 1] if abs(forward[2]) > 0.75 else forward)
     axis.flags.writeable = False

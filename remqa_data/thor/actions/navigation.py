@@ -6,7 +6,7 @@ from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, yaw_to_room
-from remqa_data.thor.state.simulator import AGENT_Y, SimulatorState
+from remqa_data.thor.state.simulator import SimulatorState
 
 HEIGHT_TOLERANCE_M = 0.05
 """How far from the floor a teleport may aim; the agent stands on the floor afterwards."""
@@ -74,9 +74,10 @@ def teleport(
                 "AmbiguousAction", "Ambiguous action: a position was given twice, as a vector and as x, y, z"
             )
         x, y, z = position.get("x"), position.get("y"), position.get("z")
-    if y is not None and abs(y - AGENT_Y) > HEIGHT_TOLERANCE_M and not forceAction:
+    stands_at = simulator.room.agent_y
+    if y is not None and abs(y - stands_at) > HEIGHT_TOLERANCE_M and not forceAction:
         return ActionResult(
-            False, f"y {y:g} is more than {HEIGHT_TOLERANCE_M} m from {AGENT_Y}, where the agent stands"
+            False, f"y {y:g} is more than {HEIGHT_TOLERANCE_M} m from {stands_at:g}, where the agent stands"
         )
     yaw = None if rotation is None else yaw_to_room(rotation.get("y", 0.0))
     return simulator.agent.teleport(x, z, yaw, horizon, standing, forceAction)

@@ -17,7 +17,7 @@ from remqa_data.sim.navigation.ground import Ground
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room
-from remqa_data.thor.state.simulator import AGENT_Y, SimulatorState
+from remqa_data.thor.state.simulator import SimulatorState
 
 Plan = tuple[float, float]
 """x and y in the room, metres."""
@@ -41,7 +41,7 @@ def get_reachable_positions(
     places = _flood(agent.ground, (agent.x, agent.y), step, heading, maxStepCount or MOST_STEPS)
     if places is None:
         return ActionResult(False, f"more than {maxStepCount or MOST_STEPS} positions can be reached")
-    return ActionResult(True, value=[to_thor((x, y, AGENT_Y)) for x, y in places])
+    return ActionResult(True, value=[to_thor((x, y, simulator.room.agent_y)) for x, y in places])
 
 
 def get_interactable_poses(
@@ -71,7 +71,14 @@ def get_interactable_poses(
     ):
         agent.place((x, y), yaw_to_room(rotation), horizon, standing)
         if agent.sees(objectId, maxDistance):
-            answer = {"x": x, "y": AGENT_Y, "z": y, "rotation": rotation, "standing": standing, "horizon": horizon}
+            answer = {
+                "x": x,
+                "y": simulator.room.agent_y,
+                "z": y,
+                "rotation": rotation,
+                "standing": standing,
+                "horizon": horizon,
+            }
             found.append(answer)
             if len(found) == maxPoses:
                 break

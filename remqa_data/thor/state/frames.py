@@ -70,15 +70,21 @@ def yaw_to_room(rotation_y: float) -> float:
     return (90.0 - rotation_y) % 360.0
 
 
-def euler_to_thor(quaternion: Quaternion) -> Vector:
-    """AI2-THOR's rotation of an object, degrees in [0, 360).
+def turn_to_thor(quaternion: Quaternion) -> F64:
+    """(3, 3) rotation in AI2-THOR's frame of an object whose front is +z there, and -y in its asset's frame.
+
+    What looks along the room's +y is not turned at all.
+    """
+    return np.asarray(SWAP @ rotation_of(quaternion) @ _ASSET_TO_THOR.T)
+
+
+def euler_to_thor(m: F64) -> Vector:
+    """AI2-THOR's rotation, degrees in [0, 360), of a (3, 3) rotation in its frame.
 
     Notes
     -----
-    Unity turns about z, then x, then y. An object's front is +z there and -y in its asset's frame, so an object that
-    looks along the room's +y has rotation 0.
+    Unity turns about z, then x, then y.
     """
-    m = SWAP @ rotation_of(quaternion) @ _ASSET_TO_THOR.T
     sin_x = float(np.clip(-m[1, 2], -1.0, 1.0))
     if abs(sin_x) < _UPRIGHT:
         y, z = math.atan2(m[0, 2], m[2, 2]), math.atan2(m[1, 0], m[1, 1])

@@ -8,19 +8,19 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Collection, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from remqa_data.catalog import object_type
-from remqa_data.floorplans.load import recorded_pivots
+from remqa_data.floorplans.load import recorded_poses
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
-from remqa_data.thor.state.frames import corners_to_thor, euler_to_thor, to_thor
+from remqa_data.thor.state.frames import Vector, corners_to_thor, euler_to_thor, to_thor, turn_to_thor
 
 Metadata = dict[str, Any]
 """A part of an event's metadata: what AI2-THOR would send as JSON."""
@@ -43,7 +43,7 @@ class ObjectRecords:
     def __init__(self, world: World) -> None:
         self.toggled: set[str] = set()
         self._world = world
-        self._pivots = _pivots(world.scene)
+        self._frames = _frames(world.scene)
         self._static = {object_id: _static(world, object_id) for object_id in world.ids}
         self._shown: dict[str, ObjectState] = {}
         self._held: str | None = None
@@ -55,11 +55,16 @@ class ObjectRecords:
     def position(self, object_id: str) -> Vec3:
         """Where AI2-THOR says an object is, metres in the room: its pivot, such as a door's hinge."""
         state = self._world.state(object_id)
-        offset = self._pivots.get(object_id)
-        if offset is None:
+        frame = self._frames.get(object_id)
+        if frame is None:
             return state.position
-        x, y, z = (rotation_of(state.quaternion) @ offset + np.asarray(state.position)).tolist()
+        x, y, z = (rotation_of(state.quaternion) @ frame.pivot + np.asarray(state.position)).tolist()
         return x, y, z
+
+    def rotation(self, object_id: str) -> Vector:
+        """How AI2-THOR says an object is turned: as recorded, and with it since, whichever side its front is on."""
+        turn, frame = turn_to_thor(self._world.state(object_id).quaternion), self._frames.get(object_id)
+        return euler_to_thor(turn if frame is None else turn @ frame.turn)
 
     def listing(
         self, agent: Vec3, visible: Collection[str], hand: Vec3, only: Collection[str] | None
@@ -115,7 +120,7 @@ class ObjectRecords:
             oriented = {"cornerPoints": corners_to_thor(_oriented_corners(self._world, object_id))}
         return {
             "position": to_thor(self.position(object_id)),
-            "rotation": euler_to_thor(state.quaternion),
+            "rotation": self.rotation(object_id),
             "openness": float(state.openness),
             "isOpen": state.openness > 0,
             "axisAlignedBoundingBox": box_metadata(self._boxes[object_id]),
@@ -211,11 +216,20 @@ def _holding(world: World, boxes: Mapping[str, F64]) -> dict[str, Metadata]:
     }
 
 
-def _pivots(scene: Scene) -> dict[str, F64]:
-    """Where each object's recorded pivot is, in its asset's frame."""
-    recorded = recorded_pivots(scene.name)
+class _Frame(NamedTuple):
+    """AI2-THOR's own frame of an object: `pivot`, where it is in the asset's frame, and `turn`, how it is turned there."""
+
+    pivot: F64
+    turn: F64
+
+
+def _frames(scene: Scene) -> dict[str, _Frame]:
+    recorded = recorded_poses(scene.name)
     return {
-        o.id: rotation_of(o.quaternion).T @ (recorded[o.id] - np.asarray(o.position))
+        o.id: _Frame(
+            rotation_of(o.quaternion).T @ (recorded[o.id].pivot - np.asarray(o.position)),
+            turn_to_thor(o.quaternion).T @ recorded[o.id].turn,
+        )
         for o in scene.objects
         if o.id in recorded
     }

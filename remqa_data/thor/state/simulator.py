@@ -17,8 +17,10 @@ from remqa_data.thor.state.images import Palette
 from remqa_data.thor.state.objects import ObjectRecords
 from remqa_data.thor.state.settings import FrameSize, Settings
 
-AGENT_Y = 0.900999
-"""AI2-THOR describes its agent by its middle, which is at this height in every room."""
+AGENT_MIDDLE_M = 0.900999
+"""AI2-THOR describes its agent by its middle, which is so high above the floor."""
+HOVERS_M = {"FloorPlan12": 0.079}
+"""In this room it was recorded above the floor on which everything else stands."""
 SCENE_SUFFIX = "_physics"
 
 
@@ -67,7 +69,13 @@ class LoadedFloorPlan:
 
     def agent_position(self) -> Vec3:
         """Where AI2-THOR says the agent is, metres in the room."""
-        return self.agent.x, self.agent.y, AGENT_Y
+        return self.agent.x, self.agent.y, self.agent_y
+
+    @property
+    def agent_y(self) -> float:
+        """How high AI2-THOR says the agent is, metres."""
+        scene = self.world.scene
+        return scene.floor_z + AGENT_MIDDLE_M + HOVERS_M.get(scene.name, 0.0)
 
     def box(self) -> F64:
         """(2, 3) corners of the room inside its walls, metres."""
