@@ -47,6 +47,8 @@ class SceneObject:
         Whether physics leaves it where it is until something acts on it: furniture, and things that hang or lean.
     parents : tuple of str
         Ids of the receptacles that hold it.
+    most_open : float
+        How far it opens where it stands, as a share of what it could: less than 1 where a wall is in the way.
     """
 
     id: str
@@ -56,6 +58,7 @@ class SceneObject:
     openness: float = 0.0
     is_fixed: bool = True
     parents: tuple[str, ...] = ()
+    most_open: float = 1.0
 
     @property
     def type(self) -> str:
@@ -218,6 +221,7 @@ def _object(where: str, scene: Scene, thing: SceneObject) -> Iterator[str]:
     length = sum(number * number for number in thing.quaternion)
     yield from _within(f"{where}.quaternion: its length", [length], 0.99, 1.01)
     yield from _within(f"{where}.openness", [thing.openness], 0.0, 1.0)
+    yield from _within(f"{where}.most_open", [thing.most_open], 0.0, 1.0)
     if len(thing.parents) > limits.MOST_ASSET_PARTS:
         yield f"{where}.parents: there are {len(thing.parents):,}; at most {limits.MOST_ASSET_PARTS} are read"
     yield from _asset(f"{where}.asset", thing.asset)

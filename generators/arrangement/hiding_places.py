@@ -47,7 +47,7 @@ THIN_M = 0.005
 """The thinnest things that lie under others, such as a credit card."""
 LEANS_DEG = 8.0
 """What is tilted by more than this stands on nothing that could be an area."""
-SWEPT = (0.25, 0.5, 0.75, 1.0)
+SWEPT = tuple(k / 10 for k in range(1, 11))
 """At these opennesses what opens stays clear of the agent."""
 
 

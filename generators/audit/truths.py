@@ -17,6 +17,7 @@ from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
 from remqa_data.generators.questions.questions import question_program, question_text
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
+from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.referring import Program, program_of, resolve
 from remqa_data.relations import Relation
@@ -224,9 +225,7 @@ class CheckedRoom:
         finally:
             replay.close()
 
-    def _is_undisturbed(
-        self, question: QuestionRow, before: npt.NDArray[np.float64], replay: Replay
-    ) -> Iterator[Broken]:
+    def _is_undisturbed(self, question: QuestionRow, before: F64, replay: Replay) -> Iterator[Broken]:
         """What the manipulation moves was in the target by the stored records, and all that comes to light is counted."""
         ids = replay.world.ids
         shift = np.abs(_corners(replay.world) - before).max(axis=(1, 2))
@@ -234,7 +233,7 @@ class CheckedRoom:
             if ids[index] != question.target_id and question.target_id not in self._holders(ids[index], question):
                 yield "undisturbed", f"{ids[index]} moves by {shift[index]:.3f} m"
         start, end = (decode_instances(image.bytes) for image in (question.start_instances, question.end_instances))
-        revealed = np.setdiff1d(end, start)
+        revealed = np.setdiff1d(end, [0, *np.unique(start)])
         revealed = revealed[[np.count_nonzero(end == number) >= scaled_min_pixels(end.shape) for number in revealed]]
         found = sorted(ids[number - 1] for number in revealed if self.type_of(ids[number - 1]) == question.answer_type)
         if found != sorted(question.answer_ids):
@@ -250,7 +249,9 @@ class CheckedRoom:
         """What holds an object by the stored records, and what holds that; of what is opened, only what is inside counts."""
         found: set[str] = set()
         record = self.records[object_id]
-        while record.support is not None and record.support not in found:
+        for _ in self.records:
+            if record.support is None:
+                break
             if record.support != question.target_id or question.manipulation != "Open" or record.support_kind == "in":
                 found.add(record.support)
             record = self.records[record.support]
@@ -311,7 +312,7 @@ def _number(question: QuestionRow, object_id: str) -> int:
     return question.object_ids.index(object_id) + 1
 
 
-def _corners(world: World) -> npt.NDArray[np.float64]:
+def _corners(world: World) -> F64:
     """(objects, 2, 3) corners of the boxes around all objects, metres."""
     return np.array([world.box(object_id) for object_id in world.ids])
 

@@ -154,7 +154,7 @@ def test_everything_is_on_something_that_is_there(index: int) -> None:
 
 def test_some_rooms_are_l_shaped_and_nothing_is_in_the_corner_that_is_missing() -> None:
     shapes = [rows_of(index) for index in range(2, 42, 4)]
-    notched = [(rows, shell.notch) for rows, shell in shapes if shell.notch is not None]
+    notched = [(rows, shell.notches[0]) for rows, shell in shapes if shell.notches]
     assert 0 < len(notched) < len(shapes)
     for rows, notch in notched:
         low, high = np.array(notch[:2]), np.array(notch[2:])

@@ -15,7 +15,7 @@ def hand(event) -> dict[str, float]:
 
 
 def test_the_shoulder_slides(before_apple) -> None:
-    floor = -0.0083
+    floor = 0.0
     for share, height in ((0.5, 1.126), (0.3, 0.856)):  # of 0.451 to 1.801 m
         event = before_apple.step("MoveArmBase", y=share)
         assert event, event.metadata["errorMessage"]

@@ -63,7 +63,7 @@ def test_what_it_refuses_to_open(before_fridge) -> None:
         assert not event
     assert not before_fridge.step("OpenObject", objectId=FRIDGE, openness=1.5, forceAction=True)
     assert not before_fridge.step("OpenObject", x=1.5, y=0.5)
-    before_fridge.step("TeleportFull", **pose(-1.0, 1.0, 270, 30))
+    before_fridge.step("TeleportFull", **pose(-1.4, 1.0, 270, 30), forceAction=True)
     event = before_fridge.step("OpenObject", objectId=FRIDGE)
     assert "Agent is blocking" in event.metadata["errorMessage"]  # it stands in the way of the door
     before_fridge.step("RotateRight", degrees=180)

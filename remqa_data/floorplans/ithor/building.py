@@ -9,7 +9,8 @@ import numpy as np
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.looks.materials import CHROME, COLORS
 from remqa_data.assets.mesh.cutting import solid_around
-from remqa_data.floorplans.ithor.plan import ON_WALLS, SIDES, RoomShell
+from remqa_data.floorplans.ithor.extent import ON_WALLS
+from remqa_data.floorplans.ithor.plan import SIDES, RoomShell
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Box, Vec3
@@ -62,9 +63,7 @@ def building(objects: Sequence[RecordedObject], shell: RoomShell, rng: np.random
         parts.append(StructureBox("outside", _box(outer.ravel()), finish))
         doors = [] if shell.door is None else [_box(np.concatenate(shell.door))]
         parts += _skirting(side, objects, [*holes, *doors], shell)
-    if shell.notch is not None:
-        x0, y0, x1, y1 = shell.notch
-        parts.append(StructureBox("wall", (x0, y0, bottom, x1, y1, top), finish))
+    parts += [StructureBox("wall", (x0, y0, bottom, x1, y1, top), finish) for x0, y0, x1, y1 in shell.notches]
     if shell.door is not None:
         parts += _door(*shell.door)
     parts += _inner_walls(objects, shell, finish)

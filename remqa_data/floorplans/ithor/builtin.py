@@ -19,6 +19,7 @@ from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import HOSTS, SIDES, RoomShell
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rectangles import edge_rectangles
 from remqa_data.geometry.types import F64, Box, Rect
 from remqa_data.scene import StructureBox
 
@@ -29,7 +30,7 @@ STRAIGHT_COUNTER_M = 0.85
 """A worktop's box that is no deeper than this is a straight one."""
 ISLAND_M = 1.3
 """A worktop's box away from walls and no deeper than this is an island."""
-MIN_HOLE_M = 0.35
+MIN_HOLE_M, MOST_HOLES = 0.35, 3
 KICK_HEIGHT_M, KICK_INSET_M, OVERHANG_M = 0.10, 0.07, 0.025
 GAP_M = 0.003
 DEEP_OVERHANG_M = 0.05
@@ -75,7 +76,8 @@ def counter_plan(
             strip[1 - axis] = slice(used[0], used[-1] + 1)
             kept[tuple(strip)] = True
     _reach_the_edges(kept)
-    holes = _holes(kept, tuple(max(1, round(MIN_HOLE_M / e * s)) for e, s in zip(extent, shape, strict=True)))
+    least_x, least_y = (max(1, round(MIN_HOLE_M / e * s)) for e, s in zip(extent, shape, strict=True))
+    holes = edge_rectangles(kept, (least_x, least_y), MOST_HOLES)
     step = extent / shape
     pockets = [
         (low[0] + i0 * step[0], low[1] + j0 * step[1], -1.0, low[0] + i1 * step[0], low[1] + j1 * step[1], 1.0)
@@ -125,34 +127,6 @@ def _reach_the_edges(kept: npt.NDArray[np.bool_]) -> None:
         last[axis] = slice(used[-1] + 1, None)
         kept[tuple(first)] = np.expand_dims(np.take(kept, used[0], axis=axis), axis)
         kept[tuple(last)] = np.expand_dims(np.take(kept, used[-1], axis=axis), axis)
-
-
-def _holes(kept: npt.NDArray[np.bool_], least: tuple[int, ...]) -> list[tuple[int, int, int, int]]:
-    """Up to three large empty rectangles that touch the box's edge, as cell ranges i0, j0, i1, j1."""
-    blocked = kept.copy()
-    holes = []
-    for _ in range(3):
-        best, best_area = None, 0
-        filled = np.pad(blocked.astype(int).cumsum(0).cumsum(1), ((1, 0), (1, 0)))
-        n, m = blocked.shape
-        for i0 in range(n):
-            for i1 in range(i0 + least[0], n + 1):
-                columns = filled[i1] - filled[i0]
-                empty = np.diff(columns) == 0
-                start = 0
-                for j in range(m + 1):
-                    if j < m and empty[j]:
-                        continue
-                    if j - start >= least[1] and (i0 == 0 or i1 == n or start == 0 or j == m):
-                        area = (i1 - i0) * (j - start)
-                        if area > best_area:
-                            best, best_area = (i0, start, i1, j), area
-                    start = j + 1
-        if best is None:
-            break
-        holes.append(best)
-        blocked[best[0] : best[2], best[1] : best[3]] = True
-    return holes
 
 
 def under_counter(

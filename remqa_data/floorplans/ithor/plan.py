@@ -9,23 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.catalog import types_with
+from remqa_data.floorplans.ithor.extent import ON_WALLS, recorded_extent
 from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Rect
 
-ON_WALLS = types_with("on_wall")
-"""Types that hang on a wall: their back is the wall."""
-IN_WALLS = types_with("in_wall")
-"""Types whose recorded box reaches into or through the wall."""
 BACKED = types_with("has_back")
 """Furniture that stands with its back to a wall when it stands at one."""
-BEFORE_WALLS = types_with("back_is_no_sight")
-"""Furniture whose back is no sight: there is a wall behind it."""
-WALL_SLACK_M = 0.60
-WALL_EVIDENCE_SLACK_M = 2.6
-"""A floor's recorded box may reach this far behind the wall (the second: where something hangs on the wall)."""
-LAST_M, HIGH_M = 0.20, 1.0
-"""Things that end this near to where everything ends say whether a wall is there, as do two cabinets this high up."""
 AT_WALL_M = 0.35
 
 SIDES: dict[str, F64] = {
@@ -43,8 +33,8 @@ class RoomShell:
 
     Attributes
     ----------
-    notch : Rect or None
-        A corner of the bounds that is not part of the room, which is L-shaped then.
+    notches : tuple of Rect
+        Corners of the bounds that are not part of the room, such as that of an L.
     door : ((3,) array, (3,) array) or None
         Corners of a closed door in an outer wall: its frame's box, as far as it stands out into the room.
     """
@@ -52,7 +42,7 @@ class RoomShell:
     floor_z: float
     bounds: Rect
     height: float
-    notch: Rect | None = None
+    notches: tuple[Rect, ...] = ()
     door: tuple[F64, F64] | None = None
 
     def gap(self, side: str, low: F64, high: F64) -> float:
@@ -60,6 +50,16 @@ class RoomShell:
         x0, y0, x1, y1 = self.bounds
         gaps = {"west": low[0] - x0, "east": x1 - high[0], "south": low[1] - y0, "north": y1 - high[1]}
         return float(gaps[side])
+
+    def middle(self) -> tuple[float, float]:
+        """The middle of the bounds, or of the largest part of them that a notch leaves if it lies in that notch."""
+        x0, y0, x1, y1 = self.bounds
+        for a0, b0, a1, b1 in self.notches:
+            x, y = (x0 + x1) / 2, (y0 + y1) / 2
+            if a0 < x < a1 and b0 < y < b1:
+                rests = ((x0, y0, a0, y1), (a1, y0, x1, y1), (x0, y0, x1, b0), (x0, b1, x1, y1))
+                x0, y0, x1, y1 = max(rests, key=lambda r: (r[2] - r[0]) * (r[3] - r[1]))
+        return (x0 + x1) / 2, (y0 + y1) / 2
 
     def nearest_side(self, low: F64, high: F64) -> tuple[str, float]:
         """The wall nearest to a box, and how far it is."""
@@ -69,38 +69,12 @@ class RoomShell:
 
 
 def fit_shell(objects: Sequence[RecordedObject]) -> RoomShell:
-    """Floor level and outer walls of a room from its recorded boxes.
-
-    The floor's own box gives the extent, but it often reaches behind the walls: a wall is put where the outermost
-    things on that side end, when they end shortly before the floor does.
-    """
+    """Floor level and walls of a room from its recorded boxes."""
     floor = next(o for o in objects if o.type == "Floor")
     floor_z = float(floor.high[2])
-    bounds = []
-    for axis, sign in ((0, -1), (1, -1), (0, 1), (1, 1)):
-        edge = float((floor.low if sign < 0 else floor.high)[axis])
-        reach = max(sign * _outer_face(o, axis, sign) for o in objects if o is not floor)
-        last = [o for o in objects if o is not floor and reach - sign * _outer_face(o, axis, sign) < LAST_M]
-        hung = any(_has_wall_behind(o, axis, sign) for o in last)
-        hung |= sum(o.type == "Cabinet" and o.low[2] > floor_z + HIGH_M for o in last) > 1
-        slack = WALL_EVIDENCE_SLACK_M if hung else WALL_SLACK_M
-        bounds.append(edge if sign * edge - reach > slack else sign * reach)
+    bounds, notches = recorded_extent(objects, floor)
     top = max(float(o.high[2]) for o in objects if o.type != "Floor")
-    height = max(2.5, top - floor_z + 0.15)
-    return RoomShell(floor_z, (bounds[0], bounds[1], bounds[2], bounds[3]), height)
-
-
-def _outer_face(o: RecordedObject, axis: int, sign: int) -> float:
-    """Where a box ends towards a wall; what sits in a wall ends in the middle of it."""
-    if o.type in IN_WALLS:
-        return float(o.low[axis] + o.high[axis]) / 2 if (o.high - o.low)[axis] < 0.6 else -sign * np.inf
-    return float((o.low if sign < 0 else o.high)[axis])
-
-
-def _has_wall_behind(o: RecordedObject, axis: int, sign: int) -> bool:
-    """Whether something hangs flat on a wall on one side, or stands with its back to it."""
-    flat = (o.high - o.low)[axis] < 0.6 * (o.high - o.low)[1 - axis]
-    return (o.type in ON_WALLS and bool(flat)) or (o.type in BEFORE_WALLS and float(sign * o.front[axis]) < -0.9)
+    return RoomShell(floor_z, bounds, max(2.5, top - floor_z + 0.15), notches)
 
 
 def facing_right(objects: Sequence[RecordedObject], shell: RoomShell, worktops: Sequence[Rect]) -> list[RecordedObject]:
@@ -237,6 +211,20 @@ def _freedom(
     others = [b for b in blockers if b is not o and b is not host and b.type != "CounterTop"]
     if others:
         free &= ~_within(points, np.array([[*b.low, *b.high] for b in others]))
+    return float(np.mean(free))
+
+
+def free_beside(o: RecordedObject, side: int, objects: Sequence[RecordedObject], shell: RoomShell) -> float:
+    """Share of the floor before an object, to its left (-1) or right (1), on which nothing stands: there one goes past.
+
+    A door has its hinge on the other side.
+    """
+    right, half = o.rotation[:, 0], o.size / 2
+    ahead, along = (grid.ravel() for grid in np.meshgrid(np.linspace(0.1, 0.9, 5), np.linspace(0.1, 0.8, 5)))
+    points = o.centre + np.outer(half[1] + ahead, o.front) + np.outer(side * (half[0] + along), right)
+    standing = [b for b in objects if b is not o and not b.pickupable and b.low[2] < shell.floor_z + 1.0]
+    free = _within(points[:, :2], np.array([shell.bounds]))
+    free &= ~_within(points[:, :2], np.array([[*b.low[:2], *b.high[:2]] for b in standing if b.type != "Floor"]))
     return float(np.mean(free))
 
 

@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from remqa_data.floorplans.ithor.plan import HOSTS, IN_WALLS
+from remqa_data.floorplans.ithor.extent import IN_WALLS
+from remqa_data.floorplans.ithor.plan import HOSTS
 from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64

@@ -20,7 +20,8 @@ from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.building import building
 from remqa_data.floorplans.ithor.builtin import counter_plan, drawer_housings, stoves, under_counter
 from remqa_data.floorplans.ithor.hosting import HANGING, is_built_in, levels, pockets
-from remqa_data.floorplans.ithor.plan import RoomShell, facing_right, fit_shell
+from remqa_data.floorplans.ithor.openings import with_limits
+from remqa_data.floorplans.ithor.plan import RoomShell, facing_right, fit_shell, free_beside
 from remqa_data.floorplans.ithor.repairs import at_floor_level, repaired, with_corners
 from remqa_data.floorplans.ithor.support import supported
 from remqa_data.floorplans.ithor.table import RecordedObject, recorded_objects, scene_names
@@ -97,11 +98,10 @@ def furnished(objects: Sequence[RecordedObject], shell: RoomShell) -> Scene:
     structure += building(objects, shell, style.rng)
     objects = [_with_plan(o, plans[o.id]) if o.type == "CounterTop" else o for o in objects]
     placed = [_place(o, objects, plans.get(o.id, []), shell, style) for o in objects]
-    x0, y0, x1, y1 = shell.bounds
     ceiling = shell.floor_z + shell.height
-    lamp = ((x0 + x1) / 2, (y0 + y1) / 2, ceiling - 0.15)
+    lamp = (*shell.middle(), ceiling - 0.15)
     scene = Scene(name, room_type, shell.bounds, shell.floor_z, shell.height, (lamp,), tuple(structure), tuple(placed))
-    return supported(scene, shell, finish)
+    return with_limits(supported(scene, shell, finish))
 
 
 def _may_bend(o: RecordedObject) -> bool:
@@ -117,7 +117,7 @@ class _Style:
         self.rng = np.random.default_rng([zlib.crc32(scene.encode()), 1])
         self.suite_seed = int(self.rng.integers(1 << 16))
 
-    def choose(self, o: RecordedObject, *, is_built_in: bool) -> tuple[int, int]:
+    def choose(self, o: RecordedObject, *, is_built_in: bool, hinges_right: bool) -> tuple[int, int]:
         """Variant and seed of an object; what is built into a piece of furniture is plain."""
         key = SUITE_OF.get(o.type, o.type) if o.type in SUITES else o.id
         rng = np.random.default_rng([zlib.crc32(self.scene.encode()), zlib.crc32(key.encode())])
@@ -128,6 +128,8 @@ class _Style:
         if o.type == "Cabinet":  # even variants hinge left, odd ones right; the recorded pivot is the hinge
             right = arithmetic.dot(o.pivot - o.centre, o.rotation[:, 0]) > 0
             variant = variant - variant % 2 + int(right)
+        if o.type == "Fridge":  # even seeds hinge left, odd ones right
+            seed += int(hinges_right) - seed % 2
         return variant, self.suite_seed if o.type in ONE_FINISH else seed
 
 
@@ -141,7 +143,8 @@ def _with_plan(counter: RecordedObject, plan: Sequence[Rect]) -> RecordedObject:
 def _place(
     o: RecordedObject, objects: Sequence[RecordedObject], plan: Sequence[Rect], shell: RoomShell, style: _Style
 ) -> SceneObject:
-    variant, seed = style.choose(o, is_built_in=is_built_in(o, objects))
+    right = o.type == "Fridge" and free_beside(o, 1, objects, shell) < free_beside(o, -1, objects, shell)
+    variant, seed = style.choose(o, is_built_in=is_built_in(o, objects), hinges_right=right)
     centre, openness = o.centre, 0.0
     spec = AssetSpec(
         type=o.type,

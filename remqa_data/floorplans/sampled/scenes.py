@@ -129,7 +129,7 @@ def sampled_rows(index: int, rng: np.random.Generator, model: int) -> tuple[list
     if len(missing) > MOST_LEFT * len(pieces) or any(row.type in NEVER_LEFT for piece in left for row in piece.rows):
         return None
     put_small_objects(canvas, inventory.things, rooms, rng)
-    shell = RoomShell(0.0, canvas.bounds, canvas.height, canvas.notch, canvas.door)
+    shell = RoomShell(0.0, canvas.bounds, canvas.height, () if canvas.notch is None else (canvas.notch,), canvas.door)
     return [replace(row, room=room_type) for row in canvas.rows], shell
 
 

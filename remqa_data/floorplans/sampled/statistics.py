@@ -10,7 +10,8 @@ from functools import lru_cache
 import numpy as np
 
 from remqa_data.catalog import types_with
-from remqa_data.floorplans.ithor.plan import IN_WALLS, RoomShell
+from remqa_data.floorplans.ithor.extent import IN_WALLS
+from remqa_data.floorplans.ithor.plan import RoomShell
 from remqa_data.floorplans.ithor.scenes import understood
 from remqa_data.floorplans.ithor.table import RecordedObject, recorded_objects, scene_names
 from remqa_data.floorplans.sampled.furniture_sets import CABIN, WET, FurnitureSet, groups_of, kind_of, piece_from

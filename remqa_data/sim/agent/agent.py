@@ -34,6 +34,12 @@ and it is nowhere farther from the shoulder than the arm is long. "near": the ag
 distance, as AI2-THOR's agent without an arm."""
 
 
+SWING_STEP = 0.05
+"""A door or drawer is looked at in such steps of its openness on its way."""
+LEAST_OPEN = 0.15
+"""Where the agent lets a thing open no farther than this, it does not open at all."""
+
+
 class Agent(Body):
     """An agent in a world.
 
@@ -94,19 +100,28 @@ class Agent(Body):
     # ---- manipulating
 
     def open(self, object_id: str, openness: float = 1.0, force: bool = False) -> ActionResult:
-        """Open an object to an openness from 0 to 1; what lies in its moving parts comes along."""
+        """Open an object to an openness from 0 to 1; what lies in its moving parts comes along.
+
+        It opens less far where the room does not let it (`World.most_open`), or where the agent stands in its way.
+        """
         if not 0.0 <= openness <= 1.0:
             raise ActionError(f"openness {openness} is not between 0 and 1")
         was = self.world.state(object_id).openness
         if not self.world.assets[object_id].is_openable:
             return ActionResult(False, f"{object_id} is not openable")
-        if abs(was - openness) < 1e-6:
+        goal = min(openness, self.world.most_open(object_id))
+        if openness > 0.0 and goal == 0.0:
+            return ActionResult(False, f"{object_id} cannot be opened: there is no room for it")
+        if abs(was - goal) < 1e-6:
             return ActionResult(False, f"{object_id} is already {'closed' if openness == 0.0 else 'open'}")
-        refusal = None
-        if not force:
-            swing = self._swing_refusal(object_id, was, openness)
-            refusal = self.refusal(object_id) or swing or self.reach(object_id)
-        return refusal or ActionResult(True, value=self.world.open(object_id, openness))
+        if force:
+            return ActionResult(True, value=self.world.open(object_id, goal))
+        reached = self._until_it_meets_the_agent(object_id, was, goal)
+        refusal = self.refusal(object_id)
+        if refusal is None and reached != goal and not reached > was + LEAST_OPEN:
+            refusal = ActionResult(False, f"Agent is blocking {object_id} from moving")
+        refusal = refusal or self.reach(object_id)
+        return refusal or ActionResult(True, value=self.world.open(object_id, reached))
 
     def close(self, object_id: str, force: bool = False) -> ActionResult:
         """Close an object."""
@@ -228,14 +243,18 @@ class Agent(Body):
 
             self.arm.state = HOME
 
-    def _swing_refusal(self, object_id: str, was: float, openness: float) -> ActionResult | None:
-        """Why a door or drawer cannot move, because the agent itself is in its way."""
-        frame = self.world.state(object_id).matrix()
-        for share in (0.5, 1.0):
-            links = arithmetic.product(frame, self.world.assets[object_id].link_poses(was + share * (openness - was)))
+    def _until_it_meets_the_agent(self, object_id: str, was: float, goal: float) -> float:
+        """How far a door or drawer can be moved before it touches the agent, if not all the way."""
+        frame, asset = self.world.state(object_id).matrix(), self.world.assets[object_id]
+        steps = math.ceil(abs(goal - was) / SWING_STEP - 1e-9)
+        reached = was
+        for k in range(1, steps + 1):
+            share = goal if k == steps else was + k / steps * (goal - was)
+            links = arithmetic.product(frame, asset.link_poses(share))
             if self.ground.meets_agent(object_id, links, (self.x, self.y)):
-                return ActionResult(False, f"Agent is blocking {object_id} from moving")
-        return None
+                break
+            reached = share
+        return reached
 
     def _body_at(self, object_id: str, position: Vec3) -> str | None:
         """Whether the agent is in the way of an object that is to be somewhere else; its name in errors, or None."""

@@ -161,9 +161,30 @@ class Bodies:
                     found.add(Part(name, 0 if name == STRUCTURE_NAME else self._link_of(name, int(point[4]))))
         return found
 
+    def depths_when_open(self, object_id: str, state: ObjectState) -> dict[str, float]:
+        """How deep the moving parts of an object would be in other things if it were in a state, metres, by name."""
+        now = [float(self.client.getJointState(self._of[object_id], i)[0]) for i in self._joints(object_id)]
+        self.place(object_id, state)
+        body, found = self._of[object_id], dict[str, float]()
+        for number in range(self.client.getNumJoints(body)):
+            if self._link_of(object_id, number) == 0:
+                continue
+            box = np.array(self.client.getAABB(body, number))
+            for other in self._around(box, 0.0, body):
+                points = self.client.getClosestPoints(body, other, 0.0, linkIndexA=number)
+                depth = max((-float(point[8]) for point in points), default=0.0)
+                name = self._names[other]
+                found[name] = max(float(arithmetic.snapped(depth, DISTANCE_STEP_M)), found.get(name, 0.0))
+        for joint, amount in zip(self._joints(object_id), now, strict=True):
+            self.client.resetJointState(body, joint, amount)
+        return found
+
     def close(self) -> None:
         """Give PyBullet's memory back."""
         self.client.close()
+
+    def _joints(self, object_id: str) -> range:
+        return range(len(self._assets[object_id].links) - 1)
 
     def _around(self, box: F64, margin_m: float, without: int = -1) -> list[int]:
         low, high = box[0] - margin_m - 0.02, box[1] + margin_m + 0.02

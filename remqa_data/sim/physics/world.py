@@ -111,6 +111,15 @@ class World:
         carried = riders(self, self._bodies, object_id, link)
         return [other for other in self._objects if other in carried]
 
+    def most_open(self, object_id: str) -> float:
+        """How far an object opens where it stands, from 0 (not at all) to 1."""
+        self._check_known(object_id)
+        return self._objects[object_id].most_open
+
+    def depths_when_open(self, object_id: str, openness: float) -> dict[str, float]:
+        """How deep the moving parts of an object would be in other things, and in "structure", at an openness; metres."""
+        return self._bodies.depths_when_open(object_id, replace(self.state(object_id), openness=openness))
+
     def bears_something(self, object_id: str) -> bool:
         """Whether anything rests on or in an object, if only partly, and would fall without it."""
         return bool(riders(self, self._bodies, object_id, or_lean=True))
@@ -160,7 +169,7 @@ class World:
         object_id : str
             An openable object.
         openness : float
-            0 (closed) to 1 (open).
+            0 (closed) to 1 (open); where it opens less far, see `most_open`, it opens as far as it can.
 
         Returns
         -------
@@ -176,6 +185,7 @@ class World:
             raise ActionError(f"{object_id} is not openable")
         if not 0.0 <= openness <= 1.0:
             raise ActionError(f"openness {openness} is not between 0 and 1")
+        openness = min(openness, self.most_open(object_id))
         carried: dict[str, int] = {}
         for link in range(1, len(asset.links)):
             carried |= {other: link for other in self.contents(object_id, link) if other not in carried}

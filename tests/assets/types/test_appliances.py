@@ -102,3 +102,24 @@ def test_the_tilt_of_a_knob_is_read_from_its_box() -> None:
     assert length == pytest.approx(0.031, abs=0.008)
     assert _knob_tilt(0.056, 0.056, 0.026)[0] > 80
     assert _knob_tilt(0.056, 0.026, 0.056)[0] < 10
+
+
+def fridge_doors(width: float, variant: int, seed: int = 0) -> list[tuple[float, str]]:
+    """Where the hinges of a fridge's doors are, and how they turn as seen from above."""
+    asset = build(AssetSpec("Fridge", (width, 0.8, 1.8), variant, seed))
+    joints = [link.joint for link in asset.links if link.joint is not None and link.joint.kind == "revolute"]
+    return sorted((round(joint.origin[0], 2), "left" if joint.axis[2] < 0 else "right") for joint in joints)
+
+
+@pytest.mark.parametrize("variant", range(4))
+def test_a_fridge_of_a_metre_has_two_doors_that_open_away_from_each_other(variant: int) -> None:
+    doors = set(fridge_doors(1.0, variant))
+    assert {side for _, side in doors} == {"left", "right"}
+    assert {x < 0 for x, side in doors if side == "left"} == {True}
+    assert max(abs(x) for x, _ in doors) == min(abs(x) for x, _ in doors)
+
+
+@pytest.mark.parametrize("variant", [0, 1, 3])
+def test_the_seed_says_on_which_side_a_single_door_has_its_hinge(variant: int) -> None:
+    assert {side for _, side in fridge_doors(0.8, variant, 4)} == {"left"}
+    assert {side for _, side in fridge_doors(0.8, variant, 5)} == {"right"}

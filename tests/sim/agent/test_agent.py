@@ -16,7 +16,13 @@ from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import ACTIONS, NAVIGATION, parse_action, perform
 from remqa_data.sim.agent.agent import Agent, Hands
-from remqa_data.sim.navigation.grid import AGENT_RADIUS_M, clearance_map, reachable_grid
+from remqa_data.sim.navigation.grid import (
+    AGENT_RADIUS_M,
+    clearance_map,
+    object_outlines,
+    outline_distance,
+    reachable_grid,
+)
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.view import WorldView
@@ -150,16 +156,25 @@ def test_the_object_at_an_image_point_is_the_one_that_the_picture_shows_there(ag
         agent.object_at(1.2, 0.5)
 
 
-def test_a_door_opens_from_beside_it_but_not_into_the_agent(agent: Agent) -> None:
+def test_a_door_opens_until_it_meets_the_agent_and_not_at_all_if_that_is_at_once(agent: Agent) -> None:
     fridge = first_of(agent, "Fridge")
-    go_near(agent, fridge, 0.0)
+    _, y, _ = agent.world.state(fridge).position  # it looks along +x, and its doors are half a metre wide
+    face = agent.world.box(fridge)[1, 0]
+    agent.place((face + 0.21, y), 180.0, 0.0)
     assert agent.open(fridge).error == f"Agent is blocking {fridge} from moving"
     assert agent.world.state(fridge).openness == 0.0
-    go_near(agent, fridge, 1.4)
-    assert agent.open(fridge).success
+    reached = []
+    for before_m in (0.35, 0.4, 1.0):
+        agent.place((face + before_m, y), 180.0, 0.0)
+        assert agent.open(fridge).success
+        reached.append(agent.world.state(fridge).openness)
+        distances = [outline_distance(object_outlines(agent.world, fridge, 1), (agent.x, agent.y))]
+        assert min(distances) > agent.embodiment.radius_m
+        assert agent.close(fridge).success
+        assert agent.world.state(fridge).openness == 0.0
+    assert 0.15 < reached[0] <= reached[1] < reached[2] == 1.0
+    agent.open(fridge)
     assert agent.open(fridge).error == f"{fridge} is already open"
-    assert agent.close(fridge).success
-    assert agent.world.state(fridge).openness == 0.0
 
 
 def test_an_open_door_is_in_the_way(agent: Agent) -> None:
@@ -238,10 +253,7 @@ def test_what_is_far_away_cannot_be_acted_on(kitchen: Scene, hands: Hands) -> No
 def test_an_arm_stays_folded_when_the_agent_itself_is_in_the_way_of_a_door(kitchen: Scene) -> None:
     agent = agent_in(kitchen, "arm")
     fridge = first_of(agent, "Fridge")
-    for cell in agent.grid.cells:
-        agent.place(agent.grid.position(cell), 0.0)
-        if agent._swing_refusal(fridge, 0.0, 1.0) is not None:
-            break
+    agent.place((agent.world.box(fridge)[1, 0] + 0.21, agent.world.state(fridge).position[1]), 180.0)
     folded = agent.arm.state
     assert agent.open(fridge).error == f"Agent is blocking {fridge} from moving"
     assert agent.arm.state == folded

@@ -43,6 +43,10 @@ def bed(b: Builder) -> None:
     b.space("mattress", inside, (0, 0, rest + FREE_ABOVE_M / 2))
 
 
+OVAL_PLAN = ((0.95, 0.45), (0.45, 0.95), (0.75, 0.75))
+"""Shares of width and depth of boxes that together are about an oval, whose corners are free to walk on."""
+
+
 def dog_bed(b: Builder) -> None:
     """A dog bed: round bolster, rectangle with a low front, flat mat, or a wicker basket with a cushion."""
     cloth = b.pick((*materials.FABRICS, materials.fabric("beige", "knit", 0.2)))
@@ -101,7 +105,9 @@ def dog_bed(b: Builder) -> None:
             for f, z in ((1, 0.02), (1, 0.6 * tall), (0.94, 0.9 * tall + 0.01), (0.8, floor))
         ]
         b.add(primitives.loft(rings), inner)
-    b.solid((0.95 * b.w, 0.95 * b.d, floor), (0, 0, floor / 2))
+    plan = OVAL_PLAN if b.variant in (0, 3) else ((0.95, 0.95),)
+    for across, along in plan:
+        b.solid((across * b.w, along * b.d, floor), (0, 0, floor / 2))
     _paw(
         b, (0, 0, floor + (0.041 * b.h if b.variant == 2 else 0.0)), 0.15 * min(b.w, b.d), materials.tinted(cloth, 0.6)
     )
@@ -258,9 +264,9 @@ def _canopy(b: Builder, wood: Material) -> None:
 def _wall_boxes(b: Builder, share: float, *, front: bool = True) -> None:
     """Collision boxes of a bolster that is a share of the size thick; `front` says whether it goes all round."""
     for x in (-1, 1):
-        b.solid((share * b.w, 0.7 * b.d, 0.9 * b.h), (x * b.w * (1 - share) / 2, 0, 0.45 * b.h))
+        b.solid((share * b.w, 0.45 * b.d, 0.9 * b.h), (x * b.w * (1 - share) / 2, 0, 0.45 * b.h))
     for y in (-1, 1) if front else (1,):
-        b.solid((0.7 * b.w, share * b.d, 0.9 * b.h), (0, y * b.d * (1 - share) / 2, 0.45 * b.h))
+        b.solid((0.45 * b.w, share * b.d, 0.9 * b.h), (0, y * b.d * (1 - share) / 2, 0.45 * b.h))
 
 
 def _paw(b: Builder, at: Vec3, size: float, cloth: Material) -> None:

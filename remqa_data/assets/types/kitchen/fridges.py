@@ -11,9 +11,15 @@ from remqa_data.assets.core.kind import Kind
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.looks import enamel, materials
 
+TWO_DOORS_M = 0.9
+"""A fridge of this width has two doors."""
+
 
 def fridge(b: Builder) -> None:
-    """A fridge: freezer at the bottom, freezer on top, French doors over a drawer, or one tall rounded retro door."""
+    """A fridge: freezer at the bottom, freezer on top, French doors over a drawer, or one tall rounded retro door.
+
+    A wide one has two doors side by side; of a single door, even seeds have the hinge on the left, odd ones on the right.
+    """
     body = b.pick(enamel.RETRO if b.variant == 3 else enamel.BODIES)
     metal = materials.CHROME if b.variant == 3 or body is materials.BLACK_METAL else b.pick(materials.METALS[:2])
     reach, thick, kick = 0.045, 0.06, 0.05
@@ -43,8 +49,8 @@ def fridge(b: Builder) -> None:
         _fridge_shelves(b, name, floor, top, front)
         sides = (
             ((-1, -b.w / 2, 0.0), (1, 0.0, b.w / 2))
-            if b.variant == 2
-            else ((b.by_variant((-1, -1, -1, 1)), -b.w / 2, b.w / 2),)
+            if b.variant == 2 or b.w >= TWO_DOORS_M
+            else ((1 if b.spec.seed % 2 else -1, -b.w / 2, b.w / 2),)
         )
         for side, x0, x1 in sides:
             _fridge_door(
@@ -102,11 +108,15 @@ def _fridge_door(
     y: float,
     thick: float,
 ) -> None:
-    """A door with a lining and racks inside; `side` is where its hinge is (-1 left, 1 right)."""
+    """A door with a lining and racks inside; `side` is where its hinge is (-1 left, 1 right).
+
+    It turns about its outer corner, so that it stays before its own fridge. Two doors need more of a gap between them.
+    """
     x0, x1, z0, z1 = extent
-    x, z, width, height = (x0 + x1) / 2, (z0 + z1) / 2, x1 - x0 - 0.004, z1 - z0
+    gap = 0.004 if x1 - x0 > 0.9 * b.w else 0.009
+    x, z, width, height = (x0 + x1) / 2, (z0 + z1) / 2, x1 - x0 - gap, z1 - z0
     back, front = y + thick / 2, y - thick / 2
-    origin = (x + side * width / 2, back, z)
+    origin = (x + side * width / 2, front, z)
     with b.link(name, "revolute", axis="z" if side > 0 else "-z", upper=float(np.radians(105)), origin=origin):
         soft = 0.028 if b.variant == 3 else 0.008
         b.box((width, thick, height), (x, y, z), body, radius=soft, segments=2)
