@@ -69,7 +69,7 @@ def _has_wall_behind(o: RecordedObject, axis: int, sign: int) -> bool:
 
 
 def _notches(things: Sequence[RecordedObject], floor: RecordedObject, bounds: Rect) -> list[Rect]:
-    """Rectangles at the edge of the bounds on which nothing was recorded, and past which nothing was on one side."""
+    """Rectangles in corners of the bounds on which nothing was recorded, and past which nothing was on one side."""
     counts = [max(1, int(np.ceil((bounds[axis + 2] - bounds[axis]) / CELL_M))) for axis in (0, 1)]
     x, y = (bounds[axis] + (np.arange(count) + 0.5) * CELL_M for axis, count in enumerate(counts))
     points = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
@@ -83,9 +83,11 @@ def _notches(things: Sequence[RecordedObject], floor: RecordedObject, bounds: Re
     least = round(LEAST_NOTCH_M / CELL_M)
     found = []
     for i0, j0, i1, j1 in edge_rectangles(inside, (least, least), MOST_NOTCHES):
-        ends = [_drawn_in(start, end, axis, bounds, counts[axis]) for axis, start, end in ((0, i0, i1), (1, j0, j1))]
-        (x0, x1), (y0, y1) = ends
-        if (x1 - x0) * (y1 - y0) >= LEAST_NOTCH_M2:
+        (x0, x1), (y0, y1) = (
+            _drawn_in(start, end, axis, bounds, counts[axis]) for axis, start, end in ((0, i0, i1), (1, j0, j1))
+        )
+        is_corner = (i0 == 0 or i1 == counts[0]) and (j0 == 0 or j1 == counts[1])  # else it might cut the room in two
+        if is_corner and (x1 - x0) * (y1 - y0) >= LEAST_NOTCH_M2:
             found.append((x0, y0, x1, y1))
     return found
 
