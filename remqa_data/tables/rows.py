@@ -240,7 +240,7 @@ SHARED_FIELDS: dict[type, dict[str, Column]] = {
     ObjectMetadata: {
         "id": Column("Id of the object, unique in the room."),
         "type": Column("Object type, such as Mug."),
-        "color": Column("Word for its colour."),
+        "color": Column("Word for its colour; mixed where less than half of it is of one."),
         "substance": Column("Word for what it is made of."),
         "box": Column("Axis-aligned 3D box: x0, y0, z0, x1, y1, z1.", "m", "world"),
         "openness": Column("0 (closed) to 1 (open)."),
