@@ -21,7 +21,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from remqa_data.errors import UnknownNameError
-from remqa_data.storage.shards import Shard, shard_paths
+from remqa_data.storage.shards import Shard, leaf_paths, shard_paths
 from remqa_data.tables.schema import table_spec
 
 Spans = npt.NDArray[np.int64]
@@ -148,7 +148,6 @@ def _mapped(path: Path) -> mmap.mmap:
 
 
 def _extent(shard: Shard, group: int, path: str) -> tuple[int, int]:
-    """Where in its file a column of a row group begins and ends."""
-    about = shard.file.metadata.row_group(group)
-    column = next(c for c in map(about.column, range(about.num_columns)) if c.path_in_schema == path)
+    """Where in its file a column of a row group, which has been read, begins and ends."""
+    column = shard.file.metadata.row_group(group).column(leaf_paths(shard.file).index(path))
     return column.data_page_offset, column.data_page_offset + column.total_compressed_size

@@ -256,19 +256,29 @@ def find_damage(root: str | os.PathLike[str], file: FileInfo) -> DamagedShardErr
     return _damaged_column(path, parquet, range(parquet.num_row_groups)) or other
 
 
+def leaf_paths(parquet: pq.ParquetFile) -> list[str]:
+    """What a file's columns are called as they are stored, in order.
+
+    The schema says so. What a row group says of a column is asked for only where that column could be read: pyarrow ends
+    the process over one that cannot be.
+    """
+    return [parquet.schema.column(i).path for i in range(len(parquet.schema))]
+
+
 def _opened(path: Path) -> pq.ParquetFile:
     try:
-        return pq.ParquetFile(path, memory_map=True, pre_buffer=False, page_checksum_verification=True)
+        file = pq.ParquetFile(path, memory_map=True, pre_buffer=False, page_checksum_verification=True)
+        _ = leaf_paths(file), file.schema_arrow, file.metadata.created_by  # texts that may be no UTF-8
+        return file
     except FileNotFoundError:
         raise DamagedShardError(path, "the file is missing") from None
-    except (OSError, pa.ArrowException) as error:
+    except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
         raise DamagedShardError(path, f"the footer cannot be read: {one_line(error)}") from None
 
 
 def _damaged_column(path: Path, parquet: pq.ParquetFile, groups: Sequence[int]) -> DamagedShardError | None:
     for group in groups:
-        about = parquet.metadata.row_group(group)
-        for column in (about.column(i).path_in_schema for i in range(about.num_columns)):
+        for column in leaf_paths(parquet):
             try:
                 parquet.read_row_group(group, columns=[column], use_threads=False)
             except (OSError, pa.ArrowException) as error:

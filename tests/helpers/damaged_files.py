@@ -1,8 +1,14 @@
 """Breaking files, and telling whether any byte is another."""
 
+from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
+
+from remqa_data.errors import DamagedShardError, ForgedRowError
 from remqa_data.files import sha256_of
+from remqa_data.storage.manifest import load_manifest
+from remqa_data.storage.shards import Shard, find_damage
 
 
 def files_of(root: Path) -> dict[str, str]:
@@ -16,6 +22,24 @@ def flip(path: Path, place: int) -> None:
     data = bytearray(path.read_bytes())
     data[place] ^= 0x10
     path.write_bytes(data)
+
+
+def flip_bits_of_footer(root: Path, table: str, times: int) -> None:
+    """Flip one bit after the other in the footer of a table's first shard; each must be found, read or refused.
+
+    For a process of its own, as pyarrow may end it.
+    """
+    file = load_manifest(root).files_of(table)[0]
+    path, rng = root / file.path, np.random.default_rng(0)
+    data = path.read_bytes()
+    footer = int.from_bytes(data[-8:-4], "little")
+    for _ in range(times):
+        flipped = bytearray(data)
+        flipped[len(data) - 8 - int(rng.integers(1, footer + 1))] ^= 1 << int(rng.integers(8))
+        path.write_bytes(flipped)
+        assert find_damage(root, file) is not None
+        with suppress(DamagedShardError, ForgedRowError):
+            Shard(path, table).read()
 
 
 def damage(path: Path, how: str) -> None:
