@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 
 from remqa_data.errors import SubmissionError, one_line
 from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, MAX_ACTIONS, MAX_TEXT, arrow_schema
-from remqa_data.tables.parquet_pages import PageError, unpacked
+from remqa_data.tables.parquet_pages import Chunk, PageError, row_groups, unpacked
 
 METADATA_KEY = FORMAT.encode()
 PARQUET_BATCH_ROWS = 32_768
@@ -84,32 +84,46 @@ def _read(path: Path, columns: Sequence[str], dictionaries: Sequence[str]) -> It
 def _opened(path: Path, dictionaries: Sequence[str] = ()) -> pq.ParquetFile:
     """The file; `dictionaries` names the leaves whose values are kept once, however many rows repeat them."""
     try:
-        return pq.ParquetFile(path, read_dictionary=list(dictionaries), pre_buffer=False, buffer_size=BUFFER_BYTES)
-    except (OSError, pa.ArrowException) as error:
+        file = pq.ParquetFile(path, read_dictionary=list(dictionaries), pre_buffer=False, buffer_size=BUFFER_BYTES)
+        _ = file.schema_arrow.names  # texts that may be no UTF-8
+        return file
+    except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
         reason = f"no Parquet file, or a damaged one: {one_line(error)[:200]}"
         raise SubmissionError(path, "", reason) from None
 
 
 def _check_sizes(path: Path, metadata: pq.FileMetaData, data: mmap.mmap) -> None:
     """Refuse a small file that would unpack to a very large table, by what its pages say: its footer may lie."""
-    groups = [metadata.row_group(i) for i in range(metadata.num_row_groups)]
-    rows = sum(group.num_rows for group in groups)
+    group_rows = [metadata.row_group(i).num_rows for i in range(metadata.num_row_groups)]
+    rows = sum(group_rows)
     if rows != metadata.num_rows:
         raise SubmissionError(path, "", f"{metadata.num_rows:,} rows in all, but {rows:,} in its row groups")
     most = SPARE_BYTES + rows * MAX_ROW_BYTES
+    names = [metadata.schema.column(i).path for i in range(metadata.num_columns)]
     total = 0
-    for group in groups:
-        for column in (group.column(i) for i in range(group.num_columns)):
-            where = f"field {column.path_in_schema}"
+    for in_group, chunks in zip(group_rows, _chunks(path, metadata, data), strict=True):
+        for name, column in zip(names, chunks, strict=True):
+            where = f"field {name}"
             try:
                 found = unpacked(data, column)
             except PageError as error:
                 raise SubmissionError(path, where, f"the data cannot be read: {error}") from None
             total += found.bytes
-            if max(found.values, column.num_values) > group.num_rows * MAX_ROW_VALUES:
+            if max(found.values, column.num_values) > in_group * MAX_ROW_VALUES:
                 raise SubmissionError(path, where, "too many values for its rows")
     if total > most:
         raise SubmissionError(path, "", f"unpacks to {total:,} bytes; at most {most:,} are read")
+
+
+def _chunks(path: Path, metadata: pq.FileMetaData, data: mmap.mmap) -> list[list[Chunk]]:
+    """The columns of each row group, as many as pyarrow sees."""
+    try:
+        found = row_groups(data)
+    except PageError as error:
+        raise SubmissionError(path, "", f"the data cannot be read: {error}") from None
+    if [len(chunks) for chunks in found] != [metadata.num_columns] * metadata.num_row_groups:
+        raise SubmissionError(path, "", "the data cannot be read: a row group has not all columns")
+    return found
 
 
 def _check_words(path: Path, batch: pa.RecordBatch) -> None:

@@ -268,7 +268,7 @@ def leaf_paths(parquet: pq.ParquetFile) -> list[str]:
 def _opened(path: Path) -> pq.ParquetFile:
     try:
         file = pq.ParquetFile(path, memory_map=True, pre_buffer=False, page_checksum_verification=True)
-        _ = leaf_paths(file), file.schema_arrow, file.metadata.created_by  # texts that may be no UTF-8
+        _ = leaf_paths(file), file.schema_arrow.names, file.metadata.created_by  # texts that may be no UTF-8
         return file
     except FileNotFoundError:
         raise DamagedShardError(path, "the file is missing") from None

@@ -1,7 +1,8 @@
 """What the pages of a Parquet file claim to unpack to, read from the headers that the decoder itself goes by.
 
 The footer tells the sizes of column chunks too, but nobody checks it: the decoder makes room for what each page's own
-header says, and a kilobyte of zstd may say two gigabytes. A header is a struct of Thrift's compact protocol.
+header says, and a kilobyte of zstd may say two gigabytes. Headers and footers are structs of Thrift's compact protocol.
+Where the columns lie is read from the footer here, too: pyarrow ends the process over some that cannot be.
 """
 
 from __future__ import annotations
@@ -16,7 +17,17 @@ DELTA_BYTE_ARRAY = 7
 
 
 class PageError(ValueError):
-    """Bytes that are no page header."""
+    """Bytes that are no page header, or no footer."""
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Where a column of a row group lies in its file, bytes from the beginning, and how many values it has."""
+
+    data_page_offset: int
+    dictionary_page_offset: int | None
+    total_compressed_size: int
+    num_values: int
 
 
 @dataclass(frozen=True)
@@ -55,6 +66,39 @@ class Unpacked:
     dictionary_bytes: int
 
 
+def row_groups(data: Any) -> list[list[Chunk]]:
+    """The columns of each row group of a file, such as an mmap, in the order of its schema.
+
+    Raises
+    ------
+    PageError
+        If the footer does not say so.
+    """
+    end = len(data) - 8
+    start = end - int.from_bytes(data[-8:-4], "little")
+    if not 0 < start < end:
+        raise PageError("a footer that cannot be")
+    try:
+        footer, _ = _struct(data[start:end], 0)
+        return [[_chunk(column[_ABOUT]) for column in group[_COLUMNS]] for group in footer[_GROUPS]]
+    except (IndexError, KeyError, TypeError, AttributeError, struct.error):
+        raise PageError("a footer that is cut off") from None
+
+
+def _chunk(about: Any) -> Chunk:
+    needed = [about[field] for field in (_DATA_OFFSET, _COMPRESSED, _VALUES)]
+    dictionary = about.get(_DICTIONARY_OFFSET)
+    if not all(isinstance(number, int) for number in (*needed, dictionary or 0)):
+        raise PageError("a footer with a column that cannot be")
+    return Chunk(needed[0], dictionary, needed[1], needed[2])
+
+
+_GROUPS, _COLUMNS, _ABOUT = 4, 1, 3
+"""Fields of a footer, of a row group in it, and of a column in that."""
+_VALUES, _COMPRESSED, _DATA_OFFSET, _DICTIONARY_OFFSET = 5, 7, 9, 11
+"""Fields of what is said about a column."""
+
+
 def unpacked(data: Any, column: Any) -> Unpacked:
     """What a column chunk unpacks to; parameters and errors as of `pages`, and it has no page whose size nobody knows."""
     found = list(pages(data, column))
@@ -71,7 +115,7 @@ def pages(data: Any, column: Any) -> Iterator[Page]:
     ----------
     data : buffer
         The whole file, such as an mmap.
-    column : pyarrow.parquet.ColumnChunkMetaData
+    column : Chunk or pyarrow.parquet.ColumnChunkMetaData
         Where the chunk is.
 
     Raises
@@ -80,7 +124,7 @@ def pages(data: Any, column: Any) -> Iterator[Page]:
         If that is not where pages are.
     """
     place = column.data_page_offset
-    if column.has_dictionary_page and 0 < column.dictionary_page_offset < place:
+    if column.dictionary_page_offset is not None and 0 < column.dictionary_page_offset < place:
         place = column.dictionary_page_offset
     end = place + column.total_compressed_size
     if not 0 <= place <= end <= len(data):
@@ -134,9 +178,24 @@ def _value(data: Any, place: int, kind: int, depth: int) -> tuple[Any, int]:
     if kind == _BINARY:
         length, place = _varint(data, place)
         return None, place + length
+    if kind in (_LIST, _SET):
+        return _list(data, place, depth)
     if kind in (_BYTE, _DOUBLE):
         return None, place + (1 if kind == _BYTE else 8)
     raise PageError("a page header with a field that no page has")
+
+
+def _list(data: Any, place: int, depth: int) -> tuple[list[Any], int]:
+    kind, count, place = data[place] & 15, data[place] >> 4, place + 1
+    if count == 15:
+        count, place = _varint(data, place)
+    if depth > _MOST_DEPTH or count > len(data) - place:  # each takes a byte at least
+        raise PageError("a list that is nested too deep or longer than its file")
+    values = []
+    for _ in range(count):
+        value, place = (None, place + 1) if kind in (_TRUE, _FALSE) else _value(data, place, kind, depth + 1)
+        values.append(value)
+    return values, place
 
 
 def _zigzag(data: Any, place: int) -> tuple[int, int]:

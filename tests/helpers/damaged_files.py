@@ -1,5 +1,6 @@
 """Breaking files, and telling whether any byte is another."""
 
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -24,22 +25,24 @@ def flip(path: Path, place: int) -> None:
     path.write_bytes(data)
 
 
-def flip_bits_of_footer(root: Path, table: str, times: int) -> None:
-    """Flip one bit after the other in the footer of a table's first shard; each must be found, read or refused.
-
-    For a process of its own, as pyarrow may end it.
-    """
-    file = load_manifest(root).files_of(table)[0]
-    path, rng = root / file.path, np.random.default_rng(0)
-    data = path.read_bytes()
+def flip_bits_of_footer(path: Path, times: int) -> Iterator[None]:
+    """Flip one bit after the other in the footer of a Parquet file."""
+    data, rng = path.read_bytes(), np.random.default_rng(0)
     footer = int.from_bytes(data[-8:-4], "little")
     for _ in range(times):
         flipped = bytearray(data)
         flipped[len(data) - 8 - int(rng.integers(1, footer + 1))] ^= 1 << int(rng.integers(8))
         path.write_bytes(flipped)
+        yield
+
+
+def read_shard_with_flipped_footers(root: Path, table: str, times: int) -> None:
+    """Each must be found, and is read or refused; for a process of its own, as pyarrow may end it."""
+    file = load_manifest(root).files_of(table)[0]
+    for _ in flip_bits_of_footer(root / file.path, times):
         assert find_damage(root, file) is not None
         with suppress(DamagedShardError, ForgedRowError):
-            Shard(path, table).read()
+            Shard(root / file.path, table).read()
 
 
 def damage(path: Path, how: str) -> None:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
+
+from remqa_data.errors import SubmissionError
+from remqa_data.evaluation.submission.reader import open_submission
+from tests.helpers.damaged_files import flip_bits_of_footer
 
 
 def write_bomb(path: Path, data: pa.Table, *, is_footer_honest: bool = False) -> Path:
@@ -30,6 +35,13 @@ def belittle(path: Path, claimed: int = 100) -> None:
                 assert written in footer
                 footer = footer.replace(written, _varint(2 * claimed, len(written)))
     path.write_bytes(content[:start] + footer + content[-8:])
+
+
+def read_submission_with_flipped_footers(path: Path, times: int) -> None:
+    """Each is read or refused; for a process of its own, as pyarrow may end it."""
+    for _ in flip_bits_of_footer(path, times):
+        with suppress(SubmissionError):
+            list(open_submission(path).batches(replay=True, max_rows=10))
 
 
 def _varint(number: int, length: int = 0) -> bytes:

@@ -20,7 +20,7 @@ from remqa_data.storage.shards import ShardWriter, check_files, find_damage, rea
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, SceneRow
 from remqa_data.tables.schema import TABLES, check_schema, to_table
 from remqa_data.version import RELEASED, __version__
-from tests.helpers.damaged_files import files_of, flip, flip_bits_of_footer
+from tests.helpers.damaged_files import files_of, flip, read_shard_with_flipped_footers
 from tests.helpers.dataset_rows import frame_row, images, scene_rows
 
 # ---- writing
@@ -206,7 +206,7 @@ def test_every_flipped_byte_is_found(dataset) -> None:
 def test_no_flipped_bit_of_a_footer_ends_the_process(dataset) -> None:
     """pyarrow does, when it is asked what a row group says of a column whose sizes do not fit the schema."""
     arguments = dataset, "scenes", 250
-    reading = multiprocessing.get_context("spawn").Process(target=flip_bits_of_footer, args=arguments)
+    reading = multiprocessing.get_context("spawn").Process(target=read_shard_with_flipped_footers, args=arguments)
     reading.start()
     reading.join()
     assert reading.exitcode == 0

@@ -1,6 +1,7 @@
 """Small Parquet submissions that would unpack to very large tables are refused by what their pages say."""
 
 import json
+import multiprocessing
 import resource
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import pytest
 from remqa_data.errors import SubmissionError
 from remqa_data.evaluation.submission.reader import open_submission
 from remqa_data.tables.parquet_pages import unpacked
-from tests.helpers.parquet_bombs import belittle, write_bomb
+from tests.helpers.parquet_bombs import belittle, read_submission_with_flipped_footers, write_bomb
 
 MB = 1 << 20
 
@@ -80,6 +81,18 @@ def test_an_encoding_whose_size_nobody_knows_is_refused(tmp_path: Path) -> None:
     encoding = {"answer": "DELTA_BYTE_ARRAY", "question_id": "PLAIN"}
     pq.write_table(rows, path, use_dictionary=False, column_encoding=encoding)
     assert "DELTA_BYTE_ARRAY" in refusal(path)
+
+
+def test_no_flipped_bit_of_a_footer_ends_the_process(tmp_path: Path) -> None:
+    """pyarrow does, when it is asked what a row group says of a column whose sizes do not fit the schema."""
+    path = tmp_path / "lists.parquet"
+    pq.write_table(long_list(20), path)
+    reading = multiprocessing.get_context("spawn").Process(
+        target=read_submission_with_flipped_footers, args=(path, 1500)
+    )
+    reading.start()
+    reading.join()
+    assert reading.exitcode == 0
 
 
 def test_a_file_whose_pages_are_damaged_is_refused(tmp_path: Path) -> None:
