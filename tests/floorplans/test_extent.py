@@ -43,6 +43,13 @@ def test_floor_that_runs_on_behind_windows_and_half_walls_is_no_room(name: str, 
     assert area < most_m2 < 0.75 * size
 
 
+def test_a_thing_that_was_left_at_the_origin_does_not_widen_its_room() -> None:
+    rows, ((_, y0, x1, _), _) = extent_of("FloorPlan410")
+    floor = next(o for o in rows if o.type == "Floor")
+    assert x1 < floor.high[0] + 0.1
+    assert y0 > floor.low[1] - 0.1
+
+
 @pytest.mark.parametrize(
     "name", ["FloorPlan1", "FloorPlan3", "FloorPlan26", "FloorPlan29", "FloorPlan221", "FloorPlan425"]
 )

@@ -28,6 +28,8 @@ BARE_M = 0.60
 """A floor that reaches farther ends so far behind the last things, unless they have a wall behind them."""
 LAST_M, HIGH_M = 0.20, 1.0
 """Things that end this near to where everything ends say whether a wall is there, as do two cabinets this high up."""
+STRAY_M = 0.5
+"""What is farther than this from the floor is not in the room."""
 CELL_M = 0.25
 ABREAST_M, PAST_M = 1.5, 0.4
 """What is no farther to the side than the first bounds the floor; the second is how far floor reaches past it."""
@@ -41,9 +43,14 @@ DOORSIDE = "LightSwitch"
 
 def recorded_extent(objects: Sequence[RecordedObject], floor: RecordedObject) -> tuple[Rect, tuple[Rect, ...]]:
     """Inner faces of a room's outer walls, and the corners between them that are not part of the room, metres."""
-    things = [o for o in objects if o is not floor]
+    things = [o for o in objects if o is not floor and _is_over(o, floor)]
     west, south, east, north = (_end(things, floor, axis, sign) for axis, sign in ((0, -1), (1, -1), (0, 1), (1, 1)))
     return (west, south, east, north), tuple(_notches(things, floor, (west, south, east, north)))
+
+
+def _is_over(o: RecordedObject, floor: RecordedObject) -> bool:
+    """Whether a thing is over the floor or in the walls around it; a faucet of FloorPlan410 was left at the origin."""
+    return bool(np.all(o.high[:2] > floor.low[:2] - STRAY_M) and np.all(o.low[:2] < floor.high[:2] + STRAY_M))
 
 
 def _end(things: Sequence[RecordedObject], floor: RecordedObject, axis: int, sign: int) -> float:
