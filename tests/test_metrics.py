@@ -95,6 +95,7 @@ def test_spl_is_bounded_and_falls_with_the_way(success: bool, shortest: float, w
 @given(st.lists(st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=5), min_size=1, max_size=6))
 def test_paths_joined_have_the_lengths_of_each(paths: list[list[tuple[float, float]]]) -> None:
     found = path_lengths_m([p for path in paths for p in path], [len(path) for path in paths])
+    assert len(found) == len(paths) > 0
     for length, path in zip(found, paths, strict=True):
         by_hand = sum(np.hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(path))
         assert length == pytest.approx(by_hand)

@@ -150,6 +150,7 @@ def test_what_is_stored_is_computed_with_arithmetic_of_a_fixed_order() -> None:
 
 
 def test_kernels_are_compiled_with_every_rounding_as_written() -> None:
+    assert (ROOT / "remqa_data" / "compiled.py").is_file()
     for path in sorted((ROOT / "remqa_data").rglob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         assert "fastmath" not in {node.arg for node in ast.walk(tree) if isinstance(node, ast.keyword)}, path

@@ -54,6 +54,7 @@ def test_moving_parts_cut_neither_the_body_nor_each_other(
 ) -> None:
     asset = build(AssetSpec(type_, size, variant))
     poses = asset.link_poses(openness)
+    assert len(asset.links) > 1
     for i in range(1, len(asset.links)):
         points = surface_points(asset, i) @ poses[i, :3, :3].T + poses[i, :3, 3]
         for j, other in enumerate(asset.links):
@@ -79,6 +80,7 @@ def handle_slack(size: Vec3, openness: float) -> float:
 @pytest.mark.parametrize(("type_", "size", "variant"), [case for case in CASES if case[0] in HOLLOW])
 def test_the_inside_is_hollow_for_physics(type_: str, size: Vec3, variant: int) -> None:
     asset = build(AssetSpec(type_, size, variant))
+    assert asset.spaces
     for space in asset.spaces:
         box = np.reshape(space.box, (2, 3))
         assert space.enclosed

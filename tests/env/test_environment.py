@@ -70,6 +70,7 @@ def test_the_same_seed_gives_the_same_episode_bit_for_bit(env: RemqaEnv) -> None
         pairs = [(env.reset(seed=seed), other.reset(seed=seed))]
         for action in (AHEAD, LEFT, AHEAD):
             pairs.append((env.step(action), other.step(action)))
+        assert all(a[0] for a, _ in pairs)
         for a, b in pairs:
             for key, value in a[0].items():
                 assert np.array_equal(value, b[0][key])

@@ -35,6 +35,7 @@ def test_worktops_of_no_thickness_grow_downwards() -> None:
 @pytest.mark.parametrize("scene", ["FloorPlan1", "FloorPlan316"])
 def test_the_rest_stays_as_recorded(scene: str) -> None:
     rows = recorded_objects(scene)
+    assert rows
     for row, made in zip(rows, repaired(rows), strict=True):
         assert np.array_equal(row.low, made.low), row.id
         assert np.array_equal(row.high, made.high), row.id

@@ -48,6 +48,7 @@ def test_oblique_boxes_span_what_was_recorded(yaw: float, width: float, depth: f
     span = (width * c + depth * s, width * s + depth * c)
     o = parse_row(row(rot_y=yaw, aabb_sx=span[0], aabb_sz=span[1]), "row")
     spanned = np.abs(o.rotation) @ o.size
+    assert np.isfinite(spanned).all()
     off = abs(yaw - 90 * round(yaw / 90))
     if off > 2 and abs(c * c - s * s) > 0.1:
         assert np.allclose(spanned[:2], span, rtol=1e-6) or np.allclose(o.rotation[2], (0, 0, 1))
@@ -55,6 +56,7 @@ def test_oblique_boxes_span_what_was_recorded(yaw: float, width: float, depth: f
 
 def test_oriented_boxes_are_rotations_that_hold_the_recorded_box() -> None:
     for scene in ("FloorPlan1", "FloorPlan210", "FloorPlan320", "FloorPlan420"):
+        assert any(o.is_oriented for o in recorded_objects(scene))
         for o in recorded_objects(scene):
             assert np.allclose(o.rotation.T @ o.rotation, np.eye(3), atol=1e-4)
             assert np.linalg.det(o.rotation) == pytest.approx(1, abs=1e-4)

@@ -158,6 +158,7 @@ def test_a_frame_lists_what_shows_at_least_50_pixels_in_scene_order(
 
 
 def test_boxes_are_tight_and_half_open(kitchen: World, observation: Observation, frame: FrameMetadata) -> None:
+    assert frame.objects
     for seen in frame.objects:
         mask = observation.objects == kitchen.ids.index(seen.id)
         x1, y1, x2, y2 = seen.box_2d
@@ -167,6 +168,7 @@ def test_boxes_are_tight_and_half_open(kitchen: World, observation: Observation,
 
 
 def test_distance_is_to_the_nearest_point_of_the_box(kitchen: World, frame: FrameMetadata) -> None:
+    assert frame.objects
     for seen in frame.objects:
         box = np.asarray(seen.box).reshape(2, 3)
         fractions = np.linspace(0, 1, 21)
@@ -178,6 +180,7 @@ def test_distance_is_to_the_nearest_point_of_the_box(kitchen: World, frame: Fram
 
 def test_a_frame_says_of_an_object_what_the_world_says(kitchen: World, frame: FrameMetadata) -> None:
     records = object_metadata(kitchen)
+    assert frame.objects
     for seen in frame.objects:
         shared = {name: getattr(seen, name) for name in vars(records[seen.id])}
         assert shared == vars(records[seen.id])

@@ -145,6 +145,7 @@ def test_the_agent_is_described_as_in_ai2thor(kitchen) -> None:
 def test_distance_is_from_the_middle_of_the_agent_to_the_pivot(kitchen) -> None:
     event = kitchen.step("RotateRight")
     here = event.metadata["agent"]["position"]
+    assert event.metadata["objects"]
     for record in event.metadata["objects"]:
         there = record["position"]
         expected = sum((here[axis] - there[axis]) ** 2 for axis in "xyz") ** 0.5

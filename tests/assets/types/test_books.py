@@ -26,6 +26,7 @@ def test_opening_book_stays_on_the_table_and_ends_flat(size: tuple[float, float,
 def test_halves_of_a_book_do_not_cut_each_other(size: tuple[float, float, float], variant: int) -> None:
     asset = build(AssetSpec("Book", size, variant))
     upper = np.vstack([surface.vertices for surface in asset.links[1].surfaces])
+    assert asset.links[0].boxes
     for openness in np.linspace(0, 1, 13):
         pose = asset.link_poses(float(openness))[1]
         points = upper @ pose[:3, :3].T + pose[:3, 3]
@@ -36,6 +37,7 @@ def test_halves_of_a_book_do_not_cut_each_other(size: tuple[float, float, float]
 
 def test_text_is_hidden_when_shut_and_faces_up_when_open() -> None:
     asset = build(AssetSpec("Book", SIZES[1], 0))
+    assert len(asset.links) == 2
     for link, pose in zip(asset.links, asset.link_poses(1.0), strict=True):
         text = next(surface for surface in link.surfaces if surface.material == LINE)
         assert (text.normals @ pose[:3, :3].T)[:, 2].min() > 0.99

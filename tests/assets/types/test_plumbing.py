@@ -70,6 +70,7 @@ def test_one_seed_gives_a_sink_and_its_basin_one_material(sink: str, basin: str,
 @pytest.mark.parametrize("variant", range(4))
 def test_things_lie_on_the_floor_of_a_basin(type_: str, size: Vec3, level: float | None, variant: int) -> None:
     asset = build(AssetSpec(type_, size, variant, levels=() if level is None else (level,)))
+    assert asset.spaces
     for space in asset.spaces:
         x, y, floor = (space.box[0] + space.box[3]) / 2, (space.box[1] + space.box[4]) / 2, space.box[2]
         if level is not None:

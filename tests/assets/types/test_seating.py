@@ -75,6 +75,8 @@ def test_stools_are_sat_on_at_their_top(type_: str, variant: int) -> None:
 @pytest.mark.parametrize(("type_", "variant"), variants("ArmChair", "Bed", "Sofa"))
 def test_no_part_stands_in_the_room_above_a_seat(type_: str, variant: int) -> None:
     asset = build(AssetSpec(type_, typical_size(type_), variant))
+    assert asset.spaces
+    assert any(link.boxes for link in asset.links)
     for space in asset.spaces:
         low, high = np.array(space.box[:3]), np.array(space.box[3:])
         low[2] += 0.03
@@ -98,6 +100,7 @@ def test_a_deep_sofa_is_l_shaped_and_leaves_its_corner_free(variant: int) -> Non
 @pytest.mark.parametrize("variant", range(4))
 def test_a_loft_bed_stands_on_posts_with_room_beneath(variant: int) -> None:
     asset = build(AssetSpec("Bed", (1.2, 2.0, 1.9), variant, levels=(1.6,)))
+    assert any(link.boxes for link in asset.links)
     for link in asset.links:
         for box in link.boxes:
             inside = abs(box.centre[0]) + box.size[0] / 2 < 0.5 and abs(box.centre[1]) + box.size[1] / 2 < 0.9

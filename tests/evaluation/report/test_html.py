@@ -98,6 +98,7 @@ def test_figures_do_not_overlap(page: tuple[Any, list[str]]) -> None:
 
 def test_texts_of_plots_are_inside_them(page: tuple[Any, list[str]]) -> None:
     opened, _ = page
+    assert opened.locator("svg text").count() > 0
     for plot in opened.locator("svg").all():
         around = plot.bounding_box()
         for text in plot.locator("text").all():

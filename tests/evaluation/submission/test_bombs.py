@@ -69,6 +69,7 @@ def test_pages_say_what_an_honest_footer_says(version: str, compression: str, tm
     pq.write_table(rows, path, compression=compression, data_page_version=version, data_page_size=4096)
     content = path.read_bytes()
     group = pq.read_metadata(path).row_group(0)
+    assert group.num_columns == 2
     for column in (group.column(i) for i in range(group.num_columns)):
         found = unpacked(content, column)
         assert found.values == column.num_values

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from remqa_data.errors import ArrangementError
@@ -75,6 +75,7 @@ def test_things_are_where_they_were_wished_and_nothing_else_of_their_type_is(roo
 @pytest.mark.parametrize(("room", "number"), CASES)
 def test_hidden_things_show_no_pixel_before_and_enough_after(room: str, number: int) -> None:
     made = arranged(room, number)
+    assert any(ids for _, ids in made.hidden)
     with World(made.scene) as world:
         view = WorldView(world)
         for wish, ids in made.hidden:
@@ -167,8 +168,8 @@ def test_too_many_things_are_refused_with_the_place() -> None:
 def test_packed_things_keep_apart_and_inside(sides: list[tuple[float, float]], seed: int, yaw: float) -> None:
     area = Area((0.0, 0.0, 0.0), yaw, (0.3, 0.2), 0.3)
     puts = packed([area], [(w, d, 0.1) for w, d in sides], 0.0, np.random.default_rng(seed))
-    if puts is None:
-        return
+    assume(puts is not None)
+    assert len(puts) == len(sides)
     circles = [(np.array(put.position[:2]), min(side) / 2) for put, side in zip(puts, sides, strict=True)]
     for i, (centre, radius) in enumerate(circles):
         turn = np.radians(yaw)

@@ -53,6 +53,7 @@ def test_capacity_counts_rows(size: tuple[float, float, float], count: int) -> N
 def test_spots_lie_in_their_area_and_do_not_overlap(yaw: float, half_x: float, half_y: float) -> None:
     area = Area((1.0, 2.0, 0.5), yaw, (half_x, half_y), 0.2)
     spots = area.spots(0.11)
+    assert spots or 2 * min(half_x, half_y) < 0.11
     angle = math.radians(yaw)
     for i, spot in enumerate(spots):
         dx, dy = spot.position[0] - 1.0, spot.position[1] - 2.0
@@ -98,6 +99,7 @@ def test_rooms_have_places_of_each_manipulation() -> None:
 
 def test_what_is_done_can_be_done_and_hides_as_it_says(room: tuple[WorldView, tuple[HidingPlace, ...]]) -> None:
     view, places = room
+    assert places
     for place in places:
         kind = object_type(view.world.type_of(place.object_id))
         assert {"Open": kind.openable, "Pickup": kind.pickupable, "Move": kind.moveable}[place.manipulation]
@@ -109,6 +111,7 @@ def test_what_is_done_can_be_done_and_hides_as_it_says(room: tuple[WorldView, tu
 def test_goals_stand_on_the_grid_see_the_object_and_reach_it(room: tuple[WorldView, tuple[HidingPlace, ...]]) -> None:
     view, places = room
     grid = reachable_grid(view.world)
+    assert places
     for place in places:
         is_open = place.manipulation == "Open"
         points = front_points(view, place.object_id) if is_open else surface_points(view.world, place.object_id)
@@ -127,6 +130,7 @@ def test_goals_stand_on_the_grid_see_the_object_and_reach_it(room: tuple[WorldVi
 
 def test_spots_are_in_view_after_the_manipulation(room: tuple[WorldView, tuple[HidingPlace, ...]]) -> None:
     view, places = room
+    assert any(place.relation == "under" for place in places)
     for place in places:
         if place.relation == "under":
             with manipulated(view.world, view, place):
@@ -196,6 +200,7 @@ def test_what_fits_is_found_there_and_pots_do_not_fit_under_a_book() -> None:
 
 
 def test_fewer_types_fit_several_times() -> None:
+    assert places_of("FloorPlan7")
     for place in places_of("FloorPlan7"):
         counts = [{name for name, _ in fitting_types(place, "kitchen", count)} for count in (1, 2, 3)]
         assert counts[0] >= counts[1] >= counts[2]

@@ -34,6 +34,7 @@ def room_for(name: str, groups: int) -> SceneCapacity:
 
 def check(quotas, totals, rooms) -> None:
     """Everything that `allot` promises."""
+    assert len(quotas) == len(rooms) > 0
     for split, by_kind in totals.items():
         for kind, total in by_kind.items():
             answers: Counter[str] = Counter()

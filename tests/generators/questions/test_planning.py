@@ -120,7 +120,9 @@ def test_the_same_generator_gives_the_same_plan_and_another_one_another() -> Non
 
 
 def test_more_configurations_than_answers() -> None:
-    for group in plan(quotas()[0], configurations=6):
+    groups = plan(quotas()[0], configurations=6)
+    assert groups
+    for group in groups:
         assert len(group.answers) == 6
         assert len(set(group.asked)) == len(group.asked)
 

@@ -48,6 +48,7 @@ def test_words(kind, where, type_name, text) -> None:
 
 
 def test_every_question_type_makes_a_sentence_without_leftovers() -> None:
+    assert len(question_types()) == 60
     for name in question_types():
         for kind in ("EXISTENCE", "COUNTING"):
             text = candidate(kind, place("Fridge"), name).text

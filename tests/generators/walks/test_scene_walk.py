@@ -54,6 +54,7 @@ def test_what_frames_add_is_the_graph_of_the_scene_row(walked: SceneWalk) -> Non
 def test_expressions_are_boxed_in_a_frame_that_shows_their_target(walked: SceneWalk) -> None:
     graph = SceneGraph.from_objects(walked.scene.objects)
     frames = {frame.frame_id: frame for frame in walked.frames}
+    assert walked.expressions
     for said in walked.expressions:
         frame = frames[said.frame_id]
         index = [seen.id for seen in frame.objects].index(said.target_id)

@@ -95,6 +95,7 @@ def test_frames_are_spread_over_the_room(room: tuple[WorldView, ReachableGrid], 
 
 def test_a_frame_says_where_it_was_taken(room: tuple[WorldView, ReachableGrid], frames: list[WalkFrame]) -> None:
     _, grid = room
+    assert frames
     for frame in frames:
         i, j = frame.pose.cell
         place = (i * GRID_M, j * GRID_M, grid.floor_z)
@@ -105,6 +106,7 @@ def test_a_frame_says_where_it_was_taken(room: tuple[WorldView, ReachableGrid], 
 
 
 def test_every_frame_sees_three_objects_besides_the_floor(frames: list[WalkFrame]) -> None:
+    assert frames
     for frame in frames:
         assert sum(thing.type != "Floor" for thing in frame.metadata.objects) >= 3
 

@@ -82,6 +82,7 @@ def go_near(agent: Agent, object_id: str, distance_m: float = 0.9) -> None:
 def test_a_step_ahead_succeeds_where_the_grid_has_an_edge_and_nowhere_else(name: str) -> None:
     agent = agent_in(at_rest(name))
     grid = reachable_grid(agent.world)
+    assert len(grid.cells) > 20
     for cell, (yaw, (dx, dy)) in product(grid.cells, AHEAD.items()):
         agent.place(grid.position(cell), yaw)
         there = (cell[0] + dx, cell[1] + dy)
@@ -99,6 +100,7 @@ def test_no_walk_ends_nearer_to_anything_than_the_radius(steps: list[tuple[float
     agent = walker()
     clearance = clearance_map(agent.world)
     agent.place(agent.grid.position(agent.grid.cells[len(agent.grid.cells) // 2]), 0.0)
+    assert clearance.at(agent.x, agent.y) > AGENT_RADIUS_M
     for ahead, right, turn in steps:
         agent.rotate(turn)
         agent.move(ahead, right)
