@@ -61,29 +61,41 @@ BY_THE_PROCESSOR = {f"{module}.{name}" for module in ("np", "math") for name in 
 """Functions whose last digit depends on the processor; math.hypot and math.dist are Python's own, and do not."""
 
 
-def run(command: list[str], environment: dict[str, str], cache: Path) -> str:
-    """What a Python process prints on a machine with some environment."""
-    variables = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(cache), **environment}
+def run(command: list[str], environment: dict[str, str], kernels: Path) -> str:
+    """What a Python process prints on a machine with some environment.
+
+    Kernels for another processor are kept in a folder of their own, by Numba under that processor's name; those for this
+    one are where they always are.
+    """
+    variables = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    if "NUMBA_CPU_NAME" in environment:
+        variables["NUMBA_CACHE_DIR"] = str(kernels)
     done = subprocess.run([sys.executable, *command], env=variables, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
 
-def fingerprints(wanted: str, environment: dict[str, str], cache: Path) -> list[str]:
+def fingerprints(wanted: str, environment: dict[str, str], kernels: Path) -> list[str]:
     """The lines of `tests.helpers.fingerprints`."""
-    return run(["-m", "tests.helpers.fingerprints", *wanted.split()], environment, cache).splitlines()
+    return run(["-m", "tests.helpers.fingerprints", *wanted.split()], environment, kernels).splitlines()
 
 
 @pytest.fixture(scope="module")
-def here(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
-    return fingerprints("meshes rooms", {}, tmp_path_factory.mktemp("here"))
+def kernels(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where kernels for other processors are kept: each is compiled once for all tests."""
+    return tmp_path_factory.mktemp("kernels")
+
+
+@pytest.fixture(scope="module")
+def here(kernels: Path) -> list[str]:
+    return fingerprints("meshes rooms", {}, kernels)
 
 
 @pytest.mark.skipif("fma" not in FLAGS, reason="nothing can be taken away from this processor")
-def test_an_old_machine_computes_other_last_digits(tmp_path: Path) -> None:
+def test_an_old_machine_computes_other_last_digits(kernels: Path) -> None:
     """Else the other tests here would show nothing; less than one sine in a thousand is another one."""
     command = ["-c", "import math; print(hash(tuple(math.sin(k / 7000) for k in range(100_000))))"]
-    assert run(command, {}, tmp_path) != run(command, OLD_MACHINE, tmp_path)
+    assert run(command, {}, kernels) != run(command, OLD_MACHINE, kernels)
 
 
 @pytest.mark.parametrize(
@@ -94,28 +106,26 @@ def test_an_old_machine_computes_other_last_digits(tmp_path: Path) -> None:
     ],
 )
 def test_meshes_and_rooms_are_the_same_on_another_machine(
-    here: list[str], environment: dict[str, str], tmp_path: Path
+    here: list[str], environment: dict[str, str], kernels: Path
 ) -> None:
-    assert fingerprints("meshes rooms", environment, tmp_path) == here
+    assert fingerprints("meshes rooms", environment, kernels) == here
 
 
 def test_meshes_and_rooms_are_the_same_with_sines_that_are_wrong_in_the_last_digit(
-    here: list[str], tmp_path: Path
+    here: list[str], kernels: Path
 ) -> None:
-    assert fingerprints("--shaken meshes rooms", {}, tmp_path) == here
+    assert fingerprints("--shaken meshes rooms", {}, kernels) == here
 
 
 @pytest.mark.slow
-def test_textures_and_frames_are_the_same_on_another_machine(tmp_path: Path) -> None:
-    drawn = [
-        fingerprints("textures frames", environment, tmp_path / str(i))
-        for i, environment in enumerate(({}, OLD_MACHINE, {"NUMBA_CPU_NAME": "haswell"}))
-    ]
+def test_textures_and_frames_are_the_same_on_another_machine(kernels: Path) -> None:
+    machines = ({}, OLD_MACHINE, {"NUMBA_CPU_NAME": "haswell"})
+    drawn = [fingerprints("textures frames", environment, kernels) for environment in machines]
     assert drawn[0] == drawn[1] == drawn[2]
 
 
 @pytest.mark.slow
-def test_a_dataset_is_the_same_on_another_machine(tmp_path: Path) -> None:
+def test_a_dataset_is_the_same_on_another_machine(kernels: Path, tmp_path: Path) -> None:
     config = yaml.safe_load((ROOT / "configs" / "tiny.yaml").read_text(encoding="utf-8"))
     config |= {"scenes": ["FloorPlan27"], "questions": {**config["questions"], "train": NONE}, "configurations": 4}
     (tmp_path / "room.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
@@ -124,7 +134,7 @@ def test_a_dataset_is_the_same_on_another_machine(tmp_path: Path) -> None:
         out = tmp_path / f"out {i}"
         code = ["-c", "from remqa_data.generators.cli import main; main()"]
         options = ["--config", str(tmp_path / "room.yaml"), "--workers", "1", "--out", str(out)]
-        run([*code, *options], environment, tmp_path / f"cache {i}")
+        run([*code, *options], environment, kernels)
         made.append({path.relative_to(out): path.read_bytes() for path in out.rglob("*") if path.is_file()})
     assert len(made[0]) > 5
     assert made[0] == made[1]
