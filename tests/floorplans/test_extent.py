@@ -25,6 +25,7 @@ def test_a_room_ends_at_its_walls_or_a_step_behind_its_last_things(name: str) ->
 @pytest.mark.parametrize("name", scene_names()[::6])
 def test_nothing_was_recorded_in_a_corner_that_is_missing(name: str) -> None:
     rows, (_, notches) = extent_of(name)
+    assert rows
     for x0, y0, x1, y1 in notches:
         inside = [
             o.id for o in rows if o.type != "Floor" and np.all(o.high[:2] > [x0, y0]) and np.all(o.low[:2] < [x1, y1])

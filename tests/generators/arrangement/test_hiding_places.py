@@ -143,6 +143,7 @@ def test_most_of_what_is_revealed_is_in_view_from_before_the_front(
 ) -> None:
     view, places = room
     grid = reachable_grid(view.world)
+    assert places
     for place in places:
         assert max(place.shares) >= 0.75
         if place.manipulation == "Open":
@@ -159,6 +160,7 @@ def test_what_is_moved_aside_moves_by_more_than_its_own_length(
     room: tuple[WorldView, tuple[HidingPlace, ...]],
 ) -> None:
     view, places = room
+    assert places
     for place in places:
         if place.move_to is not None:
             state = view.world.state(place.object_id)

@@ -266,6 +266,7 @@ def test_something_comes_to_light_whatever_the_answer_is(questions) -> None:
 
 
 def test_a_row_names_only_what_its_views_show(questions) -> None:
+    assert questions
     for question in questions.values():
         images = [decode_instances(getattr(question, f"{when}_instances").bytes) for when in ("start", "end")]
         assert np.union1d(*images).max() == len(question.object_ids)

@@ -97,6 +97,7 @@ def test_what_stands_on_a_cupboard_or_its_board_stays_when_its_door_opens() -> N
 @pytest.mark.parametrize("name", ["FloorPlan204", "FloorPlan411"])
 def test_in_recorded_rooms_drawers_take_along_what_metadata_says_is_in_them(name: str) -> None:
     with settled(load_scene(name)) as world:
+        assert "Drawer" in map(world.type_of, world.ids)
         for drawer in (o for o in world.ids if world.type_of(o) == "Drawer"):
             held_by = supports(world, {o: world.box(o) for o in world.ids})
             inside = {o for o, support in held_by.items() if support.id == drawer}
