@@ -98,12 +98,10 @@ def test_an_old_machine_computes_other_last_digits(kernels: Path) -> None:
     assert run(command, {}, kernels) != run(command, OLD_MACHINE, kernels)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "environment",
-    [
-        pytest.param(OLD_MACHINE, id="old"),
-        pytest.param({"OPENBLAS_CORETYPE": "Zen"}, id="zen", marks=pytest.mark.slow),
-    ],
+    [pytest.param(OLD_MACHINE, id="old"), pytest.param({"OPENBLAS_CORETYPE": "Zen"}, id="zen")],
 )
 def test_meshes_and_rooms_are_the_same_on_another_machine(
     here: list[str], environment: dict[str, str], kernels: Path
@@ -111,6 +109,7 @@ def test_meshes_and_rooms_are_the_same_on_another_machine(
     assert fingerprints("meshes rooms", environment, kernels) == here
 
 
+@pytest.mark.slow
 def test_meshes_and_rooms_are_the_same_with_sines_that_are_wrong_in_the_last_digit(
     here: list[str], kernels: Path
 ) -> None:
