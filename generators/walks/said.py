@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -15,7 +16,7 @@ MOST_ALONE = 0.4
 
 
 class Said(NamedTuple):
-    """An expression, its number among those of its target, and the frame that it is about."""
+    """An expression, its number among those that are kept of its target, and the frame that it is about."""
 
     expression: Expression
     number: int
@@ -48,7 +49,14 @@ def said_of(frames: Sequence[FrameRow], expressions: Mapping[str, Sequence[Expre
     contested = sum(not alone for _, alone in found)
     alone = sorted((i for i, (_, alone) in enumerate(found) if alone), key=lambda i: (found[i][0].number, i))
     kept = set(alone[: int(MOST_ALONE / (1 - MOST_ALONE) * contested)])
-    return [said for i, (said, alone) in enumerate(found) if not alone or i in kept]
+    numbers: Counter[str] = Counter()
+    chosen = []
+    for i, (said, is_alone) in enumerate(found):
+        if not is_alone or i in kept:
+            target = said.expression.target_id
+            chosen.append(said._replace(number=numbers[target]))
+            numbers[target] += 1
+    return chosen
 
 
 class _View:

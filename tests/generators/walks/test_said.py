@@ -47,3 +47,9 @@ def test_few_targets_are_the_only_ones_of_their_type() -> None:
     assert len(said) - len(alone) == 6
     assert len(alone) == 4 == int(MOST_ALONE * len(said))
     assert {one.number for one in alone} == {0}  # the best phrase of each
+
+
+def test_what_is_kept_of_a_target_is_numbered_from_0() -> None:
+    phrases = [phrase("Mug_1", "Desk_1"), phrase("Mug_1"), phrase("Mug_1")]
+    said = said_of([frame("no desk", Mug_1=90, Mug_2=90)], {"Mug_1": phrases, "Mug_2": [phrase("Mug_2")]})
+    assert [(one.expression.target_id, one.number) for one in said] == [("Mug_1", 0), ("Mug_1", 1), ("Mug_2", 0)]
