@@ -9,6 +9,7 @@ def remqa_data() -> None:
     """The command `remqa-data`."""
     with ends_the_process(), PromptInterrupts("remqa-data: stopped"):
         from remqa_data.cli import main
+
         main()
 
 
@@ -16,6 +17,7 @@ def remqa_gen() -> None:
     """The command `remqa-gen`."""
     with ends_the_process(), PromptInterrupts("remqa-gen: stopped"):
         from remqa_data.generators.cli import main
+
         main()
 
 
@@ -23,4 +25,5 @@ def remqa_eval() -> None:
     """The command `remqa-eval`."""
     with ends_the_process(), PromptInterrupts("remqa-eval: stopped"):
         from remqa_data.evaluation.cli import main
+
         main()
