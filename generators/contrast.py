@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import U8
 from remqa_data.opencv import cv2
 
@@ -28,5 +29,7 @@ def contrast_de(rgb: U8, mask: npt.NDArray[np.bool_]) -> float:
     ring = cv2.dilate(mask.astype(np.uint8), kernel).astype(bool) & ~mask
     if not (mask.any() and ring.any()):
         return float("inf")
-    lab = cv2.cvtColor(rgb.astype(np.float32) / np.float32(255), cv2.COLOR_RGB2LAB)
-    return round(float(np.linalg.norm(lab[mask].mean(axis=0) - lab[ring].mean(axis=0))), 3)
+    # OpenCV converts bytes with whole numbers, the same on every processor; its L goes from 0 to 255.
+    lab = cv2.cvtColor(rgb, cv2.COLOR_RGB2LAB).astype(np.int64)
+    inside, around = (lab[pixels].sum(axis=0) / np.count_nonzero(pixels) for pixels in (mask, ring))
+    return float(arithmetic.length((inside - around) * (100 / 255, 1.0, 1.0)))

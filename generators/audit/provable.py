@@ -5,12 +5,12 @@ Worked out from the stored depth and the room's own geometry, by chance points, 
 
 from __future__ import annotations
 
-import math
 import zlib
 
 import numpy as np
 
 from remqa_data.generators.arrangement.hiding_rules import hidden_size
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.scene import Scene
 from remqa_data.sim.metadata import AgentState
@@ -68,7 +68,7 @@ def _inside(world: World, object_id: str, size: F64, rng: np.random.Generator) -
         if not space.enclosed or (high - low)[:2].min() < LEAST_SIDE_M:
             continue
         tops = _tops(low, high, size, rng)
-        found.append(tops @ poses[space.link, :3, :3].T + poses[space.link, :3, 3])
+        found.append(arithmetic.moved(tops, poses[space.link]))
     return np.concatenate(found) if found else np.empty((0, 25, 3))
 
 
@@ -76,7 +76,7 @@ def _beneath(world: World, object_id: str, size: F64, rng: np.random.Generator) 
     """(n, 25, 3) points on the tops of things of a size that lay where an object stood, well within its plan."""
     state, plan = world.state(object_id), np.array(world.assets[object_id].spec.size)
     high = plan / 2 * BENEATH
-    tops = _tops(-high, high, size, rng) @ state.matrix()[:3, :3].T + state.position
+    tops = arithmetic.moved(_tops(-high, high, size, rng), state.matrix())
     tops[..., 2] = world.box(object_id)[0, 2] + size[2]
     return np.asarray(tops)
 
@@ -98,15 +98,15 @@ def _tops(low: F64, high: F64, size: F64, rng: np.random.Generator) -> F64:
 
 def _are_seen(points: F64, pose: AgentState, depth: np.ndarray[tuple[int, ...], np.dtype[np.float32]]) -> F64:
     """(n,) whether the agent's camera at a pose shows points and nothing in front of them."""
-    yaw, down = math.radians(pose.yaw_deg), math.radians(pose.horizon_deg)
-    ahead = np.array([math.cos(yaw) * math.cos(down), math.sin(yaw) * math.cos(down), -math.sin(down)])
-    right = np.array([math.sin(yaw), -math.cos(yaw), 0.0])
+    (sin_yaw, sin_down), (cos_yaw, cos_down) = arithmetic.sin_cos_deg([pose.yaw_deg, pose.horizon_deg])
+    ahead = np.array([cos_yaw * cos_down, sin_yaw * cos_down, -sin_down])
+    right = np.array([sin_yaw, -cos_yaw, 0.0])
     x, y, floor_z = pose.position
     away = points - np.array([x, y, floor_z + CAMERA_HEIGHT_M])
-    z = away @ ahead
+    z = arithmetic.dot(away, ahead)
     height, width = depth.shape
-    x = width / 2 + away @ right / z * height / 2
-    y = height / 2 - away @ np.cross(right, ahead) / z * height / 2
-    inside = (z > 0) & (x >= 0) & (y >= 0) & (x < width) & (y < height)
-    shown = depth[np.where(inside, y, 0).astype(int), np.where(inside, x, 0).astype(int)]
+    column = width / 2 + arithmetic.dot(away, right) / z * height / 2
+    row = height / 2 - arithmetic.dot(away, np.cross(right, ahead)) / z * height / 2
+    inside = (z > 0) & (column >= 0) & (row >= 0) & (column < width) & (row < height)
+    shown = depth[np.where(inside, row, 0).astype(int), np.where(inside, column, 0).astype(int)]
     return np.asarray(inside & (shown > z - NEARER_M), dtype=np.float64)

@@ -21,6 +21,7 @@ from remqa_data.generators.audit.provable import LEAST_SHARE, seen_share
 from remqa_data.generators.contrast import contrast_de
 from remqa_data.generators.questions.questions import NO, question_program, question_text
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.referring import Program, program_of, resolve
@@ -206,7 +207,9 @@ class CheckedRoom:
             record = self.records[question.target_id]
             x, y, _ = question.goal_poses[0].position
             dx, dy = x - (record.box[0] + record.box[3]) / 2, y - (record.box[1] + record.box[4]) / 2
-            aside_deg = abs((math.degrees(math.atan2(dy, dx)) - (record.facing_deg or 0.0) + 180.0) % 360.0 - 180.0)
+            aside_deg = abs(
+                (math.degrees(arithmetic.arctan2(dy, dx)) - (record.facing_deg or 0.0) + 180.0) % 360.0 - 180.0
+            )
             if aside_deg > FRONT_DEG + 1e-6:
                 yield "visible", f"the goal is {aside_deg:.0f} degrees off the front of {question.target_id}"
         if question.answer in (NO, "0"):

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.opencv import cv2
 from remqa_data.storage.manifest import load_manifest
@@ -131,7 +132,7 @@ def _least_contrast(row: Mapping[str, Any], end: npt.NDArray[np.uint16], numbers
         mask = end == number
         ring = cv2.dilate(mask.astype(np.uint8), kernel).astype(bool) & ~mask
         if mask.any() and ring.any():
-            found.append(float(np.linalg.norm(lab[mask].mean(axis=0) - lab[ring].mean(axis=0))))
+            found.append(float(arithmetic.length(lab[mask].mean(axis=0) - lab[ring].mean(axis=0))))
     return min(found, default=0.0)
 
 
@@ -159,13 +160,13 @@ def _from_front_deg(row: Mapping[str, Any], room: _Room) -> float:
     if target["facing_deg"] is None:
         return float("nan")
     goal, box = row["goal_poses"][0]["position"], target["box"]
-    to_goal = np.degrees(np.arctan2(goal[1] - (box[1] + box[4]) / 2, goal[0] - (box[0] + box[3]) / 2))
+    to_goal = np.degrees(arithmetic.arctan2(goal[1] - (box[1] + box[4]) / 2, goal[0] - (box[0] + box[3]) / 2))
     return float(abs((to_goal - target["facing_deg"] + 180.0) % 360.0 - 180.0))
 
 
 def _start_distance_m(row: Mapping[str, Any]) -> float:
     goals: F64 = np.array([goal["position"][:2] for goal in row["goal_poses"]])
-    return float(np.linalg.norm(goals - row["initial_pose"]["position"][:2], axis=1).min())
+    return float(arithmetic.length(goals - row["initial_pose"]["position"][:2]).min())
 
 
 def _moved(
