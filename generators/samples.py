@@ -67,8 +67,8 @@ AWAY_M = SUCCESS_DISTANCE_M + DISTANCE_SLACK_M
 """Who starts nearer to a goal pose than this, and looks at the target, has arrived without a step."""
 LEAST_STARTS = 12
 """A further goal pose counts if it leaves so many cells to start from."""
-LEAST_SHARE = 0.8
-"""Of the ways in which a thing of the asked type could lie there, so many are in view where none is found."""
+LEAST_SHARE = 0.82
+"""Of the space in which a thing of the asked type could be, so much is in view where none is found; 0.8 is asked for."""
 LEAST_CONTRAST_DE = 9.0
 """Of evidence and its surroundings, before the picture is stored as JPEG; 8 are asked for."""
 

@@ -78,9 +78,7 @@ class RoomPlanner:
         self.plans_made = self.plans_arranged = 0
         self.failures: Counter[tuple[str, str]] = Counter()
         self.refused: Counter[str] = Counter()
-        self._fitting_at_first = cache(
-            lambda place, count, others: fitting_types(place, job.quota.room_type, count, others=others)
-        )
+        self._fitting_at_first = cache(lambda place, count: fitting_types(place, job.quota.room_type, count))
         self._forget()
 
     def next(self) -> RoomPlan:
@@ -98,11 +96,7 @@ class RoomPlanner:
             numbers = range(self.job.config.configurations)
             try:
                 others = distractors(
-                    groups,
-                    len(numbers),
-                    self._fitting_beside,
-                    self.clashes,
-                    self.job.rng(f"distractors {self.plans_made}"),
+                    groups, len(numbers), self._fitting, self.clashes, self.job.rng(f"distractors {self.plans_made}")
                 )
                 hidden = [[*_hidden(groups, number), *others[number]] for number in numbers]
                 for number in numbers:  # all of them first, as it takes no time
@@ -134,12 +128,8 @@ class RoomPlanner:
             self._forget()  # too much was ruled out for what may have been bad luck
             return self._planned()
 
-    def _fitting_beside(self, place: HidingPlace, count: int) -> list[tuple[str, float]]:
-        """What may be hidden beside what is asked for."""
-        return self._fitting(place, count, others=True)
-
-    def _fitting(self, place: HidingPlace, count: int, others: bool = False) -> list[tuple[str, float]]:
-        found = self._fitting_at_first(replace(place, spots=()), count, others)
+    def _fitting(self, place: HidingPlace, count: int) -> list[tuple[str, float]]:
+        found = self._fitting_at_first(replace(place, spots=()), count)
         return [pair for pair in found if (place.object_id, place.relation, pair[0]) not in self.misfits]
 
     def _arranged(self, hidden: list[Hidden], number: int) -> Configuration:

@@ -14,11 +14,9 @@ import numpy as np
 from remqa_data.errors import ArrangementError
 from remqa_data.generators.arrangement.hiding_check import Hidden
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
-from remqa_data.generators.arrangement.packing import packed
+from remqa_data.generators.arrangement.hiding_rules import hidden_size
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.questions import confusable, mentioned_types
-from remqa_data.geometry.types import Vec3
 
 Fitting = Callable[[HidingPlace, int], Sequence[tuple[str, float]]]
 """Gives the types of which so many things fit a place at the same time, with weights."""
@@ -57,8 +55,8 @@ def distractors(
     Returns
     -------
     For each configuration, so many things for each place that is asked about that all of its configurations reveal as
-    many: those of the one that needs most, or fewer but at least one where nothing else fits. Nothing is of a type that
-    the place is asked for, or that may be taken for it, or that a question of the room names.
+    many: those of the one that needs most. Nothing is of a type that the place is asked for, or that may be taken for it, or
+    that a question of the room names.
 
     Raises
     ------
@@ -79,47 +77,23 @@ def distractors(
         taken = at_object | named
         for number in range(configurations):
             missing = [g.question.type for g in own for _ in range(max(g.counts) - g.counts[number])]
-            there = [g.question.type for g in own for _ in range(g.counts[number])]
             chosen: list[str] = []
             for wanted in missing[: int(counts.max() - counts[number])]:
+                there = {g.question.type for g in own if g.counts[number]} | set(chosen)
                 options = [
                     (name, weight * _likeness(name, wanted) * (ASKED_FACTOR if name in asked else 1.0))
-                    for name, weight in fitting(place, 1)
+                    for name, weight in fitting(place, len(missing))
                     if not any(confusable(name, other) for other in taken)
-                    and not any(clash <= {*there, *chosen, name} for clash in clashes.get(key, ()))
+                    and not any(clash <= there | {name} for clash in clashes.get(key, ()))
                 ]
-                weights = {name: weight / AGAIN_FACTOR ** used[name] for name, weight in options}
-                name = _that_fits(place, [*there, *chosen], weights, rng)
-                if name is None and (there or chosen):
-                    break  # something comes to light all the same
-                if name is None:
+                if not options:
                     msg = f"{place.object_id}: nothing else than {wanted} can be hidden {place.relation} it"
                     raise ArrangementError(msg, *key, sorted({g.question.type for g in own}))
-                chosen.append(name)
-                used[name] += 1
+                weights = np.array([weight / AGAIN_FACTOR ** used[name] for name, weight in options])
+                chosen.append(options[int(rng.choice(len(options), p=weights / weights.sum()))][0])
+                used[chosen[-1]] += 1
             made[number] += [Hidden(place, name, count) for name, count in sorted(Counter(chosen).items())]
     return made
-
-
-def _that_fits(
-    place: HidingPlace, there: Sequence[str], weights: Mapping[str, float], rng: np.random.Generator
-) -> str | None:
-    """A type drawn by its weight of which a place takes one more beside what is there; None if there is none."""
-    rules, left = hiding_rules(), dict(weights)
-    while left:
-        names = sorted(left)
-        shares = np.array([left[name] for name in names])
-        name = names[int(rng.choice(len(names), p=shares / shares.sum()))]
-        sizes = [_largest_size(other) for other in (*there, name)]
-        if packed(place.areas, sizes, rules.gap_m, rng) is not None:
-            return name
-        del left[name]
-    return None
-
-
-def _largest_size(name: str) -> Vec3:
-    width, depth, height = ((1.0 + hiding_rules().size_spread) * side for side in hidden_size(name))
-    return width, depth, height
 
 
 def _likeness(one: str, wanted: str) -> float:

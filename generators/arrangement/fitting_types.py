@@ -8,7 +8,7 @@ from remqa_data.floorplans.ithor.placements import probability
 from remqa_data.generators.arrangement.fill_ratios import fill_ratios
 from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
-from remqa_data.generators.arrangement.plausible import kept_in_rooms, plausible_types
+from remqa_data.generators.arrangement.plausible import plausible_types
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M
@@ -17,13 +17,8 @@ from remqa_data.sim.navigation.viewpoints import FRAME_PX
 MOST_CLEAR = 1.5
 """A type that shows more pixels than so many times as many as are aimed at is not preferred any more."""
 
-UNUSUAL = 0.05
-"""Weight of a type that is found elsewhere in such rooms."""
 
-
-def fitting_types(
-    place: HidingPlace, room_type: str, count: int | None = None, *, others: bool = False
-) -> list[tuple[str, float]]:
+def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) -> list[tuple[str, float]]:
     """The types of things that can be hidden in or under a place, of those that are found there, with weights.
 
     Parameters
@@ -34,8 +29,6 @@ def fitting_types(
         kitchen, living_room, bedroom or bathroom.
     count : int, optional
         How many things of the type must fit at the same time; by default three, or as many as the place has spots.
-    others : bool
-        Whether to add what is found elsewhere in such rooms, with small weights.
 
     Returns
     -------
@@ -45,14 +38,13 @@ def fitting_types(
     rules = hiding_rules()
     wanted = min(3, len(place.spots)) if count is None else count
     found = []
-    usual = plausible_types(place.type, place.relation, room_type)
-    for type_ in sorted((usual | kept_in_rooms(room_type) if others else usual) - {place.type}):
+    for type_ in sorted(plausible_types(place.type, place.relation, room_type) - {place.type}):
         grown = 1.0 + rules.size_spread
         size = tuple(side * grown for side in hidden_size(type_))
         fits = [_fits(area, place, type_, (size[0], size[1], size[2])) for area in place.areas]
         if sum(count for count, _ in fits) >= wanted:
             clearness = min(max(pixels for _, pixels in fits) / rules.aim_evidence_px, MOST_CLEAR)
-            weight = 1.0 + probability(type_, place.type, room_type) if type_ in usual else UNUSUAL
+            weight = 1.0 + probability(type_, place.type, room_type)
             found.append((type_, weight * clearness * clearness))
     return found
 

@@ -19,8 +19,7 @@ from remqa_data.sim.physics.world import World
 from remqa_data.tables.images import decode_depth
 from remqa_data.tables.rows import QuestionRow
 
-LEAST_SHARE = 0.77
-"""Of the 0.8 that is asked for; counted by chance points, a share may come out so much lower."""
+LEAST_SHARE = 0.8
 WAYS = 5000.0
 """Things that are tried for each square metre in which their middles can be."""
 LEAST_SHOWN = 0.3
