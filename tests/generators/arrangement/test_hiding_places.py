@@ -145,7 +145,7 @@ def test_most_of_what_is_revealed_is_in_view_from_before_the_front(
     grid = reachable_grid(view.world)
     assert places
     for place in places:
-        assert max(place.shares) >= 0.6
+        assert max(place.shares) >= 0.75
         if place.manipulation == "Open":
             low, high = view.world.box(place.object_id)
             front = -view.world.state(place.object_id).matrix()[:2, 1]
