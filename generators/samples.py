@@ -6,71 +6,54 @@ A sample that fails a check is refused, with the name of the truth that it would
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from remqa_data.errors import ActionError
+from remqa_data.errors import ActionError, NoPathError
+from remqa_data.generators.arrangement.hiding_goals import at_height
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.arrangement.hiding_rules import hiding_rules
-from remqa_data.generators.contrast import contrast_de
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.questions.groups import GroupPlan
-from remqa_data.generators.questions.questions import Candidate, mentioned_types
-from remqa_data.generators.revealed import Views, share_in_view
 from remqa_data.generators.undisturbed import counted_again, disturbed
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
-from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.agent.actions import DONE, Action, move_action, open_action, pick_up_action
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import (
     AgentState,
+    ObjectMetadata,
     changed_pixels,
+    is_visible,
     object_metadata,
     scaled_min_pixels,
     tight_box,
 )
-from remqa_data.sim.navigation.grid import Cell, ReachableGrid
+from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.paths import path_length_m, shortest_actions
-from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, AgentPose
+from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, AgentPose
 from remqa_data.sim.physics.world import Snapshot
 from remqa_data.sim.render.view import Observation
 from remqa_data.tables.images import RgbFormat, encode_depth, encode_instances, encode_rgb
 from remqa_data.tables.rows import QuestionRow
 
 Truth = Literal[
-    "answer",
-    "unique",
-    "clear",
-    "reachable",
-    "away",
-    "visible",
-    "necessary",
-    "sufficient",
-    "distinct",
-    "provable",
-    "undisturbed",
-    "replayable",
+    "answer", "unique", "clear", "reachable", "visible", "necessary", "sufficient", "undisturbed", "replayable"
 ]
 """What a refused sample would have broken: `answer` is that the room holds what was planned, `visible` that the target
 is seen from the goal pose, `clear` that no other object nearly fits the question, `undisturbed` that acting moves nothing
 else and that counting afterwards gives the answer; docs/ARCHITECTURE.md lists them all."""
 
-AWAY_M = SUCCESS_DISTANCE_M + DISTANCE_SLACK_M
-"""Who starts nearer to a goal pose than this, and looks at the target, has arrived without a step."""
-LEAST_STARTS = 12
-"""A further goal pose counts if it leaves so many cells to start from."""
-LEAST_SHARE = 0.82
-"""Of the space in which a thing of the asked type could be, so much is in view where none is found; 0.8 is asked for."""
-LEAST_CONTRAST_DE = 9.0
-"""Of evidence and its surroundings, before the picture is stored as JPEG; 8 are asked for."""
+LEAST_SHARE = 0.5
+"""Of the space that a manipulation reveals, so much is in view where nothing is found in it."""
+LOOK_M, ABOVE_M, SURFACE_M = 0.03, 0.01, 0.02
+"""It is looked for at points so far apart, so high above its bottom, and so near to what the picture shows."""
 
 
 class Refusal(NamedTuple):
@@ -78,6 +61,19 @@ class Refusal(NamedTuple):
 
     truth: Truth
     what: str
+
+
+class Views(NamedTuple):
+    """What is seen from a goal pose before and after a manipulation, and what the manipulation does.
+
+    `motion` holds the (4, 4) motions of the object's links, `state` the room afterwards, `records` what is known of it.
+    """
+
+    before: Observation
+    after: Observation
+    motion: F64
+    state: Snapshot
+    records: Mapping[str, ObjectMetadata]
 
 
 @dataclass(eq=False)
@@ -128,9 +124,7 @@ class AuditedRoom:
                 self.replay.observe(),
                 arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed)),
             )
-            new = [world.ids[i] for i in np.setdiff1d(after.objects, before.objects).tolist() if i >= 0]
-            boxes = tuple(world.box(name) for name in new)
-            self._views[key] = Views(before, after, motion, boxes, world.save(), object_metadata(world))
+            self._views[key] = Views(before, after, motion, world.save(), object_metadata(world))
             self.start_over(goal)
         return self._views[key]
 
@@ -139,7 +133,7 @@ class AuditedRoom:
         self.replay.close()
 
 
-def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random.Generator) -> QuestionRow | Refusal:
+def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPose) -> QuestionRow | Refusal:
     """The sample of one group in one configuration, audited; or why there is none.
 
     Parameters
@@ -148,8 +142,8 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         The configuration; it is at rest again afterwards.
     group : GroupPlan
         The question, its place and the answer planned for this configuration.
-    rng : Generator
-        Draws where the agent starts.
+    start : AgentPose
+        Where the agent starts.
     """
     question, hiding = group.question, group.question.place
     wanted = group.answers[room.place.configuration]
@@ -161,18 +155,16 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
     if not is_clear(question.program, room.graph, room.loose_graph):
         return Refusal("clear", f"{question.text}: something else nearly fits")
     manipulation = _manipulation(hiding)
-    found = _goal(room, question, answer.ids, manipulation)
+    found = _way(room, hiding, start, manipulation)
     if isinstance(found, Refusal):
         return found
-    goal, views = found
-    others = (pose for pose in (hiding.goal, *hiding.other_goals) if pose != goal and pose.cell in room.grid.graph)
-    goals, cells = goals_and_starts(room.grid, [goal, *others])
-    if not cells:
-        return Refusal("away", f"the agent stands nowhere farther than {AWAY_M} m from the goal at {hiding.object_id}")
-    start = AgentPose(cells[int(rng.integers(len(cells)))], int(rng.choice(HEADINGS_DEG)))
-    way = shortest_actions(room.grid, start, goal)
+    goal, way, views = found
     before, after = views.before, views.after
-    refusal = _disturbance(room, group, answer.ids, views)
+    refusal = _check_views(room, hiding, answer.ids, before, after)
+    if refusal is None and not answer.ids and _share_in_view(room, hiding, goal, views) < LEAST_SHARE:
+        refusal = Refusal("sufficient", f"too little of the space that {hiding.object_id} hides comes to light")
+    if refusal is None:
+        refusal = _disturbance(room, group, answer.ids, views)
     if refusal is not None:
         return refusal
     actions = (*map(Action, way), manipulation, Action(DONE))
@@ -181,7 +173,7 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
     name = f"{group.name}-c{room.place.configuration}"
     ids = room.replay.world.ids
     form = room.rgb_format
-    shown = shown_ids(before, after, ids)
+    goals = [goal, *(pose for pose in (hiding.goal, *hiding.other_goals) if pose != goal and _stands(room.grid, pose))]
     return QuestionRow(
         question_id=name,
         kind=question.kind,
@@ -208,76 +200,33 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         actions=tuple(map(str, actions)),
         start_rgb=encode_rgb(before.rgb, f"{name}-start", form=form),
         start_depth=encode_depth(before.depth, f"{name}-start-depth"),
-        start_instances=encode_instances(before.objects, ids, shown, f"{name}-start-instances"),
+        start_instances=encode_instances(before.objects, ids, ids, f"{name}-start-instances"),
         end_rgb=encode_rgb(after.rgb, f"{name}-end", form=form),
         end_depth=encode_depth(after.depth, f"{name}-end-depth"),
-        end_instances=encode_instances(after.objects, ids, shown, f"{name}-end-instances"),
-        object_ids=shown,
+        end_instances=encode_instances(after.objects, ids, ids, f"{name}-end-instances"),
+        object_ids=ids,
     )
 
 
-def goals_and_starts(grid: ReachableGrid, goals: Sequence[AgentPose]) -> tuple[list[AgentPose], list[Cell]]:
-    """The goal poses that count, and the cells from which it is a walk to each of them.
-
-    Parameters
-    ----------
-    grid : ReachableGrid
-        Where the agent can stand.
-    goals : sequence of AgentPose
-        The best first. In a small room the others count only as long as they leave something to start from.
-
-    Returns
-    -------
-    Goal poses, the first always among them, and cells that are farther than `AWAY_M` from all of them; there may be none.
-    """
-    kept: list[AgentPose] = []
-    starts = list(grid.cells)
-    for goal in goals:
-        left = [cell for cell in starts if math.dist(grid.position(cell), grid.position(goal.cell)) > AWAY_M]
-        if not kept or len(left) >= LEAST_STARTS:
-            kept, starts = [*kept, goal], left
-    return kept, starts
-
-
-def shown_ids(before: Observation, after: Observation, ids: Sequence[str]) -> tuple[str, ...]:
-    """Ids of the objects of which one of two views shows anything, in the order of the room."""
-    seen = np.union1d(before.objects, after.objects)
-    return tuple(ids[index] for index in seen.tolist() if index >= 0)
-
-
-def _goal(
-    room: AuditedRoom, question: Candidate[HidingPlace], answer_ids: tuple[str, ...], manipulation: Action
-) -> tuple[AgentPose, Views] | Refusal:
-    """The first goal pose that can be acted from and sees what it should, and its views; or why there is none.
-
-    Those that see what the question tells its target by come first.
-    """
-    hiding, landmarks = question.place, mentioned_types(question.expression.program[1:])
-    refusals: list[Refusal] = []
-    without_landmark = None
+def _way(
+    room: AuditedRoom, hiding: HidingPlace, start: AgentPose, manipulation: Action
+) -> tuple[AgentPose, list[str], Views] | Refusal:
+    """The first goal pose that can be reached and acted from, the actions that lead there, and what is seen there."""
+    reason = f"no way to {hiding.object_id}"
     for goal in (hiding.goal, *hiding.other_goals):
-        if goal.cell not in room.grid.graph:
+        if not _stands(room.grid, goal):
             continue
         try:
-            views = room.views(goal, manipulation)
+            return goal, shortest_actions(room.grid, start, goal), room.views(goal, manipulation)
+        except NoPathError:
+            continue
         except ActionError as error:
-            refusals.append(Refusal("reachable", str(error)))
-            continue
-        found = _check_views(room, hiding, answer_ids, views)
-        if found is None and not answer_ids:
-            share = share_in_view(hiding, goal.camera(room.grid), views, question.type)
-            if share < LEAST_SHARE:
-                found = Refusal("provable", f"only {share:.2f} of what {hiding.object_id} hides comes to light")
-        if found is not None:
-            refusals.append(found)
-            continue
-        seen = {
-            room.replay.world.type_of(name) for name in shown_ids(views.before, views.before, room.replay.world.ids)
-        }
-        if landmarks <= seen:
-            return goal, views
-        without_landmark = without_landmark or (goal, views)
-    return without_landmark or next(iter(refusals), Refusal("reachable", f"no way to {hiding.object_id}"))
+            reason = str(error)
+    return Refusal("reachable", reason)
+
+
+def _stands(grid: ReachableGrid, pose: AgentPose) -> bool:
+    return pose.cell in grid.graph
 
 
 def _manipulation(hiding: HidingPlace) -> Action:
@@ -289,22 +238,37 @@ def _manipulation(hiding: HidingPlace) -> Action:
     return move_action(hiding.object_id, hiding.move_to)
 
 
-def _check_views(room: AuditedRoom, hiding: HidingPlace, answer_ids: tuple[str, ...], views: Views) -> Refusal | None:
-    """Whether the pictures show the target before, and the evidence clearly and only after."""
-    before, after = views.before, views.after
-    ids, rules = room.replay.world.ids, hiding_rules()
+def _share_in_view(room: AuditedRoom, hiding: HidingPlace, goal: AgentPose, views: Views) -> float:
+    """Share of the surface on which things could lie that comes to light, or on which other things come to light."""
+    camera, after = goal.camera(room.grid), views.after
+    others = np.setdiff1d(after.objects, views.before.objects)
+    shown = []
+    for area in hiding.areas:
+        points = area.to_room(at_height(area.lattice(LOOK_M).reshape(-1, 2), area.seen_from_m + ABOVE_M))
+        if hiding.relation == "in":
+            points = arithmetic.moved(points, views.motion[area.link])
+        x, y, z = camera.project(points).T
+        inside = (z > 0) & (x >= 0) & (y >= 0) & (x < camera.width) & (y < camera.height)
+        row, column = np.where(inside, y, 0).astype(int), np.where(inside, x, 0).astype(int)
+        is_bare = after.depth[row, column] > z - SURFACE_M
+        shown.append(inside & (is_bare | np.isin(after.objects[row, column], others)))
+    return float(np.mean(np.concatenate(shown)))
+
+
+def _check_views(
+    room: AuditedRoom, hiding: HidingPlace, answer_ids: tuple[str, ...], before: Observation, after: Observation
+) -> Refusal | None:
+    """Whether the pictures show the target before, the evidence only after, and the hidden space where there is none."""
+    ids = room.replay.world.ids
     least = scaled_min_pixels(before.objects.shape)
-    target = tight_box(before.objects == ids.index(hiding.object_id))
-    if target is None or min(target[2] - target[0], target[3] - target[1]) < rules.min_target_px:
-        return Refusal("visible", f"{hiding.object_id} is a sliver at most from its goal pose")
+    if not is_visible(before.objects == ids.index(hiding.object_id)):
+        return Refusal("visible", f"{hiding.object_id} is not seen from its goal pose")
     for object_id in answer_ids:
         index = ids.index(object_id)
         if (before.objects == index).any():
             return Refusal("necessary", f"{object_id} is seen before the manipulation")
-        if np.count_nonzero(after.objects == index) < rules.min_evidence_px:
-            return Refusal("sufficient", f"{object_id} shows fewer than {rules.min_evidence_px} pixels afterwards")
-        if contrast_de(after.rgb, after.objects == index) < LEAST_CONTRAST_DE:
-            return Refusal("distinct", f"{object_id} hardly stands out from what surrounds it")
+        if not is_visible(after.objects == index):
+            return Refusal("sufficient", f"{object_id} shows fewer than {MIN_PIXELS} pixels after the manipulation")
     changed = changed_pixels((before.objects, before.depth), (after.objects, after.depth), 1e-3)
     if changed < 4 * least:
         return Refusal("sufficient", f"the manipulation of {hiding.object_id} hardly changes the view")

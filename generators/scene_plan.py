@@ -12,7 +12,6 @@ import numpy as np
 
 from remqa_data.errors import ArrangementError, QuotaError
 from remqa_data.generators.arrangement.configurations import Configuration, arrange, check_room
-from remqa_data.generators.arrangement.distractors import distractors
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import Hidden
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places
@@ -95,14 +94,10 @@ class RoomPlanner:
             groups = self._planned()
             numbers = range(self.job.config.configurations)
             try:
-                others = distractors(
-                    groups, len(numbers), self._fitting, self.clashes, self.job.rng(f"distractors {self.plans_made}")
-                )
-                hidden = [[*_hidden(groups, number), *others[number]] for number in numbers]
                 for number in numbers:  # all of them first, as it takes no time
-                    check_room(self.base, hidden[number], self.job.rng(f"room {number}"))
+                    check_room(self.base, _hidden(groups, number), self.job.rng(f"room {number}"))
                 self.plans_arranged += 1
-                return RoomPlan(groups, [self._arranged(hidden[number], number) for number in numbers])
+                return RoomPlan(groups, [self._arranged(groups, number) for number in numbers])
             except ArrangementError as error:
                 self.refused["arrangement"] += 1
                 if self.plans_made >= PLANS or self.plans_arranged >= ARRANGED:
@@ -132,8 +127,8 @@ class RoomPlanner:
         found = self._fitting_at_first(replace(place, spots=()), count)
         return [pair for pair in found if (place.object_id, place.relation, pair[0]) not in self.misfits]
 
-    def _arranged(self, hidden: list[Hidden], number: int) -> Configuration:
-        return arrange(self.base, self.places, hidden, self.job.rng(f"arrange {number}"))
+    def _arranged(self, groups: list[GroupPlan[HidingPlace]], number: int) -> Configuration:
+        return arrange(self.base, self.places, _hidden(groups, number), self.job.rng(f"arrange {number}"))
 
     @property
     def has_learnt(self) -> bool:

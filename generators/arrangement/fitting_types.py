@@ -12,10 +12,7 @@ from remqa_data.generators.arrangement.plausible import plausible_types
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M
-from remqa_data.sim.navigation.viewpoints import FRAME_PX
-
-MOST_CLEAR = 1.5
-"""A type that shows more pixels than so many times as many as are aimed at is not preferred any more."""
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
 
 
 def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) -> list[tuple[str, float]]:
@@ -32,8 +29,7 @@ def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) 
 
     Returns
     -------
-    Pairs of type and weight, sorted by type: the more of its things were recorded in such a place, the more; what shows few
-    pixels weighs less.
+    Pairs of type and weight, sorted by type: 1, and more the more of its things were recorded in such a place.
     """
     rules = hiding_rules()
     wanted = min(3, len(place.spots)) if count is None else count
@@ -41,11 +37,8 @@ def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) 
     for type_ in sorted(plausible_types(place.type, place.relation, room_type) - {place.type}):
         grown = 1.0 + rules.size_spread
         size = tuple(side * grown for side in hidden_size(type_))
-        fits = [_fits(area, place, type_, (size[0], size[1], size[2])) for area in place.areas]
-        if sum(count for count, _ in fits) >= wanted:
-            clearness = min(max(pixels for _, pixels in fits) / rules.aim_evidence_px, MOST_CLEAR)
-            weight = 1.0 + probability(type_, place.type, room_type)
-            found.append((type_, weight * clearness * clearness))
+        if sum(_fits(area, place, type_, (size[0], size[1], size[2])) for area in place.areas) >= wanted:
+            found.append((type_, 1.0 + probability(type_, place.type, room_type)))
     return found
 
 
@@ -72,14 +65,13 @@ def visible_pixels(place: HidingPlace, area: Area, type_: str, size: Vec3) -> fl
     return float(np.median((top * (area.seen_from_m == 0.0) + side) * (FRAME_PX / 2) ** 2 * r / depth**3))
 
 
-def _fits(area: Area, place: HidingPlace, type_: str, size: Vec3) -> tuple[int, float]:
-    """How many things of a size can lie in an area and are seen there, and how many pixels each shows at least."""
+def _fits(area: Area, place: HidingPlace, type_: str, size: Vec3) -> int:
+    """How many things of a size can lie in an area and are seen there."""
     rules = hiding_rules()
-    if size[2] <= area.seen_from_m or place.share_in_sight(size[2]) < rules.min_share_seen:
-        return 0, 0.0
+    if size[2] <= area.seen_from_m:
+        return 0
     grown = 1.0 + rules.size_spread
     smallest = (size[0] / grown**2, size[1] / grown**2, size[2] / grown**2)
-    pixels = visible_pixels(place, area, type_, smallest)
-    if pixels < rules.pixel_margin * rules.min_evidence_px:
-        return 0, 0.0
-    return area.capacity(size, rules.gap_m), pixels
+    if visible_pixels(place, area, type_, smallest) < rules.pixel_margin * MIN_PIXELS:
+        return 0
+    return area.capacity(size, rules.gap_m)

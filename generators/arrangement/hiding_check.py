@@ -10,12 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
 from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, pixels_per_object
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import WorldView
@@ -144,7 +143,7 @@ def _ill_seen(world: World, view: WorldView, place: HidingPlace, ids: Sequence[s
         return f"{ids[int(before.argmax())]} shows {before.max()} pixels before the manipulation"
     with manipulated(world, view, place):
         after = pixels_per_object(view, camera)[index]
-    if after.min() < hiding_rules().min_evidence_px:
+    if after.min() < MIN_PIXELS:
         return f"{ids[int(after.argmin())]} shows only {after.min()} pixels after the manipulation"
     return None
 

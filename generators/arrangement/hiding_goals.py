@@ -17,24 +17,6 @@ from remqa_data.geometry.types import F32, F64
 from remqa_data.sim.navigation.grid import AGENT_RADIUS_M, ARM_REACH_M, Outline, outline_distance
 from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses
 
-FRONT_DEG = 60.0
-"""Who stands farther round than this does not stand before the front of a thing."""
-
-
-@dataclass(frozen=True)
-class Front:
-    """Where the front of a thing looks: from its middle in the plan, metres, in degrees counter-clockwise from +x."""
-
-    middle: tuple[float, float]
-    facing_deg: float
-
-    def faces(self, position: tuple[float, float]) -> bool:
-        """Whether somebody at a position stands before it."""
-        dx, dy = position[0] - self.middle[0], position[1] - self.middle[1]
-        bearing = math.degrees(arithmetic.arctan2(dy, dx))
-        return abs((bearing - self.facing_deg + 180.0) % 360.0 - 180.0) <= FRONT_DEG
-
-
 Mask = npt.NDArray[np.bool_]
 Depths = Mapping[AgentPose, F32]
 
@@ -46,36 +28,20 @@ IN_IMAGE = 0.5
 
 
 @dataclass(frozen=True)
-class GoalPose:
-    """A pose from which the agent acts on a place, and what it sees of it afterwards.
+class GoalPoses:
+    """Poses that see nearly as much of the areas as the best one, nearest first, and what each sees."""
 
-    Attributes
-    ----------
-    pose : AgentPose
-        Where it stands and looks.
-    parts : tuple of Area
-        The rectangles of which all is hidden before and seen after.
-    shares : tuple of float
-        For each height of sight, the share of all areas that is seen after, and was hidden before.
-    """
-
-    pose: AgentPose
-    parts: tuple[Area, ...]
-    shares: tuple[float, ...]
+    poses: tuple[AgentPose, ...]
+    parts: tuple[tuple[Area, ...], ...]
+    """For each pose, the rectangles of which all is hidden before and seen after."""
 
 
 def poses_that_reach(
-    sight: Sightlines,
-    points: F64,
-    areas: Sequence[Area],
-    count: int,
-    outlines: Sequence[Outline] = (),
-    front: Front | None = None,
+    sight: Sightlines, points: F64, areas: Sequence[Area], count: int, outlines: Sequence[Outline] = ()
 ) -> list[AgentPose]:
     """Poses from which the arm reaches one of some points and that look towards them and some areas, nearest first.
 
-    At none of them does anything with one of some outlines meet the agent, and all of them are before a front, if there
-    is one.
+    At none of them does anything with one of some outlines meet the agent.
     """
     middles = np.array([area.centre for area in areas])
     target = 0.5 * points.mean(axis=0) + 0.5 * middles.mean(axis=0)
@@ -84,7 +50,6 @@ def poses_that_reach(
         cell
         for cell in cells_that_reach(sight.grid, points, ARM_REACH_M)
         if outline_distance(outlines, sight.grid.position(cell)) > AGENT_RADIUS_M
-        and (front is None or front.faces(sight.grid.position(cell)))
     ]
     for pose in facing_poses(sight.grid, cells, target):
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -99,11 +64,8 @@ def poses_that_reach(
 
 def best_goals(
     sight: Sightlines, rules: HidingRules, areas: Sequence[Area], before: Depths, after: Depths, motion: F64
-) -> list[GoalPose]:
-    """The poses that see something of some areas, the best first.
-
-    First come those that see enough even of what is flat, then those that see enough of what is higher, and of these those
-    to which things look largest.
+) -> GoalPoses:
+    """The poses that see the most of some areas.
 
     Parameters
     ----------
@@ -114,40 +76,17 @@ def best_goals(
     areas : sequence of Area
         Where hidden things might lie.
     before, after : mapping of AgentPose to (h, w) array
-        Depth before and after the manipulation. Poses are those of `after`.
+        Depth before and after the manipulation. Poses are those of `after`, nearest first.
     motion : (links, 4, 4) array
         How the manipulation moves what lies on each link.
     """
-    ranked: list[tuple[int, float, GoalPose]] = []
-    for pose in after:
-        seen = [_seen(sight, rules, pose, a, before[pose], after[pose], motion) for a in areas]
-        parts = tuple(_parts(rules, areas, seen))
-        if not parts:
-            continue
-        points = sum(masks[0].size for masks in seen)
-        levels = range(len(rules.sight_heights_m))
-        shares = tuple(sum(int(masks[min(i, len(masks) - 1)].sum()) for masks in seen) / points for i in levels)
-        rank = next((i for i in levels if shares[i] >= rules.min_share_seen), len(levels))
-        worth = max(shares) if rank == len(levels) else _pixel_density(sight, pose, parts, motion)
-        ranked.append((rank, -worth, GoalPose(pose, parts, shares)))
-    return [goal for _, _, goal in sorted(ranked, key=lambda entry: (entry[:2], entry[2].pose))]
-
-
-def _pixel_density(sight: Sightlines, pose: AgentPose, parts: Sequence[Area], motion: F64) -> float:
-    """How large low things look that lie on some areas, on average; up to a factor, pixels per square metre.
-
-    A small face at distance r and depth d along the camera's axis shows its area times cos(a) r / d^3 pixels, where a is
-    the angle to its normal; low things show their top and about half as much of a side. One d counts as r here: at the edge
-    of the image things look largest, and are stretched.
-    """
-    camera = sight.camera(pose)
-    points = np.concatenate(
-        [arithmetic.moved(a.to_room(at_height(a.lattice(0.1).reshape(-1, 2), 0.01)), motion[a.link]) for a in parts]
-    )
-    away = points - np.asarray(camera.position)
-    depth = np.maximum(camera.project(points)[:, 2], 0.1)
-    face = np.maximum(-away[:, 2], 0.0) + 0.5 * arithmetic.length(away[:, :2])
-    return float(np.mean(face / (depth * depth * arithmetic.length(away))))
+    seen = {pose: [_seen(sight, rules, pose, a, before[pose], after[pose], motion) for a in areas] for pose in after}
+    amounts = {pose: sum(int(mask.sum()) for masks in seen[pose] for mask in masks) for pose in after}
+    most = max(amounts.values(), default=0)
+    good = [pose for pose in after if most and amounts[pose] >= rules.min_share_seen * most]
+    parts = {pose: tuple(_parts(rules, areas, seen[pose])) for pose in good}
+    good = [pose for pose in good if parts[pose]]
+    return GoalPoses(tuple(good), tuple(parts[pose] for pose in good))
 
 
 def out_of_sight(sight: Sightlines, rules: HidingRules, area: Area) -> Area | None:

@@ -8,7 +8,6 @@ out of sight before the manipulation and in sight after it.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Literal
@@ -18,8 +17,7 @@ import numpy as np
 from remqa_data.catalog import object_type, question_types, types_with
 from remqa_data.generators.arrangement.areas import Area, Spot
 from remqa_data.generators.arrangement.hiding_goals import (
-    Front,
-    GoalPose,
+    GoalPoses,
     at_height,
     best_goals,
     out_of_sight,
@@ -66,19 +64,14 @@ class HidingPlace:
     relation : {"in", "under"}
         Where they are.
     goal : AgentPose
-        A standing pose before the object's front that sees the object, from which the arm reaches it, and which sees the
-        hidden things after the manipulation, but not before: of all such, the one to which they look largest. What the
-        manipulation moves stays clear of the agent there.
+        A near standing pose that sees the object, from which the arm reaches it, and which sees the hidden things after
+        the manipulation, but not before. What the manipulation moves stays clear of the agent there.
     other_goals : tuple of AgentPose
-        Up to four more, the best first.
+        Up to four more, nearest first; they see nearly as much.
     spots : tuple of Spot
         Room for that many things of middling size at the same time, in the room with everything closed.
     areas : tuple of Area
         Where hidden things may lie: all of it is in sight from the goal after the manipulation.
-    interior : tuple of Area
-        Where anything could lie that the manipulation reveals, in sight or not.
-    shares : tuple of float
-        For each height of sight of `hiding.yaml`, how much of the interior is in sight from the goal then.
     floor_z : float
         Height of the room's floor, on which the agent stands, metres.
     move_to : tuple of float or None
@@ -93,15 +86,8 @@ class HidingPlace:
     other_goals: tuple[AgentPose, ...]
     spots: tuple[Spot, ...]
     areas: tuple[Area, ...]
-    interior: tuple[Area, ...]
-    shares: tuple[float, ...]
     floor_z: float
     move_to: Vec3 | None = None
-
-    def share_in_sight(self, height_m: float) -> float:
-        """How much of the interior is in sight from the goal after the manipulation, of a thing's middle; 0 to 1."""
-        levels = hiding_rules().sight_heights_m
-        return self.shares[max((i for i, level in enumerate(levels) if level <= height_m / 2), default=0)]
 
 
 def hiding_places(scene: Scene) -> list[HidingPlace]:
@@ -172,13 +158,13 @@ class _Finder:
                 world.open(object_id, openness)
                 swept += object_outlines(world, object_id, first_link=1)
             motion = arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed))
-            poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept, self._front(object_id))
+            poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept)
             after = {pose: self.sight.depth(pose) for pose in poses}
             world.open(object_id, 0.0)
             is_kept = world.state(object_id).is_fixed  # what is loose is not in the pictures that are kept
             before = {pose: self.sight.depth_at_rest(pose) if is_kept else self.sight.depth(pose) for pose in poses}
         goals = best_goals(self.sight, rules, areas, before, after, motion)
-        return self._place(object_id, "Open", "in", areas, goals)
+        return self._place(object_id, "Open", "in", goals)
 
     # ---- things that are taken away
 
@@ -198,7 +184,7 @@ class _Finder:
         area = self._area_beneath(object_id, self.rules.min_move_side_m, self.rules.max_move_side_m)
         if area is None or self._holds_what_is_beneath(object_id, area):
             return None
-        shifts = push_targets(self.world, object_id, self.rules.shift_gaps_m)
+        shifts = push_targets(self.world, object_id, self.rules.shifts_m)
         best: HidingPlace | None = None
         for move_to in shifts:
             place = self._taken_away(object_id, area, "Move", move_to)
@@ -278,7 +264,7 @@ class _Finder:
                 world.move_alone(object_id, move_to)
                 outlines = object_outlines(world, object_id)
                 world.move_alone(object_id, (x, y, z + RAISED_M))
-            poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines, self._front(object_id))
+            poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines)
             before = {pose: self.sight.depth(pose) for pose in poses}
             if move_to is None:
                 view.hide(object_id)
@@ -288,46 +274,32 @@ class _Finder:
             world.restore(snapshot)
         goals = best_goals(self.sight, rules, [hidden], before, after, np.eye(4)[None])
         # The higher the thing, the higher it raises what lies on it.
-        goals = [replace(g, parts=tuple(replace(a, height_m=area.height_m) for a in g.parts)) for g in goals]
-        return self._place(object_id, manipulation, "under", [hidden], goals, move_to)
+        parts = tuple(tuple(replace(a, height_m=area.height_m) for a in areas) for areas in goals.parts)
+        goals = replace(goals, parts=parts)
+        return self._place(object_id, manipulation, "under", goals, move_to)
 
     # ---- goals
 
-    def _front(self, object_id: str) -> Front | None:
-        """Where an object's front looks; None if it has none, as what is round or lies about."""
-        type_ = self.world.type_of(object_id)
-        if type_ in types_with("round_outline") or (
-            object_type(type_).pickupable and not object_type(type_).receptacle
-        ):
-            return None
-        low, high = self.boxes[object_id]
-        x, y = (float(v) for v in (low + high)[:2] / 2)
-        matrix = self.world.state(object_id).matrix()
-        return Front((x, y), math.degrees(arithmetic.arctan2(-matrix[1, 1], -matrix[0, 1])))
-
     def _shows(self, object_id: str, pose: AgentPose) -> bool:
-        """Whether the object, at rest, is well seen from a pose: it is no sliver."""
+        """Whether the object, at rest, is visible from a pose."""
         with _Shown(self.sight.view, self.world, object_id):
             image = self.sight.view.instances(pose.camera(self.sight.grid, FRAME_PX))
-        rows, columns = np.nonzero(image == self.world.ids.index(object_id))
-        least = self.rules.min_target_px
-        return len(rows) >= MIN_PIXELS and min(int(np.ptp(rows)), int(np.ptp(columns))) + 1 >= least
+        return int(np.count_nonzero(image == self.world.ids.index(object_id))) >= MIN_PIXELS
 
     def _place(
         self,
         object_id: str,
         manipulation: Manipulation,
         relation: Literal["in", "under"],
-        interior: Sequence[Area],
-        goals: Sequence[GoalPose],
+        goals: GoalPoses,
         move_to: Vec3 | None = None,
     ) -> HidingPlace | None:
         """The place, if there is a pose for it."""
-        shown = (goal for goal in goals if self._shows(object_id, goal.pose))
-        best = next(shown, None)
-        if best is None or max(best.shares) < self.rules.min_share_seen:
+        best = next((i for i, pose in enumerate(goals.poses) if self._shows(object_id, pose)), None)
+        if best is None:
             return None
-        areas = best.parts
+        areas = goals.parts[best]
+        others = (pose for pose in goals.poses[best + 1 :] if self._shows(object_id, pose))
         spots = [spot for area in areas for spot in area.spots(self.rules.spot_side_m)]
         # Two phones need more than the room of two mugs.
         long_ones = sum(area.capacity((*self.rules.long_thing_m, 0.0), self.rules.gap_m) for area in areas)
@@ -337,12 +309,10 @@ class _Finder:
             type=self.world.type_of(object_id),
             manipulation=manipulation,
             relation=relation,
-            goal=best.pose,
-            other_goals=tuple(goal.pose for goal in islice(shown, self.rules.other_goals)),
+            goal=goals.poses[best],
+            other_goals=tuple(islice(others, self.rules.other_goals)),
             spots=tuple(spots[i * len(spots) // count] for i in range(count)),
             areas=areas,
-            interior=tuple(interior),
-            shares=best.shares,
             floor_z=self.world.scene.floor_z,
             move_to=move_to,
         )

@@ -1,5 +1,3 @@
-import math
-import re
 from functools import cache
 
 import numpy as np
@@ -18,7 +16,7 @@ from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_
 from remqa_data.generators.arrangement.packing import packed
 from remqa_data.scene import Scene
 from remqa_data.sim.metadata import object_metadata
-from remqa_data.sim.navigation.viewpoints import pixels_per_object
+from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
@@ -31,16 +29,14 @@ def places_of(room: str) -> tuple[HidingPlace, ...]:
 
 
 def wishes_for(room: str, number: int) -> list[Hidden]:
-    """A thing or more in each second place, of a type that fits well."""
+    """A thing or more in each second place, of a type that fits."""
     rng = np.random.default_rng(number)
     wishes = []
     for place in places_of(room)[number % 2 :: 2]:
-        count = min(2, len(place.spots))
-        found = fitting_types(place, load_scene(room).room_type, count)
-        types = [pair for pair in found if pair[1] >= 0.4]  # what shows 200 pixels and more in most of the place
+        count = min(3, len(place.spots))
+        types = fitting_types(place, load_scene(room).room_type, count)
         if types:
-            best = max(types, key=lambda pair: pair[1])[0]
-            wishes.append(Hidden(place, best, int(rng.integers(count + 1))))
+            wishes.append(Hidden(place, types[int(rng.integers(len(types)))][0], int(rng.integers(count + 1))))
     one_each = {wish.place.object_id: wish for wish in wishes}
     return list(one_each.values())[:6]
 
@@ -83,7 +79,7 @@ def test_hidden_things_show_no_pixel_before_and_enough_after(room: str, number: 
             camera = goal_camera(wish.place)
             assert not pixels_per_object(view, camera)[rows].any()
             with manipulated(world, view, wish.place):
-                assert (pixels_per_object(view, camera)[rows] >= 120).all()
+                assert (pixels_per_object(view, camera)[rows] >= MIN_PIXELS).all()
 
 
 @pytest.mark.parametrize(("room", "number"), CASES[::2])
@@ -96,19 +92,6 @@ def test_an_arrangement_is_at_rest_and_closed(room: str, number: int) -> None:
         world.settle()
         for object_id in mine:
             assert np.linalg.norm(before[object_id] - world.state(object_id).position) < 0.02
-
-
-@pytest.mark.parametrize(("room", "number"), CASES)
-def test_hidden_things_are_named_and_listed_like_all_others(room: str, number: int) -> None:
-    made = arranged(room, number)
-    ids = [o.id for o in made.scene.objects]
-    assert ids == sorted(ids)
-    mine = {object_id for _, hidden in made.hidden for object_id in hidden}
-    # AI2-THOR's: the type, then x, height and y of some place, each with its sign and two decimals
-    assert all(re.fullmatch(r"[A-Za-z]+(\|[+-]\d\d\.\d\d){3}", object_id) for object_id in mine)
-    for object_id in mine:
-        x, z, y = (float(number) for number in object_id.split("|")[1:])
-        assert math.dist((x, y, z), made.scene.object(object_id).position) > 0.005  # it does not say where it is
 
 
 def test_the_generator_decides_everything() -> None:
