@@ -17,7 +17,6 @@ from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
 from remqa_data.generators.questions.questions import question_program, question_text
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
-from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.referring import Program, program_of, resolve
