@@ -5,6 +5,7 @@ import pytest
 
 from remqa_data.assets import AssetSpec, build
 from remqa_data.assets.core.model import Asset
+from remqa_data.assets.looks.seen_colors import MIXED
 from remqa_data.assets.parts.carcass import clusters
 from remqa_data.geometry.types import Box, Rect, Vec3
 
@@ -55,7 +56,8 @@ def test_drawers_built_with_the_seed_of_their_dresser_match_it(variant: int) -> 
     for seed in range(12):
         dresser = build(AssetSpec("Dresser", size, 0, seed, pockets=drawers(size, 3, 2)))
         drawer = build(AssetSpec("Drawer", (0.5, 0.3, 0.2), variant, seed))
-        assert (dresser.color, dresser.substance) == (drawer.color, drawer.substance)
+        assert dresser.substance == drawer.substance
+        assert drawer.color in {dresser.color, MIXED}  # most of a drawer may be its pale inside
 
 
 @pytest.mark.parametrize("variant", range(4))
