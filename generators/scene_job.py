@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -32,6 +33,8 @@ SAMPLED_DRAWS = 40
 """How often a sampled room is drawn anew when it cannot have the questions that it owes."""
 
 Rows = dict[str, list[Row]]
+Samples = dict[tuple[str, int], QuestionRow]
+"""By group and configuration."""
 
 
 def make_room(job: Job) -> tuple[Rows, dict[str, Any]]:
@@ -63,11 +66,11 @@ def _made(job: Job, base: Scene) -> tuple[Rows, dict[str, Any]]:
     for attempt in range(1, ROOM_ATTEMPTS + 1):
         plan = planner.next()
         rows, samples = _walked_and_asked(job, plan, planner.refused)
-        passed = {group.name: [c for g, c in samples if g == group.name] for group in plan.groups}
         try:
-            chosen = select(plan.groups, passed, job.quota)
+            chosen = _chosen(job, plan, samples, planner.refused)
             break
         except QuotaError:
+            passed = _passed(plan, samples)
             if attempt == ROOM_ATTEMPTS:
                 raise
             for group in plan.groups:
@@ -82,15 +85,55 @@ def _made(job: Job, base: Scene) -> tuple[Rows, dict[str, Any]]:
     return rows, report
 
 
-def _walked_and_asked(
-    job: Job, plan: RoomPlan, refused: Counter[str]
-) -> tuple[Rows, dict[tuple[str, int], QuestionRow]]:
-    """The rows of all configurations but for the questions, and all samples by group and configuration."""
+def _chosen(job: Job, plan: RoomPlan, samples: Samples, refused: Counter[str]) -> dict[str, tuple[int, ...]]:
+    """The samples that the room hands in; where too many were refused, those of all other configurations are made, too."""
+    try:
+        return select(plan.groups, _passed(plan, samples), job.quota)
+    except QuotaError:
+        for number, configuration in enumerate(plan.configurations):
+            room = _audited_room(job, number, configuration.scene)
+            try:
+                others = [group for group in plan.groups if not _is_due(group, number)]
+                samples |= _samples(job, room, number, others, refused)
+            finally:
+                room.close()
+        return select(plan.groups, _passed(plan, samples), job.quota)
+
+
+def _passed(plan: RoomPlan, samples: Samples) -> dict[str, list[int]]:
+    return {group.name: sorted(c for g, c in samples if g == group.name) for group in plan.groups}
+
+
+def _is_due(group: GroupPlan[HidingPlace], number: int) -> bool:
+    """Whether a group asks about a configuration; spare ones ask about all."""
+    return not group.asked or number in group.asked
+
+
+def _audited_room(job: Job, number: int, scene: Scene) -> AuditedRoom:
+    place = ConfigurationInfo(job.scene, job.quota.room_type, number, job.quota.split, job.config.seed)
+    return AuditedRoom(place, scene, job.config.image.rgb_format)
+
+
+def _samples(
+    job: Job, room: AuditedRoom, number: int, groups: Iterable[GroupPlan[HidingPlace]], refused: Counter[str]
+) -> Samples:
+    """The samples of some groups in a configuration that keep all truths."""
+    made = {}
+    for group in groups:
+        sample = make_sample(room, group, _start(room.grid, group, job.rng(f"start {group.name} {number}")))
+        if isinstance(sample, Refusal):
+            refused[sample.truth] += 1
+        else:
+            made[group.name, number] = sample
+    return made
+
+
+def _walked_and_asked(job: Job, plan: RoomPlan, refused: Counter[str]) -> tuple[Rows, Samples]:
+    """The rows of all configurations but for the questions, and the samples that are due in each."""
     rows: Rows = {"scenes": [], "frames": [], "expressions": [], "questions": []}
-    samples: dict[tuple[str, int], QuestionRow] = {}
+    samples: Samples = {}
     for number, configuration in enumerate(plan.configurations):
-        made = _in_configuration(job, number, configuration.scene, plan.groups, rows, refused)
-        samples |= {(sample.group, number): sample for sample in made}
+        samples |= _in_configuration(job, number, configuration.scene, plan.groups, rows, refused)
     return rows, samples
 
 
@@ -101,16 +144,15 @@ def _in_configuration(
     groups: list[GroupPlan[HidingPlace]],
     rows: Rows,
     refused: Counter[str],
-) -> list[QuestionRow]:
-    """Walk through one configuration, adding its rows, and make the samples of all groups in it."""
+) -> Samples:
+    """Walk through one configuration, adding its rows, and make the samples that are due in it."""
     rng = job.rng(f"walk {number}")
-    place = ConfigurationInfo(job.scene, job.quota.room_type, number, job.quota.split, job.config.seed)
-    room = AuditedRoom(place, scene, job.config.image.rgb_format)
+    room = _audited_room(job, number, scene)
     try:
         start = room.grid.cells[int(rng.integers(len(room.grid.cells)))]
         found = {object_id: room.expressions.of(object_id) for object_id in room.replay.world.ids}
         walked = walk_through(
-            place,
+            room.place,
             room.replay.view,
             room.grid,
             start,
@@ -123,14 +165,7 @@ def _in_configuration(
         rows["scenes"].append(walked.scene)
         rows["frames"] += walked.frames
         rows["expressions"] += walked.expressions
-        made = []
-        for group in groups:
-            sample = make_sample(room, group, _start(room.grid, group, job.rng(f"start {group.name} {number}")))
-            if isinstance(sample, Refusal):
-                refused[sample.truth] += 1
-            else:
-                made.append(sample)
-        return made
+        return _samples(job, room, number, [group for group in groups if _is_due(group, number)], refused)
     finally:
         room.close()
 

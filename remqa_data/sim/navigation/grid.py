@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import chain
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,7 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.assets.core.model import Asset
+from remqa_data.assets.core.model import Asset, CollisionBox
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Rect, Vec3
@@ -143,12 +144,18 @@ def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int
     low, high = floor_z + STEP_OVER_M, floor_z + AGENT_HEIGHT_M
     outlines = []
     for link, pose in zip(asset.links[first_link:], link_poses[first_link:], strict=True):
-        for box in link.boxes:
-            corners = arithmetic.turned(_CORNERS * box.size, rotation_of(box.quaternion)) + box.centre
-            placed = arithmetic.moved(corners, pose)
-            if placed[:, 2].max() > low and placed[:, 2].min() < high:
-                outlines.append(_outline(placed[:, :2]))
+        placed = arithmetic.moved(_corners(link.boxes), pose)
+        heights = placed[..., 2]
+        in_the_way = (heights.max(axis=1) > low) & (heights.min(axis=1) < high)
+        outlines += [_outline(corners[:, :2]) for corners in placed[in_the_way]]
     return outlines
+
+
+@lru_cache(maxsize=1 << 12)
+def _corners(boxes: tuple[CollisionBox, ...]) -> F64:
+    """(n, 8, 3) corners of some boxes of a link, in its frame."""
+    found = [arithmetic.turned(_CORNERS * box.size, rotation_of(box.quaternion)) + box.centre for box in boxes]
+    return np.array(found).reshape(-1, 8, 3)
 
 
 def outline_distance(outlines: Iterable[Outline], point: tuple[float, float]) -> float:
