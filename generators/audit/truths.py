@@ -235,11 +235,16 @@ class CheckedRoom:
         start, end = (decode_instances(image.bytes) for image in (question.start_instances, question.end_instances))
         revealed = np.setdiff1d(end, [0, *np.unique(start)])
         revealed = revealed[[np.count_nonzero(end == number) >= scaled_min_pixels(end.shape) for number in revealed]]
-        found = sorted(ids[number - 1] for number in revealed if self.type_of(ids[number - 1]) == question.answer_type)
+        if len(revealed) and revealed.max() > len(question.object_ids):
+            yield "consistent", f"the end view shows object {revealed.max()} of {len(question.object_ids)}"
+            return
+        shown = [question.object_ids[number - 1] for number in revealed]
+        found = sorted(name for name in shown if self.type_of(name) == question.answer_type)
         if found != sorted(question.answer_ids):
             yield "undisturbed", f"after acting one counts {', '.join(found) or 'nothing'}"
         held_by = {name: record.support for name, record in object_metadata(replay.world).items()}
         for name in question.answer_ids:
+            self.type_of(name)
             if question.manipulation == "Open" and held_by[name] != question.target_id:
                 yield "undisturbed", f"{name} is not in {question.target_id} after it was opened"
             if question.manipulation != "Open" and shift[ids.index(name)] > MOST_MOVED_M:

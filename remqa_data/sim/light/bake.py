@@ -12,7 +12,7 @@ from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.sim.light.volume import Volume, gather, light_at, smooth
 from remqa_data.sim.light.voxels import Faces, Points, Voxels, cube_of, lit_by, looks_back, surface_points, voxelise
 
-SETS, FEW_RAYS, RAYS = 8, 24, 72
+SETS, FEW_RAYS, RAYS = 8, 32, 128
 """Of directions for neighbouring probes; how many rays each probe casts for the first bounce, and for the second."""
 SKY = 1.0
 GLOW = 3.0
