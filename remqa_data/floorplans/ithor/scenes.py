@@ -178,7 +178,7 @@ def _closed(spec: AssetSpec, o: RecordedObject) -> tuple[AssetSpec, F64]:
         for _ in range(6):
             bounds = build(replace(spec, size=_vec(size))).bounds(1.0)
             size = size * target / (bounds[1] - bounds[0])
-    closed = replace(spec, size=_vec(size))
+    closed = replace(spec, size=_vec(arithmetic.snapped(size)))
     bounds = build(closed).bounds(1.0)
     centre = o.centre - arithmetic.turned((bounds[0] + bounds[1]) / 2, o.rotation)
     centre[2] = o.centre[2] - target[2] / 2 - bounds[0, 2]  # what is open stands on the same ground
