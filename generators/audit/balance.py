@@ -77,4 +77,4 @@ def _group(group: Sequence[AskedQuestion]) -> Iterator[Failure]:
     if len({q.configuration for q in group}) < len(group):
         yield Failure(first.question_id, "unbiased", f"{first.group} asks twice in one configuration")
     if len({q.answer for q in group}) == 1:
-        yield Failure(first.group, "unbiased", f"all its questions are answered {first.answer}")
+        yield Failure(first.group, "unbiased", f"all questions of {first.group} are answered {first.answer}")
