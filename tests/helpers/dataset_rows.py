@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +49,7 @@ def objects_array() -> np.ndarray:
     return objects
 
 
+@cache
 def images(seed: int) -> tuple[StoredImage, StoredImage, StoredImage]:
     instances = encode_instances(objects_array(), IDS, IDS[:2])
     return encode_rgb(rgb_array(seed), f"frame-{seed}"), encode_depth(depth_array(seed)), instances

@@ -65,7 +65,7 @@ def kill_once(process: subprocess.Popen[bytes], after_s: float, rng: np.random.G
         return None
     workers: list[psutil.Process] = []
     with suppress(psutil.Error):  # it may end at this moment
-        workers = [p for p in psutil.Process(process.pid).children() if "spawn_main" in " ".join(p.cmdline())]
+        workers = [p for p in psutil.Process(process.pid).children() if "resource_tracker" not in " ".join(p.cmdline())]
         if workers and rng.random() < 0.5:
             workers[int(rng.integers(len(workers)))].kill()
             return Strike("a worker")

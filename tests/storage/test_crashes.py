@@ -1,6 +1,7 @@
 """Whatever breaks while a dataset is written: it ends in the dataset that it should be, or in an error that says why.
 
-All runs are `remqa-gen` in processes of their own, with rooms that are made up (see `crash_run`).
+All runs are `remqa-gen` with rooms that are made up (see `crash_run`): in processes of their own where processes are killed,
+else in this one.
 """
 
 import os
@@ -18,18 +19,20 @@ import pytest
 from remqa_data.errors import DatasetError
 from remqa_data.storage.manifest import MANIFEST, load_manifest
 from tests.helpers import kill_runs
+from tests.helpers.crash_run import SCENES, run_here
 from tests.helpers.damaged_files import damage, files_of
+from tests.helpers.forked_runs import ForkedRun
 
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = "tests.helpers.crash_run"
-SCENES = 24
 PATIENCE_S = 120.0
 
 
-def start(out: Path, *options: str, workers: int = 2, **environment: str) -> subprocess.Popen[str]:
-    arguments = [sys.executable, "-m", PROGRAM, "--scenes", str(SCENES), "--out", str(out), "--workers", str(workers)]
+def start(out: Path, *options: str, **environment: str) -> subprocess.Popen[str]:
+    """A program of its own, with two workers that are started as they always are."""
+    arguments = [sys.executable, "-m", PROGRAM, "--scenes", str(SCENES), "--out", str(out), "--workers", "2"]
     return subprocess.Popen(
         [*arguments, *options],
         text=True,
@@ -40,11 +43,10 @@ def start(out: Path, *options: str, workers: int = 2, **environment: str) -> sub
     )
 
 
-def run(out: Path, *options: str, workers: int = 1, **environment: str) -> tuple[int, str]:
-    """Exit code, and all that was printed."""
-    process = start(out, *options, workers=workers, **environment)
-    text, _ = process.communicate(timeout=PATIENCE_S)
-    return process.returncode, text
+def fork(out: Path, *options: str, **environment: str) -> ForkedRun:
+    """The same without imports."""
+    arguments = ["--scenes", str(SCENES), "--out", str(out), "--workers", "2", *options]
+    return ForkedRun(*arguments, output=out.with_suffix(".log"), **environment)
 
 
 def last_line(text: str) -> str:
@@ -66,7 +68,7 @@ def parts_in(out: Path) -> list[Path]:
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A dataset that nothing happened to."""
     out = tmp_path_factory.mktemp("whole") / "out"
-    code, text = run(out, CRASH_ROOM_S="0")
+    code, text = run_here(out)
     assert code == 0, text
     return out
 
@@ -77,17 +79,23 @@ def dataset(whole: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(whole, tmp_path / "out"))
 
 
-@pytest.fixture
-def killed(tmp_path: Path) -> Path:
-    """What is left of a run of which the driver was killed."""
-    out = tmp_path / "out"
-    process = start(out)
+@pytest.fixture(scope="module")
+def left(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What is left of a run of which the driver was killed; not to be changed."""
+    out = tmp_path_factory.mktemp("left") / "out"
+    process = fork(out)
     wait_until(lambda: len(parts_in(out)) >= 5)
     workers = psutil.Process(process.pid).children(recursive=True)
     process.kill()
-    process.communicate()
+    process.wait()
     psutil.wait_procs(workers, timeout=PATIENCE_S)
     return out
+
+
+@pytest.fixture
+def killed(left: Path, tmp_path: Path) -> Path:
+    """A copy of it, to go on with."""
+    return Path(shutil.copytree(left, tmp_path / "out"))
 
 
 # ---- killed
@@ -105,8 +113,9 @@ def test_a_killed_worker_is_replaced(whole: Path, tmp_path: Path) -> None:
     assert files_of(out) == files_of(whole)
 
 
-def test_workers_that_always_die_end_the_run_with_one_line(tmp_path: Path) -> None:
-    code, text = run(tmp_path / "out", workers=2, CRASH_ALWAYS="1")
+def test_workers_that_always_die_end_the_run_with_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CRASH_ALWAYS", "1")
+    code, text = run_here(tmp_path / "out", workers=2)
     assert code == 2
     assert "worker processes died 3 times with 24 jobs to do" in last_line(text)
     assert "Traceback" not in text
@@ -128,18 +137,18 @@ def test_a_killed_run_does_not_look_finished_and_goes_on_where_it_was(whole: Pat
     with pytest.raises(DatasetError, match=r"not a finished dataset.*--resume"):
         load_manifest(killed)
     done = {path: path.stat().st_mtime_ns for path in parts_in(killed)}
-    process = start(killed, "--resume", CRASH_ROOM_S="0.2")
+    process = fork(killed, "--resume", CRASH_ROOM_S="0.2")
     wait_until(lambda: len(parts_in(killed)) > len(done))
     assert {path: path.stat().st_mtime_ns for path in done} == done
-    process.communicate(timeout=PATIENCE_S)
+    process.wait(PATIENCE_S)
     assert files_of(killed) == files_of(whole)
 
 
 def test_a_killed_run_is_not_gone_on_with_unasked(killed: Path) -> None:
-    code, text = run(killed)
+    code, text = run_here(killed)
     assert code == 2
     assert "is not empty; use --resume" in last_line(text)
-    code, text = run(killed, "--resume", "--seed", "1")
+    code, text = run_here(killed, "--resume", "--seed", "1")
     assert code == 2
     assert "scenes of another run" in last_line(text)
 
@@ -148,7 +157,7 @@ def test_a_run_that_was_killed_after_the_manifest_is_tidied(dataset: Path, whole
     left = dataset / ".parts" / "0123456789abcdef" / "FloorPlan1" / "part.json"
     left.parent.mkdir(parents=True)
     left.touch()
-    assert run(dataset, "--resume")[0] == 0
+    assert run_here(dataset, "--resume")[0] == 0
     assert files_of(dataset) == files_of(whole)
 
 
@@ -157,10 +166,10 @@ def test_whenever_it_is_killed_the_bytes_are_the_same(whole: Path, tmp_path: Pat
     rng = np.random.default_rng(seed)
     out = tmp_path / "out"
     for _ in range(2):
-        process = kill_runs.start(out)
-        kill_runs.kill_once(process, rng.uniform(1.0, 6.0), rng)
+        process = fork(out, "--resume")
+        kill_runs.kill_once(process, rng.uniform(0.1, 1.5), rng)
         process.wait()
-    assert kill_runs.start(out).wait() == 0
+    assert fork(out, "--resume").wait() == 0
     assert files_of(out) == files_of(whole)
 
 
@@ -171,11 +180,11 @@ def test_whenever_it_is_killed_the_bytes_are_the_same(whole: Path, tmp_path: Pat
 def test_a_damaged_shard_is_told_and_replaced_on_request(dataset: Path, whole: Path, how: str) -> None:
     path = dataset / "frames" / "train-00002-of-00005.parquet"
     damage(path, how)
-    code, text = run(dataset, "--resume")
+    code, text = run_here(dataset, "--resume")
     assert code == 2
     assert f"damaged shard: {path}" in last_line(text)
     assert "--overwrite" in last_line(text)
-    assert run(dataset, "--overwrite", CRASH_ROOM_S="0")[0] == 0
+    assert run_here(dataset, "--overwrite")[0] == 0
     assert files_of(dataset) == files_of(whole)
 
 
@@ -183,11 +192,11 @@ def test_a_damaged_shard_is_told_and_replaced_on_request(dataset: Path, whole: P
 def test_a_damaged_part_is_told_and_made_again(killed: Path, whole: Path, how: str) -> None:
     path = parts_in(killed)[0].with_name("frames.train.parquet")
     damage(path, how)
-    code, text = run(killed, "--resume", CRASH_ROOM_S="0")
+    code, text = run_here(killed, "--resume")
     assert code == 2
     assert f"{path} is not as it was written; go on with remqa-gen --resume" in last_line(text)
     assert not (killed / MANIFEST).exists()
-    assert run(killed, "--resume")[0] == 0
+    assert run_here(killed, "--resume")[0] == 0
     assert files_of(killed) == files_of(whole)
 
 
@@ -197,9 +206,9 @@ def test_a_damaged_part_is_told_and_made_again(killed: Path, whole: Path, how: s
 @pytest.mark.parametrize("option", ["--resume", "--overwrite"])
 def test_two_runs_into_one_folder(whole: Path, tmp_path: Path, option: str) -> None:
     out = tmp_path / "out"
-    first = start(out)
+    first = fork(out, CRASH_ROOM_S="0.1")
     wait_until(lambda: len(parts_in(out)) >= 1)
-    code, text = run(out, option)
+    code, text = run_here(out, option)
     assert code == 2
     assert "another run is writing here" in last_line(text)
     text, _ = first.communicate(timeout=PATIENCE_S)
@@ -215,45 +224,45 @@ in_a_namespace = pytest.mark.skipif(
 )
 
 
-def run_shell(script: str, **environment: str) -> str:
-    """Run a script that may mount what it likes; what it printed."""
-    program = f"{sys.executable} -m {PROGRAM} --scenes {SCENES} --workers 2"
-    command = ["unshare", "-rm", "sh", "-c", script]
-    environment = {**os.environ, "REMQA_GEN": program, **environment}
-    done = subprocess.run(
-        command, text=True, capture_output=True, env=environment, cwd=ROOT, timeout=PATIENCE_S, check=False
+def run_in_namespace(code: str) -> None:
+    """Run Python code in a process that may mount what it likes."""
+    imports = (
+        "import os, shutil, subprocess; from pathlib import Path; from tests.helpers.crash_run import run_here\n"
+        "def mount(*words): subprocess.run(['mount', *map(str, words)], check=True)\n"
     )
-    return done.stdout + done.stderr
+    command = ["unshare", "-rm", sys.executable, "-c", imports + code]
+    done = subprocess.run(command, text=True, capture_output=True, cwd=ROOT, timeout=PATIENCE_S, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 @in_a_namespace
-@pytest.mark.parametrize("size_kb", [400, 1500])
-def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_room(whole: Path, tmp_path: Path, size_kb: int) -> None:
-    disk, copy = tmp_path / "disk", tmp_path / "copy"
-    disk.mkdir()
-    text = run_shell(
-        f"mount -t tmpfs -o size={size_kb}k none {disk} && $REMQA_GEN --out {disk}/out; echo exit code $?; "
-        f"ls {disk}/out; mount -o remount,size=100m {disk}; $REMQA_GEN --out {disk}/out --resume >/dev/null 2>&1; "
-        f"echo exit code $?; cp -r {disk}/out {copy}",
-        CRASH_ROOM_S="0",
-    )
-    assert "No space left on device" in text
-    assert "Traceback" not in text
-    assert text.count("exit code 2") == text.count("exit code 0") == 1, text
-    assert MANIFEST not in text
-    assert files_of(copy) == files_of(whole)
+def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_room(whole: Path, tmp_path: Path) -> None:
+    """While rooms are made, and while they are merged."""
+    run_in_namespace(f"""
+for size_kb in (400, 1500):
+    disk, copy = Path({str(tmp_path)!r}, "disk"), Path({str(tmp_path)!r}, str(size_kb))
+    disk.mkdir(exist_ok=True)
+    mount("-t", "tmpfs", "-o", f"size={{size_kb}}k", "none", disk)
+    code, text = run_here(disk / "out")
+    assert code == 2 and "No space left on device" in text, text
+    assert "manifest.json" not in os.listdir(disk / "out")
+    mount("-o", "remount,size=100m", disk)
+    assert run_here(disk / "out", "--resume")[0] == 0
+    shutil.copytree(disk / "out", copy)
+""")
+    assert files_of(tmp_path / "400") == files_of(tmp_path / "1500") == files_of(whole)
 
 
 @in_a_namespace
 def test_a_read_only_folder_is_told(dataset: Path, tmp_path: Path) -> None:
-    empty = tmp_path / "empty"
-    empty.mkdir()
-    text = run_shell(
-        f"for folder in {empty} {dataset}; do mount --bind $folder $folder && mount -o remount,ro,bind $folder; done; "
-        f"$REMQA_GEN --out {empty}; echo exit code $?; $REMQA_GEN --out {dataset} --overwrite; echo exit code $?; "
-        f"$REMQA_GEN --out {dataset} --resume >/dev/null && echo finished already"
-    )
-    assert text.count("Read-only file system") == 2, text
-    assert text.count("exit code 2") == 2
-    assert "Traceback" not in text
-    assert "finished already" in text
+    run_in_namespace(f"""
+empty, dataset = Path({str(tmp_path)!r}, "empty"), Path({str(dataset)!r})
+empty.mkdir()
+for folder in (empty, dataset):
+    mount("--bind", folder, folder)
+    mount("-o", "remount,ro,bind", folder)
+for out, *options in ((empty,), (dataset, "--overwrite")):
+    code, text = run_here(out, *options)
+    assert code == 2 and "Read-only file system" in text, text
+assert run_here(dataset, "--resume")[0] == 0  # it is finished already
+""")
