@@ -6,13 +6,14 @@ A sample that fails a check is refused, with the name of the truth that it would
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from remqa_data.errors import ActionError, NoPathError
+from remqa_data.errors import ActionError
 from remqa_data.generators.arrangement.hiding_goals import at_height
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.questions.expressions import Expressions
@@ -22,6 +23,7 @@ from remqa_data.generators.walks.scene_walk import ConfigurationInfo
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
+from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.agent.actions import DONE, Action, move_action, open_action, pick_up_action
@@ -35,21 +37,25 @@ from remqa_data.sim.metadata import (
     scaled_min_pixels,
     tight_box,
 )
-from remqa_data.sim.navigation.grid import ReachableGrid
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.paths import path_length_m, shortest_actions
-from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, AgentPose
+from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose
 from remqa_data.sim.physics.world import Snapshot
 from remqa_data.sim.render.view import Observation
 from remqa_data.tables.images import RgbFormat, encode_depth, encode_instances, encode_rgb
 from remqa_data.tables.rows import QuestionRow
 
 Truth = Literal[
-    "answer", "unique", "clear", "reachable", "visible", "necessary", "sufficient", "undisturbed", "replayable"
+    "answer", "unique", "clear", "reachable", "away", "visible", "necessary", "sufficient", "undisturbed", "replayable"
 ]
 """What a refused sample would have broken: `answer` is that the room holds what was planned, `visible` that the target
 is seen from the goal pose, `clear` that no other object nearly fits the question, `undisturbed` that acting moves nothing
 else and that counting afterwards gives the answer; docs/ARCHITECTURE.md lists them all."""
 
+AWAY_M = SUCCESS_DISTANCE_M + DISTANCE_SLACK_M
+"""Who starts nearer to a goal pose than this, and looks at the target, has arrived without a step."""
+LEAST_STARTS = 12
+"""A further goal pose counts if it leaves so many cells to start from."""
 LEAST_SHARE = 0.5
 """Of the space that a manipulation reveals, so much is in view where nothing is found in it."""
 LOOK_M, ABOVE_M, SURFACE_M = 0.03, 0.01, 0.02
@@ -133,7 +139,7 @@ class AuditedRoom:
         self.replay.close()
 
 
-def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPose) -> QuestionRow | Refusal:
+def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random.Generator) -> QuestionRow | Refusal:
     """The sample of one group in one configuration, audited; or why there is none.
 
     Parameters
@@ -142,8 +148,8 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
         The configuration; it is at rest again afterwards.
     group : GroupPlan
         The question, its place and the answer planned for this configuration.
-    start : AgentPose
-        Where the agent starts.
+    rng : Generator
+        Draws where the agent starts.
     """
     question, hiding = group.question, group.question.place
     wanted = group.answers[room.place.configuration]
@@ -155,10 +161,16 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
     if not is_clear(question.program, room.graph, room.loose_graph):
         return Refusal("clear", f"{question.text}: something else nearly fits")
     manipulation = _manipulation(hiding)
-    found = _way(room, hiding, start, manipulation)
+    found = _goal(room, hiding, manipulation)
     if isinstance(found, Refusal):
         return found
-    goal, way, views = found
+    goal, views = found
+    others = (pose for pose in (hiding.goal, *hiding.other_goals) if pose != goal and pose.cell in room.grid.graph)
+    goals, cells = goals_and_starts(room.grid, [goal, *others])
+    if not cells:
+        return Refusal("away", f"the agent stands nowhere farther than {AWAY_M} m from the goal at {hiding.object_id}")
+    start = AgentPose(cells[int(rng.integers(len(cells)))], int(rng.choice(HEADINGS_DEG)))
+    way = shortest_actions(room.grid, start, goal)
     before, after = views.before, views.after
     refusal = _check_views(room, hiding, answer.ids, before, after)
     if refusal is None and not answer.ids and _share_in_view(room, hiding, goal, views) < LEAST_SHARE:
@@ -173,7 +185,7 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
     name = f"{group.name}-c{room.place.configuration}"
     ids = room.replay.world.ids
     form = room.rgb_format
-    goals = [goal, *(pose for pose in (hiding.goal, *hiding.other_goals) if pose != goal and _stands(room.grid, pose))]
+    shown = shown_ids(before, after, ids)
     return QuestionRow(
         question_id=name,
         kind=question.kind,
@@ -200,33 +212,54 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], start: AgentPo
         actions=tuple(map(str, actions)),
         start_rgb=encode_rgb(before.rgb, f"{name}-start", form=form),
         start_depth=encode_depth(before.depth, f"{name}-start-depth"),
-        start_instances=encode_instances(before.objects, ids, ids, f"{name}-start-instances"),
+        start_instances=encode_instances(before.objects, ids, shown, f"{name}-start-instances"),
         end_rgb=encode_rgb(after.rgb, f"{name}-end", form=form),
         end_depth=encode_depth(after.depth, f"{name}-end-depth"),
-        end_instances=encode_instances(after.objects, ids, ids, f"{name}-end-instances"),
-        object_ids=ids,
+        end_instances=encode_instances(after.objects, ids, shown, f"{name}-end-instances"),
+        object_ids=shown,
     )
 
 
-def _way(
-    room: AuditedRoom, hiding: HidingPlace, start: AgentPose, manipulation: Action
-) -> tuple[AgentPose, list[str], Views] | Refusal:
-    """The first goal pose that can be reached and acted from, the actions that lead there, and what is seen there."""
+def goals_and_starts(grid: ReachableGrid, goals: Sequence[AgentPose]) -> tuple[list[AgentPose], list[Cell]]:
+    """The goal poses that count, and the cells from which it is a walk to each of them.
+
+    Parameters
+    ----------
+    grid : ReachableGrid
+        Where the agent can stand.
+    goals : sequence of AgentPose
+        The best first. In a small room the others count only as long as they leave something to start from.
+
+    Returns
+    -------
+    Goal poses, the first always among them, and cells that are farther than `AWAY_M` from all of them; there may be none.
+    """
+    kept: list[AgentPose] = []
+    starts = list(grid.cells)
+    for goal in goals:
+        left = [cell for cell in starts if math.dist(grid.position(cell), grid.position(goal.cell)) > AWAY_M]
+        if not kept or len(left) >= LEAST_STARTS:
+            kept, starts = [*kept, goal], left
+    return kept, starts
+
+
+def shown_ids(before: Observation, after: Observation, ids: Sequence[str]) -> tuple[str, ...]:
+    """Ids of the objects of which one of two views shows anything, in the order of the room."""
+    seen = np.union1d(before.objects, after.objects)
+    return tuple(ids[index] for index in seen.tolist() if index >= 0)
+
+
+def _goal(room: AuditedRoom, hiding: HidingPlace, manipulation: Action) -> tuple[AgentPose, Views] | Refusal:
+    """The first goal pose that can be acted from, and what is seen there."""
     reason = f"no way to {hiding.object_id}"
     for goal in (hiding.goal, *hiding.other_goals):
-        if not _stands(room.grid, goal):
+        if goal.cell not in room.grid.graph:
             continue
         try:
-            return goal, shortest_actions(room.grid, start, goal), room.views(goal, manipulation)
-        except NoPathError:
-            continue
+            return goal, room.views(goal, manipulation)
         except ActionError as error:
             reason = str(error)
     return Refusal("reachable", reason)
-
-
-def _stands(grid: ReachableGrid, pose: AgentPose) -> bool:
-    return pose.cell in grid.graph
 
 
 def _manipulation(hiding: HidingPlace) -> Action:

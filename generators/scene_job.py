@@ -7,8 +7,6 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from remqa_data.errors import ArrangementError, QuotaError
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.floorplans.sampled.naming import is_sampled, sampled_index, sampled_split
@@ -20,12 +18,8 @@ from remqa_data.generators.samples import AuditedRoom, Refusal, make_sample
 from remqa_data.generators.scene_plan import Job, RoomPlan, RoomPlanner
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo, walk_through
 from remqa_data.scene import Scene
-from remqa_data.sim.navigation.grid import ReachableGrid
-from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, AgentPose
 from remqa_data.tables.rows import QuestionRow, Row, Split
 
-MIN_WAY_CELLS = 3
-"""An episode starts at least so many cells from the goal, where the room allows it."""
 ROOM_ATTEMPTS = 4
 """How often a room is made anew when the audit refuses so much that its quota cannot be met."""
 
@@ -120,7 +114,7 @@ def _samples(
     """The samples of some groups in a configuration that keep all truths."""
     made = {}
     for group in groups:
-        sample = make_sample(room, group, _start(room.grid, group, job.rng(f"start {group.name} {number}")))
+        sample = make_sample(room, group, job.rng(f"start {group.name} {number}"))
         if isinstance(sample, Refusal):
             refused[sample.truth] += 1
         else:
@@ -168,14 +162,6 @@ def _in_configuration(
         return _samples(job, room, number, [group for group in groups if _is_due(group, number)], refused)
     finally:
         room.close()
-
-
-def _start(grid: ReachableGrid, group: GroupPlan[HidingPlace], rng: np.random.Generator) -> AgentPose:
-    """Somewhere in the room, not right at the goal, looking any way."""
-    goal = group.question.place.goal.cell
-    away = [cell for cell in grid.cells if abs(cell[0] - goal[0]) + abs(cell[1] - goal[1]) >= MIN_WAY_CELLS]
-    cells = away or grid.cells
-    return AgentPose(cells[int(rng.integers(len(cells)))], int(rng.choice(HEADINGS_DEG)), 0)
 
 
 def expression_split(scene: str) -> Split:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +30,7 @@ from remqa_data.generators.arrangement.loose_objects import open_surfaces, put_a
 from remqa_data.generators.arrangement.packing import Put, packed
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Box, Vec3
+from remqa_data.language.rules import similar_words
 from remqa_data.scene import Scene, SceneObject
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
@@ -37,6 +38,10 @@ from remqa_data.sim.render.view import WorldView
 PACKED, SETTLED = 10, 6
 """What a place hides is put there in so many ways, and physics is asked so often, before it counts as impossible."""
 SKIN_M = 0.001
+LOOKS = 6
+"""So many looks are tried for one that stands out from what the thing lies in."""
+BESIDE_M = 0.4
+"""So far from some recorded thing is the place that the id of a new thing names."""
 STRAYED_M = 0.06
 """A loose thing that was put somewhere and rolls or falls farther than this is taken out of the room."""
 
@@ -95,7 +100,8 @@ def arrange(
     base = _closed(scene)
     hidden = tuple((wish, tuple(o.id for o in things)) for wish, things in zip(wishes, made, strict=True))
     by_place = _by_place(hidden)
-    with World(base.with_objects(base.objects + tuple(o for things in made for o in things))) as world:
+    everything = sorted((*base.objects, *(o for things in made for o in things)), key=lambda o: o.id)
+    with World(base.with_objects(tuple(everything))) as world:
         puts = {key: _pack(world, scene, by_place[key], rng) for key in by_place}
         _put_all(world, scene, by_place, puts)
         view = WorldView(world)
@@ -152,23 +158,37 @@ def _make(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> l
     """New things for each wish; sizes and looks vary."""
     spread = hiding_rules().size_spread
     known = {o.id for o in scene.objects}
-    numbers: dict[str, int] = {}
+    loose = [o for o in scene.objects if object_type(o.type).pickupable] or list(scene.objects)
     made = []
     for wish in wishes:
         things = []
+        inside = similar_words(build(scene.object(wish.place.object_id).asset).color)
         for _ in range(wish.count):
-            number = numbers.get(wish.type, 0)
-            while f"{wish.type}|cfg|{number:02d}" in known:
-                number += 1
-            numbers[wish.type] = number + 1
             scale = 1.0 + float(rng.uniform(-spread, spread))
             w, d, h = (scale * side for side in hidden_size(wish.type))
-            variant, seed = int(rng.integers(variant_count(wish.type))), int(rng.integers(1 << 16))
-            spec = AssetSpec(wish.type, (w, d, h), variant, seed)
-            things.append(SceneObject(f"{wish.type}|cfg|{number:02d}", spec, _parking(len(known)), is_fixed=False))
-            known.add(things[-1].id)
+            for _ in range(LOOKS):
+                variant, seed = int(rng.integers(variant_count(wish.type))), int(rng.integers(1 << 16))
+                spec = AssetSpec(wish.type, (w, d, h), variant, seed)
+                if wish.place.relation != "in" or build(spec).color not in inside:
+                    break
+            name = _name(spec, loose[int(rng.integers(len(loose)))], known, rng)
+            things.append(SceneObject(name, spec, _parking(len(known)), is_fixed=False))
+            known.add(name)
         made.append(things)
     return made
+
+
+def _name(spec: AssetSpec, beside: SceneObject, known: Collection[str], rng: np.random.Generator) -> str:
+    """An id like those of recorded things: the type, and where it might have been when the room was recorded.
+
+    That is beside some loose thing, on the same level, and says nothing about where it is.
+    """
+    bottom = beside.position[2] - beside.asset.size[2] / 2
+    while True:
+        x, y = (place + float(rng.uniform(-BESIDE_M, BESIDE_M)) for place in beside.position[:2])
+        name = f"{spec.type}|{x:+06.2f}|{bottom + spec.size[2] / 2:+06.2f}|{y:+06.2f}"
+        if name not in known:
+            return name
 
 
 def _parking(number: int) -> Vec3:

@@ -20,6 +20,7 @@ from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.referring import Program, program_of, resolve
+from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M, distance_to_goal_m
 from remqa_data.relations import Relation
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
@@ -118,8 +119,12 @@ class CheckedRoom:
     def _is_consistent(self, question: QuestionRow) -> Iterator[Broken]:
         if (question.split, question.room_type) != (self.row.split, self.row.room_type):
             yield "consistent", f"split and room type are not those of {self.name}"
-        if question.object_ids != tuple(self.records):
-            yield "consistent", "object_ids are not the objects of the room, in its order"
+        shown = [decode_instances(image.bytes) for image in (question.start_instances, question.end_instances)]
+        numbers = [int(number) for number in np.union1d(*shown) if number]
+        if numbers != list(range(1, len(question.object_ids) + 1)):
+            yield "consistent", "object_ids are not the objects that the views show"
+        if question.object_ids != tuple(i for i in self.records if i in set(question.object_ids)):
+            yield "consistent", "object_ids are not objects of the room, in its order"
         if self.type_of(question.target_id) != question.target_type:
             yield "consistent", f"{question.target_id} is no {question.target_type}"
         if question.expression not in question.question:
@@ -186,6 +191,10 @@ class CheckedRoom:
         stored = (question.initial_pose, *question.goal_poses)
         if any(AgentState.of(self.grid, pose) != state for pose, state in zip((start, *goals), stored, strict=True)):
             yield "reachable", "a pose is not on the grid"
+        ways = np.array([goal.position[:2] for goal in question.goal_poses])
+        away_m = float(distance_to_goal_m(question.initial_pose.position[:2], ways))
+        if away_m <= SUCCESS_DISTANCE_M + DISTANCE_SLACK_M:
+            yield "away", f"the start is {away_m:.2f} m from a goal pose, and {SUCCESS_DISTANCE_M} m count as there"
         walk, _ = walk_and_rest(parse_actions(question.actions))
         if poses_along(self.grid, start, (step.name for step in walk))[-1] != goals[0]:
             yield "reachable", "the actions do not lead to the first goal pose"
@@ -344,3 +353,7 @@ def _different(question: QuestionRow, replay: Replay, when: Literal["start", "en
     for name, image in now.items():
         if image.bytes != stored[name]:
             yield "replayable", f"{when}_{name} is not what is seen"
+    unlisted = [replay.world.ids[i] for i in np.unique(seen.objects) if i >= 0]
+    unlisted = [object_id for object_id in unlisted if object_id not in question.object_ids]
+    if unlisted:
+        yield "consistent", f"object_ids lack {unlisted[0]}, which the {when} view shows"

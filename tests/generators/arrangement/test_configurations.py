@@ -1,3 +1,5 @@
+import math
+import re
 from functools import cache
 
 import numpy as np
@@ -92,6 +94,19 @@ def test_an_arrangement_is_at_rest_and_closed(room: str, number: int) -> None:
         world.settle()
         for object_id in mine:
             assert np.linalg.norm(before[object_id] - world.state(object_id).position) < 0.02
+
+
+@pytest.mark.parametrize(("room", "number"), CASES)
+def test_hidden_things_are_named_and_listed_like_all_others(room: str, number: int) -> None:
+    made = arranged(room, number)
+    ids = [o.id for o in made.scene.objects]
+    assert ids == sorted(ids)
+    mine = {object_id for _, hidden in made.hidden for object_id in hidden}
+    # AI2-THOR's: the type, then x, height and y of some place, each with its sign and two decimals
+    assert all(re.fullmatch(r"[A-Za-z]+(\|[+-]\d\d\.\d\d){3}", object_id) for object_id in mine)
+    for object_id in mine:
+        x, z, y = (float(number) for number in object_id.split("|")[1:])
+        assert math.dist((x, y, z), made.scene.object(object_id).position) > 0.005  # it does not say where it is
 
 
 def test_the_generator_decides_everything() -> None:

@@ -238,6 +238,19 @@ def test_a_manipulation_that_changes_nothing_is_found(rooms, questions) -> None:
     assert "sufficient" in broken_by(rooms, question, **same)
 
 
+def test_a_start_at_a_goal_is_found(rooms, questions) -> None:
+    question = next(iter(questions.values()))
+    assert "away" in broken_by(rooms, question, initial_pose=question.goal_poses[-1])
+
+
+def test_a_row_names_only_what_its_views_show(questions) -> None:
+    assert questions
+    for question in questions.values():
+        images = [decode_instances(getattr(question, f"{when}_instances").bytes) for when in ("start", "end")]
+        assert np.union1d(*images).max() == len(question.object_ids)
+        assert set(range(1, len(question.object_ids) + 1)) <= set(np.union1d(*images).tolist())
+
+
 def test_a_goal_out_of_the_arms_reach_is_found(rooms, questions) -> None:
     question = max(questions.values(), key=lambda q: q.path_length_m)
     far = replace(question.goal_poses[0], position=question.initial_pose.position)
