@@ -9,9 +9,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from remqa_data.errors import DamagedShardError, DatasetError
 from remqa_data.generators.config import Config
 from remqa_data.generators.questions.allotment import SceneQuota, allot, capacities
+from remqa_data.generators.questions.shortfalls import Answers, Deal, dealt_anew
 from remqa_data.generators.scene_job import make_room
 from remqa_data.generators.scene_plan import Job
 from remqa_data.processes.executors import Executor, LocalExecutor
@@ -24,10 +27,14 @@ from remqa_data.storage.ownership import clear, look, mark, remove_parts
 from remqa_data.storage.parts import Part, Parts, assemble, count_questions, finish
 from remqa_data.storage.protocol import Storage
 from remqa_data.storage.shards import check_files, check_sizes
+from remqa_data.tables.rows import Row
 from remqa_data.version import __version__
 
 FEWEST_SHARDS = {"train": 5, "val": 1, "test": 1}
 ROOMS_PER_SHARD = 20
+
+DEAL = "deal.json"
+"""What the rooms are asked for, once that is something else than the first allotment."""
 
 Progress = Callable[[str, Mapping[str, Any]], None]
 """Called with the name and the report of each room when it is finished."""
@@ -63,7 +70,7 @@ def generate(
     """
     executor = executor or LocalExecutor()
     storage = storage_at(out)
-    quotas = allot(capacities(config.scene_names), config.totals)
+    allot(capacities(config.scene_names), config.totals)  # what cannot be is told before anything is done
     place = look(storage)
     if not overwrite and place.is_finished and not place.has_parts:
         return _finished(storage, config)  # it can be read even if nothing can be written there
@@ -77,10 +84,10 @@ def generate(
         if overwrite:
             clear(storage)
         parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "version": __version__})
-        made = _made_rooms(parts, quotas, config, executor, progress)
+        made, quotas = _made_rooms(parts, config, executor, progress)
         shards = shards_per_split((file.table, file.split) for part in made for file in part.files)
         files = assemble(parts, made, shards, executor)
-        manifest = _manifest(config, made, files)
+        manifest = _manifest(config, made, quotas, files)
         look(storage)  # once more, hours later: a README.md may be somebody else's
         write_card(storage.root, manifest)
         lock.confirm()
@@ -95,11 +102,15 @@ class RoomJob:
     parts: Parts
     room: Job
 
+    def write(self, rows: Mapping[str, Sequence[Row]], report: Mapping[str, Any]) -> Part:
+        """The part of the room, which says what was asked for."""
+        return self.parts.write(self.room.scene, rows, {**report, "asked": _plain(self.room.quota.answers)})
+
 
 def make_part(job: RoomJob) -> Part:
     """Generate one room and write its part."""
     rows, report = make_room(job.room)
-    return job.parts.write(job.room.scene, rows, report)
+    return job.write(rows, report)
 
 
 def check_place(out: str | os.PathLike[str], *, overwrite: bool, resume: bool) -> None:
@@ -138,18 +149,41 @@ def _finished(storage: Storage, config: Config) -> Manifest:
 
 
 def _made_rooms(
-    parts: Parts, quotas: Sequence[SceneQuota], config: Config, executor: Executor, progress: Progress | None
-) -> list[Part]:
-    """Parts of all rooms, in the order of the quotas; those that are not there yet are made."""
+    parts: Parts, config: Config, executor: Executor, progress: Progress | None
+) -> tuple[list[Part], tuple[SceneQuota, ...]]:
+    """Parts of all rooms, in the order of the configuration, and what they were asked for in the end.
+
+    What is missing when all rooms are made is asked of other rooms, which are then made again.
+    """
     tell = progress or (lambda scene, report: None)
-    made = parts.finished()
-    for scene in sorted(made):
-        tell(scene, made[scene].report)
-    jobs = [RoomJob(parts, Job(quota, config)) for quota in quotas if quota.scene not in made]
-    for _, part in executor.run(make_part, jobs):
-        made[part.scene] = part
-        tell(part.scene, part.report)
-    return [made[quota.scene] for quota in quotas]
+    rooms = capacities(config.scene_names)
+    deal = _deal_so_far(parts) or Deal(tuple(allot(rooms, config.totals)))
+    told: set[str] = set()
+    while True:
+        asked = {quota.scene: _plain(quota.answers) for quota in deal.quotas}
+        made = {name: part for name, part in parts.finished().items() if part.report.get("asked") == asked.get(name)}
+        for scene in sorted(set(made) - told):
+            tell(scene, made[scene].report)
+        jobs = [RoomJob(parts, Job(quota, config)) for quota in deal.quotas if quota.scene not in made]
+        for _, part in executor.run(make_part, jobs):
+            made[part.scene] = part
+            tell(part.scene, part.report)
+        told |= set(made)
+        anew = dealt_anew(rooms, deal, {scene: part.report.get("short", {}) for scene, part in made.items()})
+        if anew is None:
+            return [made[quota.scene] for quota in deal.quotas], deal.quotas
+        parts.keep(DEAL, _DEAL.dump_json(anew))
+        deal = anew
+
+
+def _deal_so_far(parts: Parts) -> Deal | None:
+    """What an interrupted run asked of the rooms last, if it had come so far as to ask anew."""
+    text = parts.kept(DEAL)
+    return None if text is None else _DEAL.validate_json(text)
+
+
+def _plain(answers: Answers) -> dict[str, dict[str, int]]:
+    return {kind: dict(of_kind) for kind, of_kind in answers.items()}
 
 
 def shards_per_split(rooms: Iterable[tuple[str, str]]) -> dict[str, int]:
@@ -167,7 +201,10 @@ def shards_per_split(rooms: Iterable[tuple[str, str]]) -> dict[str, int]:
     }
 
 
-def _manifest(config: Config, made: Sequence[Part], files: tuple[FileInfo, ...]) -> Manifest:
+def _manifest(
+    config: Config, made: Sequence[Part], quotas: Sequence[SceneQuota], files: tuple[FileInfo, ...]
+) -> Manifest:
+    first = allot(capacities(config.scene_names), config.totals)
     refused: Counter[str] = Counter()
     for part in made:
         refused.update(part.report["refused"])
@@ -177,4 +214,8 @@ def _manifest(config: Config, made: Sequence[Part], files: tuple[FileInfo, ...])
         config=config.model_dump(mode="json"),
         questions=count_questions(made),
         refused=refused,
+        asked_anew={new.scene: _plain(new.answers) for old, new in zip(first, quotas, strict=True) if new != old},
     )
+
+
+_DEAL = TypeAdapter(Deal)

@@ -14,14 +14,15 @@ from remqa_data.floorplans.sampled.scenes import sampled_scene
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.selection import select
+from remqa_data.generators.questions.shortfalls import missing
 from remqa_data.generators.samples import AuditedRoom, Refusal, make_sample
 from remqa_data.generators.scene_plan import Job, RoomPlan, RoomPlanner
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo, walk_through
 from remqa_data.scene import Scene
 from remqa_data.tables.rows import QuestionRow, Row, Split
 
-ROOM_ATTEMPTS = 4
-"""How often a room is made anew when the audit refuses so much that its quota cannot be met."""
+ROOM_ATTEMPTS, ATTEMPTS_FOR_LESS = 4, 2
+"""How often a room is made anew when the audit refuses so much that its quota cannot be met; less often if it need not be."""
 
 SAMPLED_DRAWS = 40
 """How often a sampled room is drawn anew when it cannot have the questions that it owes."""
@@ -34,15 +35,16 @@ Samples = dict[tuple[str, int], QuestionRow]
 def make_room(job: Job) -> tuple[Rows, dict[str, Any]]:
     """All rows of one room by table, and the report: samples refused by the truth that they would have broken.
 
+    A recorded room that cannot have all its questions has fewer, and the report says in `short` which samples it lacks, by
+    kind and answer. A sampled room is drawn anew until it has them all.
+
     Raises
     ------
-    QuotaError
-        If the room cannot have the questions that it owes.
-    ArrangementError
-        If its things cannot be arranged.
+    QuotaError, ArrangementError
+        If no draw of a sampled room can have the questions that it owes.
     """
     if not is_sampled(job.scene):
-        return _made(job, replace(load_scene(job.scene), light=job.config.image.light))
+        return _made(job, replace(load_scene(job.scene), light=job.config.image.light), may_fall_short=True)
     draw = 0
     while True:
         try:
@@ -54,19 +56,20 @@ def make_room(job: Job) -> tuple[Rows, dict[str, Any]]:
                 raise
 
 
-def _made(job: Job, base: Scene) -> tuple[Rows, dict[str, Any]]:
+def _made(job: Job, base: Scene, *, may_fall_short: bool = False) -> tuple[Rows, dict[str, Any]]:
     """The rows and the report of a room, of which the floor plan is given."""
-    planner = RoomPlanner(job, base)
-    for attempt in range(1, ROOM_ATTEMPTS + 1):
+    planner = RoomPlanner(job, base, may_fall_short=may_fall_short)
+    last = ATTEMPTS_FOR_LESS if may_fall_short else ROOM_ATTEMPTS
+    for attempt in range(1, last + 1):
         plan = planner.next()
         rows, samples = _walked_and_asked(job, plan, planner.refused)
         try:
-            chosen = _chosen(job, plan, samples, planner.refused)
+            chosen = _chosen(job, plan, samples, planner, or_fewer=may_fall_short and attempt == last)
             break
         except QuotaError:
-            passed = _passed(plan, samples)
-            if attempt == ROOM_ATTEMPTS:
+            if attempt == last:
                 raise
+            passed = _passed(plan, samples)
             for group in plan.groups:
                 if len(passed[group.name]) < len(plan.configurations):
                     planner.avoid(group)
@@ -76,22 +79,30 @@ def _made(job: Job, base: Scene) -> tuple[Rows, dict[str, Any]]:
         "frames": len(rows["frames"]),
         "refused": dict(sorted(planner.refused.items())),
     }
-    return rows, report
+    short = missing(job.quota.answers, planner.quota.answers)
+    return rows, report | ({"short": short} if short else {})
 
 
-def _chosen(job: Job, plan: RoomPlan, samples: Samples, refused: Counter[str]) -> dict[str, tuple[int, ...]]:
+def _chosen(
+    job: Job, plan: RoomPlan, samples: Samples, planner: RoomPlanner, *, or_fewer: bool
+) -> dict[str, tuple[int, ...]]:
     """The samples that the room hands in; where too many were refused, those of all other configurations are made, too."""
     try:
-        return select(plan.groups, _passed(plan, samples), job.quota)
+        return select(plan.groups, _passed(plan, samples), planner.quota)
     except QuotaError:
         for number, configuration in enumerate(plan.configurations):
             room = _audited_room(job, number, configuration.scene)
             try:
                 others = [group for group in plan.groups if not _is_due(group, number)]
-                samples |= _samples(job, room, number, others, refused)
+                samples |= _samples(job, room, number, others, planner.refused)
             finally:
                 room.close()
-        return select(plan.groups, _passed(plan, samples), job.quota)
+    while True:
+        try:
+            return select(plan.groups, _passed(plan, samples), planner.quota)
+        except QuotaError as error:
+            if not (or_fewer and planner.ask_less(error)):
+                raise
 
 
 def _passed(plan: RoomPlan, samples: Samples) -> dict[str, list[int]]:

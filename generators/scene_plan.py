@@ -20,15 +20,18 @@ from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import GroupPlan, wishes
 from remqa_data.generators.questions.planning import SiteKey, plan_groups
+from remqa_data.generators.questions.shortfalls import with_a_lot_less
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata
 from remqa_data.sim.physics.world import World
+from remqa_data.tables.rows import QuestionKind
 
 PLANS = 200
 """How often a room's questions are planned anew before its arrangement counts as impossible."""
-ARRANGED = 25
-"""The same for plans that were arranged in the simulator, which takes seconds and not milliseconds."""
+ARRANGED, ARRANGED_FOR_LESS = 25, 8
+"""The same for plans that were arranged in the simulator, which takes seconds and not milliseconds; where fewer questions
+would do, fewer are tried."""
 FAILURES = 3
 """A place in which things could not be arranged so often is used no more."""
 
@@ -68,20 +71,28 @@ class RoomPlanner:
         What the room owes.
     base : Scene
         The room as recorded.
+    may_fall_short : bool
+        Whether it may have fewer questions where not all can be had.
+
+    Attributes
+    ----------
+    quota : SceneQuota
+        What the plans are for: what the room owes, or less.
     """
 
-    def __init__(self, job: Job, base: Scene) -> None:
-        self.job, self.base = job, base
+    def __init__(self, job: Job, base: Scene, *, may_fall_short: bool = False) -> None:
+        self.job, self.base, self.quota, self.may_fall_short = job, base, job.quota, may_fall_short
         self.places = hiding_places(base)
         self.expressions = expressions_of_places(base, self.places)
-        self.plans_made = self.plans_arranged = 0
+        self.plans_made = self.plans_left = self.arrangements_left = 0
         self.failures: Counter[tuple[str, str]] = Counter()
         self.refused: Counter[str] = Counter()
         self._fitting_at_first = cache(lambda place, count: fitting_types(place, job.quota.room_type, count))
-        self._forget()
+        self.groups: list[GroupPlan[HidingPlace]] = []
+        self._start_over()
 
     def next(self) -> RoomPlan:
-        """A plan that has not been tried yet.
+        """A plan that has not been tried yet; for fewer questions where there is no other, if that may be.
 
         Raises
         ------
@@ -91,16 +102,46 @@ class RoomPlanner:
             If its things cannot be arranged, however they are planned.
         """
         while True:
-            groups = self._planned()
+            try:
+                return self._next()
+            except (QuotaError, ArrangementError) as error:
+                if not (self.may_fall_short and self.ask_less(error)):
+                    raise
+
+    def ask_less(self, error: QuotaError | ArrangementError) -> bool:
+        """Ask for a lot fewer of the kind that cannot be had; False if nothing of it is asked for."""
+        kind = self._kind_of(error)
+        if not self.quota.total(kind):
+            return False
+        self.quota = replace(self.quota, answers=with_a_lot_less(self.quota.answers, kind))
+        self._start_over()
+        return True
+
+    def _start_over(self) -> None:
+        self.plans_left = PLANS
+        self.arrangements_left = ARRANGED_FOR_LESS if self.may_fall_short else ARRANGED
+        self._forget()
+
+    def _kind_of(self, error: QuotaError | ArrangementError) -> QuestionKind:
+        """The kind of which there is too much: of questions about what could not be hidden, or of most questions."""
+        if isinstance(error, QuotaError):
+            return error.kind  # type: ignore[return-value]
+        groups = [group for group in self.groups if group.question.place.object_id == error.place_id]
+        kinds = Counter(group.question.kind for group in groups if group.question.type in error.types)
+        return max(kinds or self.quota.answers, key=self.quota.total)
+
+    def _next(self) -> RoomPlan:
+        while True:
+            groups = self.groups = self._planned()
             numbers = range(self.job.config.configurations)
             try:
                 for number in numbers:  # all of them first, as it takes no time
                     check_room(self.base, _hidden(groups, number), self.job.rng(f"room {number}"))
-                self.plans_arranged += 1
+                self.arrangements_left -= 1
                 return RoomPlan(groups, [self._arranged(groups, number) for number in numbers])
             except ArrangementError as error:
                 self.refused["arrangement"] += 1
-                if self.plans_made >= PLANS or self.plans_arranged >= ARRANGED:
+                if self.plans_left <= 0 or self.arrangements_left <= 0:
                     raise
                 self._learn(error)
 
@@ -110,15 +151,15 @@ class RoomPlanner:
         self.misfits.add((place.object_id, place.relation, group.question.type))
 
     def _planned(self) -> list[GroupPlan[HidingPlace]]:
-        self.plans_made += 1
+        self.plans_made, self.plans_left = self.plans_made + 1, self.plans_left - 1
         job, rng = self.job, self.job.rng(f"plan {self.plans_made}")
         configurations, spare = job.config.configurations, job.config.spare_groups.by_kind()
         try:
             return plan_groups(
-                self.places, self.expressions, self._fitting, job.quota, rng, configurations, spare, self.clashes
+                self.places, self.expressions, self._fitting, self.quota, rng, configurations, spare, self.clashes
             )
         except QuotaError:
-            if not self.has_learnt or self.plans_made >= PLANS:
+            if not self.has_learnt or self.plans_left <= 0:
                 raise
             self._forget()  # too much was ruled out for what may have been bad luck
             return self._planned()

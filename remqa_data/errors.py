@@ -210,7 +210,14 @@ class ConfigError(RemqaError, ValueError):
 
 
 class QuotaError(RemqaError):
-    """Questions that were asked for and cannot be had: says which scene or split, which kind, and why."""
+    """Questions that were asked for and cannot be had: says which scene or split, which kind, and why.
+
+    `kind` says it again for a program that asks for fewer of that kind.
+    """
+
+    def __init__(self, message: str, kind: str = "") -> None:
+        super().__init__(message)
+        self.kind = kind
 
 
 class ArrangementError(RemqaError):

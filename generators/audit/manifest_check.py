@@ -9,11 +9,12 @@ from collections.abc import Iterator
 from importlib import metadata
 from itertools import pairwise
 
-from remqa_data.errors import ConfigError
+from remqa_data.errors import ConfigError, QuotaError
+from remqa_data.floorplans.sampled.naming import is_sampled
 from remqa_data.generators.audit.failures import Failure
 from remqa_data.generators.config import Config, stored_config
 from remqa_data.generators.pipeline import shards_per_split
-from remqa_data.generators.questions.allotment import split_of
+from remqa_data.generators.questions.allotment import allot, capacities, split_of
 from remqa_data.generators.scene_job import expression_split
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import CARD, CROISSANT, croissant_text, dataset_card
@@ -29,6 +30,8 @@ from remqa_data.version import __version__
 BESIDES = (LOCK, ".gitattributes", ".gitignore")
 """Files that may lie in a dataset's folder though the manifest does not list them; so may these folders:"""
 FOLDERS_BESIDES = (".git", ".cache")
+MOST_ASKED = 100
+"""Samples of one kind with one answer that a room may be asked for."""
 _VERSION = re.compile(r"\d+(\.\w+)+([-+]\S+)?", re.ASCII)
 
 
@@ -58,7 +61,33 @@ def manifest_failures(root: str | os.PathLike[str], manifest: Manifest) -> Itera
         yield Failure(MANIFEST, "complete", f"questions are {told}; the stored configuration asks for {asked}")
     if any(count <= 0 for count in manifest.refused.values()):
         yield Failure(MANIFEST, "consistent", "refused counts are not positive")
+    yield from _anew_failures(manifest, config)
     yield from _file_list_failures(manifest, config)
+
+
+def _anew_failures(manifest: Manifest, config: Config) -> Iterator[Failure]:
+    """Quotas that no room could have been asked for."""
+    try:
+        first = {quota.scene: quota for quota in allot(capacities(config.scene_names), config.totals)}
+    except QuotaError as error:
+        yield Failure(MANIFEST, "consistent", f"the stored configuration cannot be had: {error}")
+        return
+    for scene, answers in manifest.asked_anew.items():
+        if scene not in first or is_sampled(scene):
+            yield Failure(
+                MANIFEST, "consistent", f"asked_anew names {scene!r:.60}, which is no recorded room of the dataset"
+            )
+            continue
+        names = {kind: set(of_kind) for kind, of_kind in first[scene].answers.items()}
+        counts = [count for of_kind in answers.values() for count in of_kind.values()]
+        if {kind: set(of_kind) for kind, of_kind in answers.items()} != names or not all(
+            0 <= n <= MOST_ASKED for n in counts
+        ):
+            yield Failure(
+                MANIFEST, "consistent", f"asked_anew of {scene} are not numbers of answers to the kinds of question"
+            )
+        elif answers == first[scene].answers:
+            yield Failure(MANIFEST, "consistent", f"asked_anew of {scene} is what it was asked for in the first place")
 
 
 def other_versions(manifest: Manifest) -> list[str]:

@@ -17,6 +17,7 @@ from remqa_data.generators.audit.room_check import Found, Piece, RoomCheck, chec
 from remqa_data.generators.audit.row_order import row_failures, short_walks
 from remqa_data.generators.config import Config, stored_config
 from remqa_data.generators.questions.allotment import allot, capacities
+from remqa_data.generators.questions.shortfalls import asked_anew
 from remqa_data.generators.scene_plan import Job
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.storage.manifest import MANIFEST, Manifest, load_manifest
@@ -134,7 +135,7 @@ def _room_checks(
     for question in asked:
         wanted[question.scene].add(question.question_id)
     pieces = {table: _pieces(root, manifest, table) for table in TABLES}
-    quotas = allot(capacities(config.scene_names), config.totals)
+    quotas = asked_anew(allot(capacities(config.scene_names), config.totals), manifest.asked_anew)
     checks = []
     for quota in quotas:
         scene = quota.scene

@@ -86,7 +86,7 @@ def plan_groups(
         If the room has not enough places: names the room and the kind, and says what there is.
     """
     sites = sites_of(places, expressions, fitting_types)
-    order, refusal = PLAN_ORDER, ""
+    order, refusal, hardest = PLAN_ORDER, "", PLAN_ORDER[0]
     for _ in range(ATTEMPTS):
         planner = Planner(sites, quota.scene, configurations, rng, clashes or {})
         failed = _fill(planner, order, quota)
@@ -95,9 +95,9 @@ def plan_groups(
                 for _ in range((spare_groups or {}).get(kind, 0)):
                     planner.add(kind, {})
             return planner.groups
-        refusal = planner.refusal(failed, quota.answers[failed])
+        refusal, hardest = planner.refusal(failed, quota.answers[failed]), failed
         order = (failed, *(kind for kind in order if kind != failed))  # what found no room comes first
-    raise QuotaError(refusal)
+    raise QuotaError(refusal, hardest)
 
 
 def _fill(planner: Planner[P], order: Sequence[QuestionKind], quota: SceneQuota) -> QuestionKind | None:

@@ -48,7 +48,7 @@ def select(groups: Sequence[GroupPlan[P]], passed: Passed, quota: SceneQuota) ->
             continue
         found = _search(own, passed, {answer: n for answer, n in quota.answers[kind].items() if n})
         if found is None:
-            raise QuotaError(_refusal(own, passed, quota, kind))
+            raise QuotaError(_refusal(own, passed, quota, kind), kind)
         chosen |= found
     return {group.name: chosen[group.name] for group in groups if group.name in chosen}
 

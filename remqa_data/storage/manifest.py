@@ -12,7 +12,7 @@ import platform
 import re
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from importlib import metadata
 from typing import Any
 
@@ -75,6 +75,9 @@ class Manifest:
         Number of questions by split and kind.
     refused : mapping of str to int
         Number of candidates that generation refused, by reason.
+    asked_anew : mapping
+        What rooms were asked for, by scene, kind and answer, where that is not what they would be by the configuration
+        alone: some could not have all, and others stepped in.
     """
 
     seed: int
@@ -84,6 +87,7 @@ class Manifest:
     files: tuple[FileInfo, ...]
     questions: dict[str, dict[str, int]]
     refused: dict[str, int]
+    asked_anew: dict[str, dict[str, dict[str, int]]] = field(default_factory=dict)
     format_version: int = FORMAT_VERSION
 
     def splits(self, table: str) -> list[str]:
@@ -119,12 +123,16 @@ def make_manifest(
     config: Mapping[str, Any],
     questions: Mapping[str, Mapping[str, int]],
     refused: Mapping[str, int],
+    asked_anew: Mapping[str, Mapping[str, Mapping[str, int]]] | None = None,
 ) -> Manifest:
     """A manifest with the hash of the configuration and the versions of this environment."""
     versions = {"remqa-data": __version__, "python": platform.python_version()}
     versions |= {package: metadata.version(package) for package in VERSIONED}
     counts = {split: dict(sorted(kinds.items())) for split, kinds in questions.items()}
-    return Manifest(seed, dict(config), config_hash(config), versions, files, counts, dict(sorted(refused.items())))
+    anew = {scene: {kind: dict(n) for kind, n in kinds.items()} for scene, kinds in (asked_anew or {}).items()}
+    return Manifest(
+        seed, dict(config), config_hash(config), versions, files, counts, dict(sorted(refused.items())), anew
+    )
 
 
 def write_manifest(root: str | os.PathLike[str], manifest: Manifest) -> None:

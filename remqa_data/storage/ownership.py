@@ -30,7 +30,7 @@ _ANY_TABLE, _ANY_SPLIT = "|".join(TABLES), "|".join(SPLITS)
 _KNOWN = re.compile(
     rf"{re.escape(MANIFEST)}|{re.escape(CARD)}|{re.escape(CROISSANT)}|{re.escape(MARKER)}"
     rf"|({_ANY_TABLE})/({_ANY_SPLIT})-\d{{5,}}-of-\d{{5,}}\.parquet"
-    rf"|{re.escape(PARTS)}/[0-9a-f]{{16}}/[^/]+/(part\.json|({_ANY_TABLE})\.({_ANY_SPLIT})\.parquet)"
+    rf"|{re.escape(PARTS)}/[0-9a-f]{{16}}/(deal\.json|[^/]+/(part\.json|({_ANY_TABLE})\.({_ANY_SPLIT})\.parquet))"
 )
 _EMPTY_FOLDER = re.compile(rf"(({_ANY_TABLE})|{re.escape(PARTS)}(/[0-9a-f]{{16}}(/[^/]+)?)?)/")
 

@@ -150,6 +150,17 @@ class Parts:
             temporary.write_bytes(_note_text(part))
         return part
 
+    def keep(self, name: str, text: bytes) -> None:
+        """Keep something beside the parts for a run that goes on with them."""
+        with self.storage.publish(f"{self.folder}/{name}") as temporary:
+            temporary.write_bytes(_with_checksum(text))
+
+    def kept(self, name: str) -> bytes | None:
+        """What was kept; None if nothing was, or it is torn."""
+        with suppress(FileNotFoundError):
+            return _without_checksum(self.storage.read(f"{self.folder}/{name}"))
+        return None
+
     def shard_jobs(self, parts: Sequence[Part], shards_per_split: int | Mapping[str, int]) -> list[ShardJob]:
         """What is to be merged.
 
@@ -312,20 +323,26 @@ def _damaged(storage: Storage, piece: Piece) -> DamagedPartError:
 
 
 def _note_text(part: Part) -> bytes:
-    """A part's note, with a checksum of itself in the first line."""
-    text = json.dumps(asdict(part)).encode()
-    return hashlib.sha256(text).hexdigest().encode() + b"\n" + text
+    return _with_checksum(json.dumps(asdict(part)).encode())
 
 
 def _parsed(note: bytes) -> Part | None:
     """A part by its note; None if that is torn."""
-    checksum, _, text = note.partition(b"\n")
-    if hashlib.sha256(text).hexdigest().encode() != checksum:
-        return None
+    text = _without_checksum(note)
     try:
-        return _PART.validate_json(text)
+        return None if text is None else _PART.validate_json(text)
     except ValidationError:
         return None
+
+
+def _with_checksum(text: bytes) -> bytes:
+    """A text below its own checksum."""
+    return hashlib.sha256(text).hexdigest().encode() + b"\n" + text
+
+
+def _without_checksum(note: bytes) -> bytes | None:
+    checksum, _, text = note.partition(b"\n")
+    return text if hashlib.sha256(text).hexdigest().encode() == checksum else None
 
 
 _PART = TypeAdapter(Part)

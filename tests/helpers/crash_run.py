@@ -40,7 +40,7 @@ def made_up_part(job: RoomJob) -> Part:
     time.sleep(float(os.environ.get("CRASH_ROOM_S", "0.05")))
     rows = scene_rows(job.room.scene, job.room.quota.split)
     report = {"questions": len(rows["questions"]), "frames": len(rows["frames"]), "refused": {"made up": 1}}
-    return job.parts.write(job.room.scene, rows, report)
+    return job.write(rows, report)
 
 
 def run_here(out: Path, *options: str, workers: int = 1) -> tuple[int, str]:
