@@ -107,6 +107,7 @@ class AuditedRoom:
         self.loose_graph = SceneGraph.from_objects(self.graph.objects.values(), self.graph.rules.loosened())
         self.expressions = Expressions(self.graph)
         self._views: dict[tuple[AgentPose, Action], Views] = {}
+        self._repeated: dict[tuple[AgentPose, Action], bool] = {}
 
     @property
     def grid(self) -> ReachableGrid:
@@ -133,6 +134,16 @@ class AuditedRoom:
             self._views[key] = Views(before, after, motion, world.save(), object_metadata(world))
             self.start_over(goal)
         return self._views[key]
+
+    def repeats(self, goal: AgentPose, manipulation: Action) -> bool:
+        """Whether a manipulation, done once more, ends in the state of the room that its views show."""
+        key, known = (goal, manipulation), self.views(goal, manipulation)
+        if key not in self._repeated:
+            self.start_over(goal)
+            is_done = self.replay.attempt(manipulation).success
+            self._repeated[key] = is_done and (self.replay.pose, self.replay.world.save()) == (goal, known.state)
+            self.start_over(goal)
+        return self._repeated[key]
 
     def close(self) -> None:
         """Give the simulator's memory back."""
@@ -170,7 +181,7 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
     if not cells:
         return Refusal("away", f"the agent stands nowhere farther than {AWAY_M} m from the goal at {hiding.object_id}")
     start = AgentPose(cells[int(rng.integers(len(cells)))], int(rng.choice(HEADINGS_DEG)))
-    way = shortest_actions(room.grid, start, goal)
+    way = [Action(name) for name in shortest_actions(room.grid, start, goal)]
     before, after = views.before, views.after
     refusal = _check_views(room, hiding, answer.ids, before, after)
     if refusal is None and not answer.ids and _share_in_view(room, hiding, goal, views) < LEAST_SHARE:
@@ -179,8 +190,7 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         refusal = _disturbance(room, group, answer.ids, views)
     if refusal is not None:
         return refusal
-    actions = (*map(Action, way), manipulation, Action(DONE))
-    if not _replays(room, start, actions, goal, views):
+    if not (_leads_to(room, start, way, goal) and room.repeats(goal, manipulation)):
         return Refusal("replayable", f"{hiding.object_id}: the actions end in another picture")
     name = f"{group.name}-c{room.place.configuration}"
     ids = room.replay.world.ids
@@ -209,7 +219,7 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         manipulation_object_id=hiding.object_id,
         path_length_m=path_length_m(room.grid, start.cell, goal.cell),
         path_steps=len(way),
-        actions=tuple(map(str, actions)),
+        actions=tuple(map(str, (*way, manipulation, Action(DONE)))),
         start_rgb=encode_rgb(before.rgb, f"{name}-start", form=form),
         start_depth=encode_depth(before.depth, f"{name}-start-depth"),
         start_instances=encode_instances(before.objects, ids, shown, f"{name}-start-instances"),
@@ -324,14 +334,8 @@ def _disturbance(
     return None
 
 
-def _replays(room: AuditedRoom, start: AgentPose, actions: tuple[Action, ...], goal: AgentPose, views: Views) -> bool:
-    """Whether the oracle's actions lead from the start to the pose and the state of the room that the end frame shows."""
+def _leads_to(room: AuditedRoom, start: AgentPose, way: Sequence[Action], goal: AgentPose) -> bool:
+    """Whether steps and turns, which leave the room as it is, take the agent from one pose to exactly another."""
     room.start_over(start)
-    try:
-        for action in actions:
-            room.replay.step(action)
-    except ActionError:
-        return False
-    reached = (room.replay.pose, room.replay.world.save())
-    room.start_over(start)
-    return reached == (goal, views.state)
+    is_done = all(room.replay.attempt(action).success for action in way)
+    return is_done and room.replay.pose == goal
