@@ -84,3 +84,18 @@ def test_what_differs_by_rounding_is_snapped_to_the_same_number(rng: np.random.G
     np.testing.assert_array_equal(snapped, arithmetic.snapped(snapped))
     assert np.abs(snapped - values).max() <= arithmetic.LENGTH_STEP_M / 2
     assert not np.signbit(arithmetic.snapped(-1e-17))
+
+
+def test_one_of_many_and_one_alone_give_the_same_bits(rng: np.random.Generator) -> None:
+    poses, others, points = rng.normal(size=(500, 4, 4)), rng.normal(size=(500, 4, 4)), rng.normal(size=(500, 3))
+    poses[:, 3] = others[:, 3] = 0.0, 0.0, 0.0, 1.0
+    angles = np.concatenate([rng.uniform(-10, 10, 400), 45.0 * np.arange(-50, 50)])
+    cases = [(arithmetic.product, (poses, others)), (arithmetic.inverse, (poses,))]
+    cases += [(function, (points, poses)) for function in (arithmetic.moved, arithmetic.moved_back)]
+    cases += [(function, (points, poses[:, :3, :3])) for function in (arithmetic.turned, arithmetic.turned_back)]
+    for function, arguments in cases:
+        alone = [function(*one) for one in zip(*arguments, strict=True)]
+        assert np.stack(alone).tobytes() == function(*arguments).tobytes(), function.__name__
+    for function in (arithmetic.sin_cos, arithmetic.sin_cos_deg):
+        alone = [function(angle) for angle in angles.tolist()]
+        assert np.transpose(alone).tobytes() == np.stack(function(angles)).tobytes(), function.__name__
