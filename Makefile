@@ -31,15 +31,15 @@ dataset: $(INSTALLED)  ## the main job: the whole benchmark, in out/remqa; `make
 	$(BIN)/remqa-gen --scenes $(SCENES) --out $(DATASET) --resume
 
 test: $(INSTALLED_DEV) lint  ## lint, then all tests on two cores
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 test-fast: $(INSTALLED_DEV)  ## only the tests that take seconds
-	$(BIN)/python -m pytest -n 2 -m "not slow"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
 
 test-newest: .venv-newest/bin/python  ## test-fast with the newest version of everything, on NEWEST=python3.13 or so
 	$< -m pip install --quiet --upgrade --upgrade-strategy eager --editable '.[dev]'
 	$(call without_screen,$<)
-	$< -m pytest -n 2 -m "not slow"
+	$< -m pytest -n 2 --dist worksteal -m "not slow"
 
 lint: $(INSTALLED_LINT)  ## ruff, the format, and mypy --strict on the library; installs neither torch nor ray
 	$(BIN)/ruff check .

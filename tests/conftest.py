@@ -1,4 +1,4 @@
-"""Gives tests a small dataset, and hypothesis its profile."""
+"""Gives tests small datasets, each made once for all processes of a run, and hypothesis its profile."""
 
 import os
 import shutil
@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from remqa_data.storage.manifest import Manifest
+from remqa_data.storage.manifest import Manifest, load_manifest
 from tests.helpers.dataset_rows import write_dataset
+from tests.helpers.real_datasets import made_once, one_room_config, two_rooms_config
 
 # In CI the same examples every time: a red run says something about the change, and is repeated at will.
 settings.register_profile("ci", derandomize=True, print_blob=True)
@@ -16,14 +17,30 @@ if os.environ.get("CI"):
     settings.load_profile("ci")
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Manifest]:
-    """A small dataset of made-up rows, and its manifest."""
-    root = tmp_path_factory.mktemp("finished")
-    return root, write_dataset(root)
+    """A small dataset of made-up rows, and its manifest. Not to be changed."""
+    root = made_once(tmp_path_factory, "made-up", write_dataset)
+    return root, load_manifest(root)
 
 
 @pytest.fixture
 def dataset(finished: tuple[Path, Manifest], tmp_path: Path) -> Path:
     """The same, for a test to damage."""
     return Path(shutil.copytree(finished[0], tmp_path / "copy"))
+
+
+@pytest.fixture(scope="session")
+def one_room(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A real dataset of one room: 4 configurations, 16 frames, 12 questions. Not to be changed."""
+    from remqa_data.generators.pipeline import generate
+
+    return made_once(tmp_path_factory, "one-room", lambda out: generate(out, one_room_config()))
+
+
+@pytest.fixture(scope="session")
+def two_rooms(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """8 questions in the train split and 12 in the test split, in two real rooms. Not to be changed."""
+    from remqa_data.generators.pipeline import generate
+
+    return made_once(tmp_path_factory, "two-rooms", lambda out: generate(out, two_rooms_config()))

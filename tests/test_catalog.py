@@ -41,58 +41,58 @@ def floor_plans() -> pd.DataFrame:
         return pd.read_parquet(path)
 
 
+@pytest.fixture(scope="module")
 def recorded_types(floor_plans):
     """The types that a floor plan has; the others say themselves how large they are."""
-    return {name: kind for name, kind in catalog().items() if name in set(floor_plans["objectType"])}
+    recorded = set(floor_plans["objectType"])
+    return {name: kind for name, kind in catalog().items() if name in recorded}
 
 
-def test_the_types_are_those_of_the_floor_plans_and_such_as_say_how_large_they_are(floor_plans):
-    assert set(recorded_types(floor_plans)) == set(floor_plans["objectType"])
-    assert len(recorded_types(floor_plans)) == 118
+def test_the_types_are_those_of_the_floor_plans_and_such_as_say_how_large_they_are(floor_plans, recorded_types):
+    assert set(recorded_types) == set(floor_plans["objectType"])
+    assert len(recorded_types) == 118
     assert list(catalog()) == sorted(catalog())
     for name, kind in catalog().items():
-        assert (kind.size_m is None) == (name in recorded_types(floor_plans)), name
+        assert (kind.size_m is None) == (name in recorded_types), name
 
 
 @pytest.mark.parametrize("flag", ["openable", "pickupable", "moveable", "receptacle", "toggleable", "breakable"])
-def test_a_flag_is_what_the_majority_of_recorded_objects_says(floor_plans, flag):
+def test_a_flag_is_what_the_majority_of_recorded_objects_says(floor_plans, recorded_types, flag):
     share = floor_plans.groupby("objectType")[flag].mean()
-    assert {name for name, kind in recorded_types(floor_plans).items() if getattr(kind, flag)} == set(
-        share.index[share >= 0.5]
-    )
+    assert {name for name, kind in recorded_types.items() if getattr(kind, flag)} == set(share.index[share >= 0.5])
 
 
-def test_the_openable_types_are_the_documented_fourteen(floor_plans):
-    assert {name for name, kind in recorded_types(floor_plans).items() if kind.openable} == OPENABLE
+def test_the_openable_types_are_the_documented_fourteen(floor_plans, recorded_types):
+    assert {name for name, kind in recorded_types.items() if kind.openable} == OPENABLE
 
 
-def test_masses_are_the_recorded_ones(floor_plans):
+def test_masses_are_the_recorded_ones(floor_plans, recorded_types):
     share = floor_plans[floor_plans["pickupable"] | floor_plans["moveable"]]
     recorded = share.groupby("objectType")["mass"].median()
-    given = {name: kind.mass_kg for name, kind in recorded_types(floor_plans).items() if kind.mass_kg is not None}
+    given = {name: kind.mass_kg for name, kind in recorded_types.items() if kind.mass_kg is not None}
     assert set(given) == set(recorded.index)
     assert {name: round(mass, 3) for name, mass in given.items()} == {
         name: pytest.approx(mass, rel=0.02, abs=1e-3) for name, mass in recorded.items()
     }
 
 
-def test_rooms_are_those_in_which_the_type_occurs(floor_plans):
+def test_rooms_are_those_in_which_the_type_occurs(floor_plans, recorded_types):
     recorded = floor_plans.groupby("objectType")["room"].agg(set)
-    assert {name: set(kind.rooms) for name, kind in recorded_types(floor_plans).items()} == recorded.to_dict()
+    assert {name: set(kind.rooms) for name, kind in recorded_types.items()} == recorded.to_dict()
 
 
-def test_materials_are_among_the_recorded_ones(floor_plans):
+def test_materials_are_among_the_recorded_ones(floor_plans, recorded_types):
     recorded = floor_plans.groupby("objectType")["salientMaterials"].agg(
         lambda lists: {m for one in lists for m in one}
     )
-    assert any(kind.materials for kind in recorded_types(floor_plans).values())
-    for name, kind in recorded_types(floor_plans).items():
+    assert any(kind.materials for kind in recorded_types.values())
+    for name, kind in recorded_types.items():
         assert set(kind.materials) <= recorded[name], name
 
 
-def test_questions_use_sixty_types_each_in_a_quarter_of_the_floor_plans(floor_plans):
+def test_questions_use_sixty_types_each_in_a_quarter_of_the_floor_plans(floor_plans, recorded_types):
     scenes = floor_plans.groupby("objectType")["scene"].nunique()
-    handled = {name for name, kind in recorded_types(floor_plans).items() if kind.manipulation is not None}
+    handled = {name for name, kind in recorded_types.items() if kind.manipulation is not None}
     frequent = {name for name in handled if scenes[name] >= 30}
     assert len(frequent) == 62
     assert len(question_types()) == 60

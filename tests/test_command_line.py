@@ -12,7 +12,6 @@ from typer.testing import CliRunner, Result
 
 from remqa_data import __version__
 from remqa_data.kernels.progress import Compiling, tell
-from tests.helpers.dataset_rows import write_dataset
 from tests.helpers.submissions import written
 
 COMMANDS = {
@@ -39,13 +38,6 @@ def drawing(monkeypatch: pytest.MonkeyPatch) -> None:
     module = ModuleType("remqa_data.generators.figures.preview")
     module.write_preview = write_preview  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, module.__name__, module)
-
-
-@pytest.fixture(scope="module")
-def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    root = tmp_path_factory.mktemp("data")
-    write_dataset(root)
-    return root
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -96,11 +88,11 @@ def test_a_word_that_is_nearly_a_command_is_not_taken_for_a_file(name, word, hin
     assert hint in done.stderr
 
 
-def test_a_file_whose_name_is_nearly_a_command_is_a_file_when_it_is_there(data, tmp_path, monkeypatch) -> None:
+def test_a_file_whose_name_is_nearly_a_command_is_a_file_when_it_is_there(finished, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     written(tmp_path / "score.jsonl", "qa", [{"question_id": "Kitchen3-q0", "answer": "yes"}])
     for words in (["score.jsonl"], ["--json", "score", "score.jsonl"]):
-        done = invoke("remqa-eval", *words, "--data", data, "--no-report", "-o", tmp_path / "out")
+        done = invoke("remqa-eval", *words, "--data", finished[0], "--no-report", "-o", tmp_path / "out")
         assert done.exit_code == 0, done.output
     assert json.loads(done.stdout)["track"] == "qa"
     assert json.loads((tmp_path / "out" / "results.json").read_text())["counts"] == json.loads(done.stdout)["counts"]

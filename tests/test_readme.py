@@ -1,23 +1,17 @@
 import re
+import shutil
 from pathlib import Path
 
 import gymnasium
 import pytest
 
-from remqa_data.generators.config import load_config
-from remqa_data.generators.pipeline import generate
-
 ROOT = Path(__file__).parents[1]
 
 
 @pytest.mark.slow
-def test_the_code_in_the_readme_runs(tmp_path, monkeypatch) -> None:
+def test_the_code_in_the_readme_runs(two_rooms, tmp_path, monkeypatch) -> None:
     pytest.importorskip("torch")
-    config = load_config(ROOT / "configs" / "tiny.yaml")
-    few = config.questions.train.model_copy(update={"EXISTENCE": 4, "COUNTING": 0, "SPATIAL": 4})
-    questions = config.questions.model_copy(update={"train": few})
-    rooms = {"scenes": ("FloorPlan212", "FloorPlan27"), "questions": questions}
-    generate(tmp_path / "out" / "remqa", config.model_copy(update=rooms))
+    shutil.copytree(two_rooms, tmp_path / "out" / "remqa")
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)

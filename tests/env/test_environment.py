@@ -21,8 +21,6 @@ from remqa_data.errors import ActionError, DatasetError, UnknownNameError
 from remqa_data.evaluation.scoring.ground_truth import load_ground_truth
 from remqa_data.evaluation.scoring.scoring import score
 from remqa_data.evaluation.submission.reader import open_submission
-from remqa_data.generators.config import load_config
-from remqa_data.generators.pipeline import generate
 from remqa_data.sim.agent.actions import Action, parse_action
 from remqa_data.sim.arm.arm import HOME
 from remqa_data.storage.shards import read_table
@@ -37,22 +35,6 @@ def env() -> Iterator[RemqaEnv]:
     made = RemqaEnv(**SMALL, max_steps=5)
     yield made
     made.close()
-
-
-@pytest.fixture(scope="module")
-def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Four questions about one room."""
-    config = load_config(Path(__file__).parents[2] / "configs" / "tiny.yaml")
-    counts = {"EXISTENCE": 2, "COUNTING": 0, "SPATIAL": 2}
-    questions = config.questions.model_copy(
-        update={
-            "train": config.questions.train.model_copy(update=counts),
-            "test": config.questions.test.model_copy(update=counts),
-        }
-    )
-    root = tmp_path_factory.mktemp("dataset")
-    generate(root, config.model_copy(update={"scenes": ("FloorPlan212", "FloorPlan27"), "questions": questions}))
-    return root
 
 
 @pytest.mark.filterwarnings("error")
@@ -230,11 +212,11 @@ def test_two_environments_in_processes_of_their_own_are_like_one() -> None:
         partial(gymnasium.vector.AsyncVectorEnv, context="spawn"),
     ],
 )
-def test_vector_environments_ask_the_questions_that_are_played(dataset: Path, vector: Any) -> None:
-    table = read_table(dataset, "questions", "train", ["question_id", "question"])
+def test_vector_environments_ask_the_questions_that_are_played(two_rooms: Path, vector: Any) -> None:
+    table = read_table(two_rooms, "questions", "train", ["question_id", "question"])
     asked = dict(zip(*(table[name].to_pylist() for name in table.column_names), strict=True))
     assert len(set(asked.values())) > 1
-    envs = vector([partial(RemqaEnv, dataset, "train", width=8, height=8, max_steps=1)] * 2)
+    envs = vector([partial(RemqaEnv, two_rooms, "train", width=8, height=8, max_steps=1)] * 2)
     heard = set()
     for seed in range(3):
         seen, info = envs.reset(seed=seed)
@@ -253,9 +235,11 @@ def test_vector_environments_ask_the_questions_that_are_played(dataset: Path, ve
 
 @pytest.mark.slow
 @pytest.mark.parametrize("hands", ["reach", "arm"])
-def test_the_oracle_is_perfect_and_its_recording_too(dataset: Path, tmp_path: Path, hands: str) -> None:
+def test_the_oracle_is_perfect_and_its_recording_too(two_rooms: Path, tmp_path: Path, hands: str) -> None:
     path = tmp_path / "oracle.jsonl"
-    env = Recorder(gymnasium.make(ENV_ID, root=dataset, split="test", hands=hands, width=32, height=32), path, "oracle")
+    env = Recorder(
+        gymnasium.make(ENV_ID, root=two_rooms, split="train", hands=hands, width=32, height=32), path, "oracle"
+    )
     remqa = env.unwrapped
     assert isinstance(remqa, RemqaEnv)
     ended = []
@@ -271,17 +255,19 @@ def test_the_oracle_is_perfect_and_its_recording_too(dataset: Path, tmp_path: Pa
         assert reward == 1.0
         ended.append(info)
     env.close()
-    scores = score(open_submission(path), load_ground_truth(dataset, "remqa", "test"))
-    assert len(ended) == 4
+    scores = score(open_submission(path), load_ground_truth(two_rooms, "remqa", "train"))
+    assert len(ended) == 8
     for name, values in scores.measures.items():
-        assert [info[name] for info in ended] == values.tolist() == [True] * 4
-    assert [info["SPL"] for info in ended] == [1.0] * 4
+        assert [info[name] for info in ended] == values.tolist() == [True] * 8
+    assert [info["SPL"] for info in ended] == [1.0] * 8
 
 
 @pytest.mark.slow
-def test_an_agent_that_errs_is_scored_alike_by_the_environment_and_the_evaluator(dataset: Path, tmp_path: Path) -> None:
+def test_an_agent_that_errs_is_scored_alike_by_the_environment_and_the_evaluator(
+    two_rooms: Path, tmp_path: Path
+) -> None:
     path = tmp_path / "random.jsonl"
-    env = Recorder(gymnasium.make(ENV_ID, root=dataset, split="train", hands="reach", width=32, height=32), path)
+    env = Recorder(gymnasium.make(ENV_ID, root=two_rooms, split="train", hands="reach", width=32, height=32), path)
     remqa = env.unwrapped
     assert isinstance(remqa, RemqaEnv)
     rng = np.random.default_rng(0)
@@ -297,7 +283,7 @@ def test_an_agent_that_errs_is_scored_alike_by_the_environment_and_the_evaluator
             env.step(str(word))
         ended.append(env.step(Command(answer=task.answer, box=(0.1, 0.1, 0.9, 0.9)))[-1])
     env.close()
-    scores = score(open_submission(path), load_ground_truth(dataset, "remqa", "train"))
+    scores = score(open_submission(path), load_ground_truth(two_rooms, "remqa", "train"))
     for name, values in scores.measures.items():
         assert [info[name] for info in ended] == values.tolist()
     assert all(math.isfinite(info["distance_to_goal_m"]) for info in ended)
@@ -315,12 +301,12 @@ def test_an_environment_that_is_dropped_gives_its_simulator_back() -> None:
 
 
 @pytest.mark.slow
-def test_only_honest_episodes_of_a_dataset_are_recorded(dataset: Path, tmp_path: Path) -> None:
+def test_only_honest_episodes_of_a_dataset_are_recorded(two_rooms: Path, tmp_path: Path) -> None:
     with pytest.raises(ActionError, match="root="):
         Recorder(RemqaEnv(**SMALL), tmp_path / "a.jsonl")
     with pytest.raises(ActionError, match="privileged"):
-        Recorder(RemqaEnv(dataset, "test", privileged=True), tmp_path / "a.jsonl")
-    env = Recorder(RemqaEnv(dataset, "test", action_mode="parametrised"), tmp_path / "a.jsonl")
+        Recorder(RemqaEnv(two_rooms, "test", privileged=True), tmp_path / "a.jsonl")
+    env = Recorder(RemqaEnv(two_rooms, "test", action_mode="parametrised"), tmp_path / "a.jsonl")
     env.reset(seed=0)
     env.step("MoveAhead 0.1")
     with pytest.raises(ActionError, match="whole steps"):
@@ -328,16 +314,16 @@ def test_only_honest_episodes_of_a_dataset_are_recorded(dataset: Path, tmp_path:
 
 
 @pytest.mark.slow
-def test_a_question_becomes_a_film(dataset: Path, tmp_path: Path) -> None:
+def test_a_question_becomes_a_film(two_rooms: Path, tmp_path: Path) -> None:
     import cv2
 
-    env = RemqaEnv(dataset, "test")
+    env = RemqaEnv(two_rooms, "test")
     path = tmp_path / "episode.mp4"
-    frames = write_film(dataset, env.episode_ids[0], path)
+    frames = write_film(two_rooms, env.episode_ids[0], path)
     film = cv2.VideoCapture(str(path))
     read = 0
     while film.read()[0]:
         read += 1
     assert read == frames > 10
     with pytest.raises(UnknownNameError):
-        write_film(dataset, "nothing", path)
+        write_film(two_rooms, "nothing", path)

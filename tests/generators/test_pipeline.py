@@ -8,27 +8,18 @@ from typer.testing import CliRunner
 
 from remqa_data.cli import app as data_app
 from remqa_data.generators.cli import app
-from remqa_data.generators.config import Config, load_config, paper_config
+from remqa_data.generators.config import load_config, paper_config
 from remqa_data.generators.pipeline import generate
 from remqa_data.processes.executors import LocalExecutor
-from remqa_data.storage.manifest import Manifest
+from remqa_data.storage.manifest import Manifest, load_manifest
 from remqa_data.storage.shards import read_rows, read_table
 from remqa_data.tables.rows import FrameRow, QuestionRow
-
-CONFIGS = Path(__file__).parents[2] / "configs"
-
-
-def two_rooms() -> Config:
-    config = load_config(CONFIGS / "tiny.yaml")
-    few = config.questions.train.model_copy(update={"EXISTENCE": 4, "COUNTING": 0, "SPATIAL": 4})
-    questions = config.questions.model_copy(update={"train": few})
-    return config.model_copy(update={"scenes": ("FloorPlan212", "FloorPlan27"), "questions": questions})
+from tests.helpers.real_datasets import CONFIGS, two_rooms_config
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Manifest]:
-    root = tmp_path_factory.mktemp("dataset")
-    return root, generate(root, two_rooms())
+@pytest.fixture
+def made(two_rooms: Path) -> tuple[Path, Manifest]:
+    return two_rooms, load_manifest(two_rooms)
 
 
 @pytest.mark.slow
@@ -70,7 +61,7 @@ def test_tables_belong_together(made: tuple[Path, Manifest]) -> None:
 @pytest.mark.slow
 def test_two_workers_make_the_same_bytes(made: tuple[Path, Manifest], tmp_path: Path) -> None:
     _, manifest = made
-    assert generate(tmp_path / "again", two_rooms(), LocalExecutor(2)) == manifest
+    assert generate(tmp_path / "again", two_rooms_config(), LocalExecutor(2)) == manifest
 
 
 @pytest.mark.slow

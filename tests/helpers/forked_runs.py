@@ -15,9 +15,7 @@ from pathlib import Path
 
 from remqa_data.processes import workers
 from tests.helpers import crash_run
-
-_CONTEXT = multiprocessing.get_context("forkserver")
-_CONTEXT.set_forkserver_preload([__name__])
+from tests.helpers.fork_server import FORK_SERVER
 
 
 class ForkedRun:
@@ -38,7 +36,7 @@ class ForkedRun:
     def __init__(self, *arguments: str, output: Path, ignores_ctrl_c: bool = False, **environment: str) -> None:
         self.output = output
         variables = {**os.environ, **environment}
-        self._process = _CONTEXT.Process(target=_run, args=(arguments, str(output), ignores_ctrl_c, variables))
+        self._process = FORK_SERVER.Process(target=_run, args=(arguments, str(output), ignores_ctrl_c, variables))
         self._process.start()
         self.pid = self._process.pid
 

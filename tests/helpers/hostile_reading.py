@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import resource
 import traceback
@@ -12,6 +11,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from remqa_data.errors import RemqaError
+from tests.helpers.fork_server import FORK_SERVER
 
 CPU_S, WALL_S = 20, 120
 MEMORY_BYTES = 2 << 30
@@ -163,10 +163,7 @@ class Outcome:
 
 
 class ReadingProcess:
-    """A process that reads one dataset after the other; where it takes too long, dies or grows, another one takes over.
-
-    It is forked from a server without threads: a fork of a process that has some waits for locks that nobody holds.
-    """
+    """A process that reads one dataset after the other; where it takes too long, dies or grows, another one takes over."""
 
     def __init__(self) -> None:
         self._start()
@@ -190,15 +187,13 @@ class ReadingProcess:
         self._pipe.close()
 
     def _start(self) -> None:
-        self._pipe, other = _SERVER.Pipe()
-        self._process = _SERVER.Process(target=_serve, args=(other,), daemon=True)
+        self._pipe, other = FORK_SERVER.Pipe()
+        self._process = FORK_SERVER.Process(target=_serve, args=(other,), daemon=True)
         self._process.start()
         other.close()
 
 
 _KILLED = Outcome("killed", "", CPU_S, 0)
-_SERVER = multiprocessing.get_context("forkserver")
-_SERVER.set_forkserver_preload(["remqa_data.datasets.torch_datasets", "tests.helpers.hostile_reading"])
 
 
 def _serve(pipe: Connection) -> None:

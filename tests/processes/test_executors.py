@@ -8,13 +8,12 @@ from typing import Any
 import pytest
 
 from remqa_data.errors import ArrangementError, ClusterError, ConfigError, UnknownNameError, WorkersLostError
-from remqa_data.generators.config import load_config
 from remqa_data.generators.pipeline import generate
 from remqa_data.processes.executors import Executor, LocalExecutor, RayExecutor, make_executor
 from remqa_data.storage.manifest import load_manifest
 from tests.helpers import executor_jobs as jobs
+from tests.helpers.real_datasets import two_rooms_config
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 pytestmark = pytest.mark.slow
 
 
@@ -98,9 +97,8 @@ def test_a_node_that_dies_loses_nothing(cluster: Any, tmp_path: Path) -> None:
     assert all(path.read_text() for path in paths)
 
 
-def test_a_cluster_makes_the_same_bytes_though_a_node_dies(cluster: Any, tmp_path: Path) -> None:
-    config = load_config(CONFIGS / "tiny.yaml").with_scenes(2)
-    expected = generate(tmp_path / "here", config, LocalExecutor(2))
+def test_a_cluster_makes_the_same_bytes_though_a_node_dies(cluster: Any, two_rooms: Path, tmp_path: Path) -> None:
+    config, expected = two_rooms_config(), load_manifest(two_rooms)
     victim = next(node for node in cluster.list_all_nodes() if node is not cluster.head_node)
     told: list[str] = []
 

@@ -135,12 +135,12 @@ def test_without_a_browser_the_text_is_escaped_too(hostile: Path) -> None:
 
 
 @pytest.mark.slow
-def test_failures_of_walks_show_view_map_and_boxes(rooms: Path, tmp_path: Path) -> None:
+def test_failures_of_walks_show_view_map_and_boxes(two_rooms: Path, tmp_path: Path) -> None:
     for agent, track in (("random", "remqa"), ("random", "rec"), ("oracle", "nav")):
         predictions = tmp_path / f"{track}.jsonl"
-        options = ["--data", str(rooms), "--track", track, "-o", str(predictions)]
+        options = ["--data", str(two_rooms), "--track", track, "-o", str(predictions)]
         assert CliRunner().invoke(app, [agent, *options]).exit_code == 0
-        text = report(rooms, tmp_path / track, predictions).read_text()
+        text = report(two_rooms, tmp_path / track, predictions).read_text()
         assert ("way from above" in text) == (track == "remqa")
         assert ("<p>None.</p>" in text) == (agent == "oracle")
         assert ("submitted red" in text) == (agent == "random")

@@ -28,11 +28,11 @@ def test_there_are_lies_about_every_table_and_file() -> None:
 
 
 @pytest.fixture(scope="module")
-def made_once(real_dataset: Path) -> Callable[[Job], Any]:
+def made_once(one_room: Path) -> Callable[[Job], Any]:
     """`make_room`, which remembers what it made of the room of the dataset as it is."""
-    manifest = load_manifest(real_dataset)
+    manifest = load_manifest(one_room)
     config = stored_config(manifest.config)
-    rows: dict[str, list[Row]] = {t: list(read_rows(real_dataset, spec.row_type, "test")) for t, spec in TABLES.items()}  # type: ignore[type-var]
+    rows: dict[str, list[Row]] = {t: list(read_rows(one_room, spec.row_type, "test")) for t, spec in TABLES.items()}  # type: ignore[type-var]
     real = remade.make_room
 
     def make_room(job: Job) -> tuple[dict[str, list[Row]], dict[str, Any]]:
@@ -45,7 +45,7 @@ def made_once(real_dataset: Path) -> Callable[[Job], Any]:
 @pytest.mark.parametrize("forgery", FORGERIES, ids=[forgery.name for forgery in FORGERIES])
 def test_a_forged_dataset_is_found(
     forgery: Forgery,
-    real_dataset: Path,
+    one_room: Path,
     made_once: Callable[[Job], Any],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -56,7 +56,7 @@ def test_a_forged_dataset_is_found(
     """
     monkeypatch.setattr(remade, "make_room", made_once)
     monkeypatch.setattr(room_check, "_configurations", lambda check, rows: ())
-    copy = Copy(real_dataset, tmp_path / "forged")
+    copy = Copy(one_room, tmp_path / "forged")
     forgery.tell(copy)
     assert is_found(copy.root)
 

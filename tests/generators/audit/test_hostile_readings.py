@@ -29,10 +29,10 @@ def reading() -> Iterator[ReadingProcess]:
 
 @pytest.mark.parametrize("reader", ["env", "eval", "show"])
 def test_an_honest_dataset_is_read_to_the_end(
-    reader: str, real_dataset: Path, tmp_path: Path, reading: ReadingProcess
+    reader: str, one_room: Path, tmp_path: Path, reading: ReadingProcess
 ) -> None:
     """Else a refusal below would show nothing; that it is verified is tested in `test_verify`."""
-    outcome = reading.attempt(SLOW[reader], Path(shutil.copytree(real_dataset, tmp_path / "copy")))
+    outcome = reading.attempt(SLOW[reader], Path(shutil.copytree(one_room, tmp_path / "copy")))
     assert outcome.kind == "whole", outcome
 
 
@@ -48,17 +48,17 @@ def test_an_honest_dataset_is_read_to_the_end(
     ],
 )
 def test_a_forged_room_is_refused_or_harmless(
-    name: str, real_dataset: Path, tmp_path: Path, reading: ReadingProcess
+    name: str, one_room: Path, tmp_path: Path, reading: ReadingProcess
 ) -> None:
-    forged = forge(real_dataset, tmp_path / "forged", CASES[name])
+    forged = forge(one_room, tmp_path / "forged", CASES[name])
     outcomes = {reader: reading.attempt(SLOW[reader], forged) for reader in READERS}
     assert all(outcome.held for outcome in outcomes.values()), outcomes
     assert outcomes["env"].kind == "refused"
     assert all("\n" not in outcome.said for outcome in outcomes.values())
 
 
-def test_a_dataset_without_a_train_split_has_films(real_dataset: Path) -> None:
-    question_id = read_table(real_dataset, "questions", "test", ["question_id"])["question_id"][0].as_py()
-    frames = film(real_dataset, question_id)
+def test_a_dataset_without_a_train_split_has_films(one_room: Path) -> None:
+    question_id = read_table(one_room, "questions", "test", ["question_id"])["question_id"][0].as_py()
+    frames = film(one_room, question_id)
     assert next(frames).ndim == 3
     frames.close()

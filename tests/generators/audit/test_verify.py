@@ -29,8 +29,8 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def root(real_dataset: Path) -> Path:
-    return real_dataset
+def root(one_room: Path) -> Path:
+    return one_room
 
 
 @pytest.fixture(scope="module")

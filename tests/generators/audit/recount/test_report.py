@@ -15,8 +15,8 @@ def test_a_landmark_is_what_the_phrase_of_the_place_leans_on() -> None:
 
 
 @pytest.mark.slow
-def test_every_figure_of_a_dataset_has_an_aim(real_dataset) -> None:
-    table = recount(real_dataset)
+def test_every_figure_of_a_dataset_has_an_aim(one_room) -> None:
+    table = recount(one_room)
     assert list(table.columns) == ["what", "asked", "measured", "holds"]
     assert table["what"].is_unique
     figures = table.set_index("what")
@@ -25,8 +25,8 @@ def test_every_figure_of_a_dataset_has_an_aim(real_dataset) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_prints_the_table_and_writes_it(real_dataset, tmp_path) -> None:
-    done = CliRunner().invoke(app, ["recount", str(real_dataset), "--csv", str(tmp_path / "figures.csv")])
+def test_the_command_prints_the_table_and_writes_it(one_room, tmp_path) -> None:
+    done = CliRunner().invoke(app, ["recount", str(one_room), "--csv", str(tmp_path / "figures.csv")])
     assert done.exit_code == 0, done.output
     assert "pixels of evidence, median" in done.output
     assert (tmp_path / "figures.csv").read_text().startswith("what,asked,measured,holds\n")

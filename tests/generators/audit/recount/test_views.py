@@ -58,9 +58,9 @@ def test_what_is_covered_by_something_nearer_has_not_moved() -> None:
 
 
 @pytest.mark.slow
-def test_a_real_dataset_is_measured_row_by_row(real_dataset) -> None:
-    found = measured_views(real_dataset)
-    told = load_manifest(real_dataset).questions
+def test_a_real_dataset_is_measured_row_by_row(one_room) -> None:
+    found = measured_views(one_room)
+    told = load_manifest(one_room).questions
     assert len(found) == sum(n for kinds in told.values() for n in kinds.values()) > 0
     positives = ~found["answer"].isin(["no", "0"])
     assert 0 < positives.sum() < len(found)
