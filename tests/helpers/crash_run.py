@@ -43,12 +43,12 @@ def made_up_part(job: RoomJob) -> Part:
     return job.write(rows, report)
 
 
-def run_here(out: Path, *options: str, workers: int = 1) -> tuple[int, str]:
+def run_here(out: Path, *options: str, workers: int = 1, scenes: int = SCENES) -> tuple[int, str]:
     """Exit code of a run in this process, in which rooms take no time, and all that it printed."""
     import pytest
     from typer.testing import CliRunner
 
-    arguments = ["--scenes", str(SCENES), "--out", str(out), "--workers", str(workers), *options]
+    arguments = ["--scenes", str(scenes), "--out", str(out), "--workers", str(workers), *options]
     with pytest.MonkeyPatch.context() as monkeypatch:
         monkeypatch.setattr(executors, "make_executor", lambda name, workers, address: MadeUpRooms(workers))
         monkeypatch.setenv("CRASH_ROOM_S", "0")

@@ -15,6 +15,8 @@ from pathlib import Path
 
 import psutil
 
+from tests.helpers.forked_runs import ForkedRun
+
 ROOT = Path(__file__).parents[2]
 PATIENCE_S = 600.0
 CTRL_C = b"\x03"
@@ -24,7 +26,7 @@ CTRL_C = b"\x03"
 class Terminal:
     """A command, the other end of its terminal, and what it has shown there."""
 
-    process: subprocess.Popen[bytes]
+    process: subprocess.Popen[bytes] | ForkedRun
     end: int
     shown: str = ""
 
@@ -73,5 +75,13 @@ def at_terminal(command: Sequence[str], *, ignores_ctrl_c: bool = False, **envir
         env={**os.environ, **environment},
         preexec_fn=lambda: signal.signal(signal.SIGINT, handler),
     )
+    os.close(theirs)
+    return Terminal(process, ours)
+
+
+def forked_at_terminal(*arguments: str, ignores_ctrl_c: bool = False, **environment: str) -> Terminal:
+    """The same for a run with rooms that are made up, without its imports."""
+    ours, theirs = pty.openpty()
+    process = ForkedRun(*arguments, output=Path(os.ttyname(theirs)), ignores_ctrl_c=ignores_ctrl_c, **environment)
     os.close(theirs)
     return Terminal(process, ours)

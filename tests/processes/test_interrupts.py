@@ -1,35 +1,42 @@
 """Ctrl-C on a terminal of its own, and SIGTERM: one line, at most 2 s, no process left, and `--resume` goes on.
 
-The runs are `remqa-gen` in processes of their own, with rooms that are made up (see `crash_run`).
+The runs are `remqa-gen` with rooms that are made up (see `crash_run`): programs of their own where it matters how they
+start, else processes that are forked from one that has imported everything.
 """
 
 import shutil
 import signal
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import psutil
 import pytest
 
+from tests.helpers.crash_run import run_here
 from tests.helpers.damaged_files import files_of
-from tests.helpers.terminal import Terminal
-from tests.helpers.terminal import at_terminal as command_at_terminal
+from tests.helpers.terminal import Terminal, at_terminal, forked_at_terminal
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("setsid") is None, reason="needs a pseudo-terminal")]
 
 PROGRAM = "tests.helpers.crash_run"
+SCENES = 12
 STOP_S = 4.0
 """Twice what is promised: other tests run at the same time."""
 LINE = "remqa-gen: stopped; the rooms that are finished are kept, go on with --resume"
 
 
-def at_terminal(
-    out: Path, *options: str, workers: int = 2, ignores_ctrl_c: bool = False, **environment: str
-) -> Terminal:
-    arguments = ["--scenes", "12", "--out", str(out), "--workers", str(workers), *options]
-    command = [sys.executable, "-m", PROGRAM, *arguments]
-    return command_at_terminal(command, ignores_ctrl_c=ignores_ctrl_c, **environment)
+def words(out: Path, *options: str, workers: int = 2) -> list[str]:
+    return ["--scenes", str(SCENES), "--out", str(out), "--workers", str(workers), *options]
+
+
+def program(out: Path, **environment: str) -> Terminal:
+    return at_terminal([sys.executable, "-m", PROGRAM, *words(out)], **environment)
+
+
+def forked(out: Path, workers: int = 2, ignores_ctrl_c: bool = False, **environment: str) -> Terminal:
+    return forked_at_terminal(*words(out, workers=workers), ignores_ctrl_c=ignores_ctrl_c, **environment)
 
 
 def parts_in(out: Path) -> int:
@@ -40,16 +47,16 @@ def parts_in(out: Path) -> int:
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A dataset that nothing happened to."""
     out = tmp_path_factory.mktemp("whole") / "out"
-    terminal = at_terminal(out, workers=1, CRASH_ROOM_S="0")
-    terminal.read_until(lambda: terminal.process.poll() is not None)
-    assert terminal.process.returncode == 0, terminal.shown
+    code, text = run_here(out, scenes=SCENES)
+    assert code == 0, text
     return out
 
 
-@pytest.mark.parametrize(("how", "workers"), [("once", 1), ("twice", 2), ("terminated", 2)])
-def test_a_run_stops_at_once_says_so_and_goes_on(whole: Path, tmp_path: Path, how: str, workers: int) -> None:
+@pytest.mark.parametrize("how", ["once", "twice", "terminated"])
+def test_a_run_stops_at_once_says_so_and_goes_on(whole: Path, tmp_path: Path, how: str) -> None:
     out = tmp_path / "out"
-    terminal = at_terminal(out, workers=workers, CRASH_ROOM_S="0.5")
+    start = {"once": partial(forked, workers=1), "twice": program, "terminated": forked}[how]
+    terminal = start(out, CRASH_ROOM_S="0.5")
     terminal.read_until(lambda: parts_in(out) >= 2)
     strikes = {
         "once": [terminal.press_ctrl_c],
@@ -61,14 +68,13 @@ def test_a_run_stops_at_once_says_so_and_goes_on(whole: Path, tmp_path: Path, ho
     assert terminal.shown.count(LINE) == 1
     assert "Traceback" not in terminal.shown
     assert 2 <= parts_in(out) < 12
-    again = at_terminal(out, "--resume", workers=1, CRASH_ROOM_S="0")
-    again.read_until(lambda: again.process.poll() is not None)
+    assert run_here(out, "--resume", scenes=SCENES)[0] == 0
     assert files_of(out) == files_of(whole)
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_what_cannot_be_interrupted_is_ended(tmp_path: Path, workers: int) -> None:
-    terminal = at_terminal(tmp_path / "out", workers=workers, CRASH_STUCK="1")
+    terminal = forked(tmp_path / "out", workers=workers, CRASH_STUCK="1")
     terminal.read_until(lambda: terminal.shown.count("stuck") == workers)
     assert terminal.stop(terminal.press_ctrl_c) < STOP_S
     assert terminal.process.returncode == 128 + signal.SIGINT
@@ -78,7 +84,7 @@ def test_what_cannot_be_interrupted_is_ended(tmp_path: Path, workers: int) -> No
 @pytest.mark.parametrize("after_s", [0.0, 0.3])
 def test_a_run_that_is_starting_its_workers_stops(tmp_path: Path, after_s: float) -> None:
     out = tmp_path / "out"
-    terminal = at_terminal(out, CRASH_ROOM_S="0.5")
+    terminal = program(out, CRASH_ROOM_S="0.5")
     terminal.read_until(lambda: len(psutil.Process(terminal.process.pid).children()) > 0)
     time.sleep(after_s)
     assert terminal.stop(terminal.press_ctrl_c) < STOP_S
@@ -91,7 +97,7 @@ def test_a_command_that_is_being_imported_stops(tmp_path: Path) -> None:
         "import time\nprint('importing', flush=True)\ntime.sleep(60)\n", encoding="utf-8"
     )
     code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from remqa_data.commands import remqa_gen; remqa_gen()"
-    terminal = command_at_terminal([sys.executable, "-c", code])
+    terminal = at_terminal([sys.executable, "-c", code])
     terminal.read_until(lambda: "importing" in terminal.shown)
     assert terminal.stop(terminal.press_ctrl_c) < STOP_S
     assert terminal.process.returncode == 128 + signal.SIGINT
@@ -102,7 +108,7 @@ def test_a_command_that_is_being_imported_stops(tmp_path: Path) -> None:
 def test_a_command_that_has_done_its_work_ends_at_once(tmp_path: Path) -> None:
     tidy = "import atexit, time; atexit.register(lambda: (print('tidying', flush=True), time.sleep(60)))"
     code = f"{tidy}; from remqa_data.commands import remqa_gen; remqa_gen()"
-    terminal = command_at_terminal([sys.executable, "-c", code, "--version"])
+    terminal = at_terminal([sys.executable, "-c", code, "--version"])
     terminal.read_until(lambda: "tidying" in terminal.shown)
     assert terminal.stop(terminal.press_ctrl_c) < STOP_S
     assert terminal.process.returncode == -signal.SIGINT
@@ -111,18 +117,17 @@ def test_a_command_that_has_done_its_work_ends_at_once(tmp_path: Path) -> None:
 
 def test_a_run_whose_merging_is_interrupted_leaves_no_half_shard(whole: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    terminal = at_terminal(out, CRASH_ROOM_S="0")
+    terminal = forked(out, CRASH_ROOM_S="0")
     terminal.read_until(lambda: any(out.glob("*/train-*")))
     terminal.stop(terminal.press_ctrl_c)
     assert {path.name for path in out.glob("*/[!.]*.parquet")} <= {path.name for path in whole.glob("*/*.parquet")}
-    again = at_terminal(out, "--resume", workers=1, CRASH_ROOM_S="0")
-    again.read_until(lambda: again.process.poll() is not None)
+    assert run_here(out, "--resume", scenes=SCENES)[0] == 0
     assert files_of(out) == files_of(whole)
 
 
 def test_a_run_that_was_started_to_ignore_ctrl_c_does(tmp_path: Path) -> None:
     """As `nohup` and shells do for commands in the background."""
-    terminal = at_terminal(tmp_path / "out", ignores_ctrl_c=True, CRASH_ROOM_S="0")
+    terminal = forked(tmp_path / "out", ignores_ctrl_c=True, CRASH_ROOM_S="0.2")
     terminal.read_until(lambda: "generating" in terminal.shown or terminal.process.poll() is not None)
     terminal.press_ctrl_c()
     terminal.read_until(lambda: terminal.process.poll() is not None)
