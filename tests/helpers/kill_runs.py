@@ -23,7 +23,7 @@ import numpy as np
 import psutil
 
 from tests.helpers.damaged_files import files_of
-from tests.helpers.terminal import PATIENCE_S, Terminal, at_terminal
+from tests.helpers.terminal import PATIENCE_S, STOPPED, Terminal, at_terminal
 
 HERE = Path(__file__).parent
 PROGRAMS = {
@@ -90,8 +90,13 @@ def interrupt_once(terminal: Terminal, after_s: float, rng: np.random.Generator)
     elif terminal.process.returncode < 0:
         told = "before the first or after the last of our own lines"
     else:
-        told = "told" if terminal.shown.count(": stopped") == 1 else f"NOT TOLD: {terminal.shown}"
-    return Strike(f"{how} after {after_s:.1f} s, {told}, {took_s:.1f} s", took_s)
+        told = (
+            f"told after {terminal.told_s:.1f} s"
+            if terminal.shown.count(STOPPED) == 1
+            else f"NOT TOLD: {terminal.shown}"
+        )
+    load = os.getloadavg()[0]
+    return Strike(f"{how} after {after_s:.1f} s, {told}, ended after {took_s:.1f} s, load {load:.1f}", took_s)
 
 
 def strike_until_the_end(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import pty
 import select
@@ -20,15 +21,17 @@ from tests.helpers.forked_runs import ForkedRun
 ROOT = Path(__file__).parents[2]
 PATIENCE_S = 600.0
 CTRL_C = b"\x03"
+STOPPED = ": stopped"
 
 
 @dataclass
 class Terminal:
-    """A command, the other end of its terminal, and what it has shown there."""
+    """A command, the other end of its terminal, and what it has shown there; how soon it said that it stops."""
 
     process: subprocess.Popen[bytes] | ForkedRun
     end: int
     shown: str = ""
+    told_s: float = math.inf
 
     def press_ctrl_c(self) -> None:
         os.write(self.end, CTRL_C)
@@ -53,6 +56,9 @@ class Terminal:
         for strike in strikes:
             strike()
             time.sleep(apart_s)
+        self.read_until(lambda: STOPPED in self.shown or self.process.poll() is not None)
+        if STOPPED in self.shown:
+            self.told_s = time.monotonic() - begun
         self.read_until(lambda: self.process.poll() is not None)
         _, alive = psutil.wait_procs(family, timeout=PATIENCE_S)
         assert not alive
