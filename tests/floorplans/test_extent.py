@@ -7,6 +7,9 @@ from remqa_data.floorplans.ithor.extent import recorded_extent
 from remqa_data.floorplans.ithor.scenes import understood
 from remqa_data.floorplans.ithor.table import recorded_objects, scene_names
 
+TOUCH_M = 0.002
+"""What hangs on a wall may be recorded this deep in it."""
+
 
 def extent_of(name: str):
     rows = recorded_objects(name)
@@ -22,22 +25,27 @@ def test_a_room_ends_at_its_walls_or_a_step_behind_its_last_things(name: str) ->
     assert np.all([x1, y1] - high <= 0.61)
 
 
-@pytest.mark.parametrize("name", scene_names()[::6])
+@pytest.mark.parametrize("name", [*scene_names()[::6], "FloorPlan311", "FloorPlan210", "FloorPlan324"])
 def test_nothing_was_recorded_in_a_corner_that_is_missing(name: str) -> None:
     rows, (_, notches) = extent_of(name)
     assert rows
     for x0, y0, x1, y1 in notches:
         inside = [
-            o.id for o in rows if o.type != "Floor" and np.all(o.high[:2] > [x0, y0]) and np.all(o.low[:2] < [x1, y1])
+            o.id
+            for o in rows
+            if o.type != "Floor"
+            and np.all(o.high[:2] > [x0 + TOUCH_M, y0 + TOUCH_M])
+            and np.all(o.low[:2] < [x1 - TOUCH_M, y1 - TOUCH_M])
         ]
         assert inside == []
 
 
 @pytest.mark.parametrize(
-    ("name", "most_m2"), [("FloorPlan311", 55), ("FloorPlan213", 42), ("FloorPlan212", 21), ("FloorPlan203", 60)]
+    ("name", "most_m2"),
+    [("FloorPlan311", 40), ("FloorPlan213", 42), ("FloorPlan212", 21), ("FloorPlan203", 60), ("FloorPlan404", 14)],
 )
 def test_floor_that_runs_on_behind_windows_and_half_walls_is_no_room(name: str, most_m2: float) -> None:
-    """Of these floors AI2-THOR's agent cannot reach much; their plates measure 90, 87, 43 and 86 square metres."""
+    """Of these floors AI2-THOR's agent cannot reach much; their plates measure 90, 87, 43, 86 and 21 square metres."""
     rows, ((x0, y0, x1, y1), notches) = extent_of(name)
     size = (next(o for o in rows if o.type == "Floor").size[:2]).prod()
     area = (x1 - x0) * (y1 - y0) - sum((c - a) * (d - b) for a, b, c, d in notches)

@@ -9,7 +9,7 @@ import numpy as np
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.looks.materials import CHROME, COLORS
 from remqa_data.assets.mesh.cutting import solid_around
-from remqa_data.floorplans.ithor.extent import ON_WALLS
+from remqa_data.floorplans.ithor.backs import ON_WALLS
 from remqa_data.floorplans.ithor.plan import SIDES, RoomShell
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.geometry import arithmetic

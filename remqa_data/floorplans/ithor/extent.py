@@ -11,23 +11,25 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.assets.mesh.cutting import solid_around
 from remqa_data.catalog import types_with
+from remqa_data.floorplans.ithor.backs import BEFORE_WALLS, ON_WALLS, behind_walls
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.geometry.rectangles import edge_rectangles
 from remqa_data.geometry.types import F64, Rect
 
-ON_WALLS = types_with("on_wall")
-"""Types that hang on a wall: their back is the wall."""
 IN_WALLS = types_with("in_wall")
 """Types whose recorded box reaches into or through the wall."""
-BEFORE_WALLS = types_with("back_is_no_sight")
-"""Furniture whose back is no sight: there is a wall behind it."""
+BACKED = types_with("has_back")
+"""Furniture that stands with its back to a wall when it stands at one."""
 WALL_SLACK_M = 0.60
 """A floor that reaches no farther than this behind the last things ends at them, too."""
-BARE_M = 0.60
+BARE_M = 0.35
 """A floor that reaches farther ends so far behind the last things, unless they have a wall behind them."""
-LAST_M, HIGH_M = 0.20, 1.0
+LAST_M, HIGH_M = 0.25, 1.0
 """Things that end this near to where everything ends say whether a wall is there, as do two cabinets this high up."""
+IN_LINE_M = 1.5
+"""Furniture that ends in one line over so much of a side stands along a wall."""
 STRAY_M = 0.5
 """What is farther than this from the floor is not in the room."""
 CELL_M = 0.25
@@ -37,6 +39,8 @@ AROUND_M, BEFORE_DOORS_M = 0.25, 0.9
 """So much around every thing stays part of the room, and so much around what is opened and where one comes in."""
 LEAST_NOTCH_M, LEAST_NOTCH_M2, MOST_NOTCHES = 0.75, 1.5, 6
 """A corner that is missing has sides and an area of at least so much."""
+SLIVER_M = 0.1
+"""What is left of a piece of wall beside another one and is narrower is left out."""
 DOORSIDE = "LightSwitch"
 """Beside this a room has its door, which is not recorded."""
 
@@ -59,20 +63,32 @@ def _end(things: Sequence[RecordedObject], floor: RecordedObject, axis: int, sig
     last = [o for o in things if reach - sign * _outer_face(o, axis, sign) < LAST_M]
     has_wall = any(_has_wall_behind(o, axis, sign) for o in last)
     has_wall |= sum(o.type == "Cabinet" and o.low[2] > floor.high[2] + HIGH_M for o in last) > 1
+    has_wall |= _length([(o.low[1 - axis], o.high[1 - axis]) for o in last if not o.pickupable]) > IN_LINE_M
     return sign * (reach if has_wall or edge - reach <= WALL_SLACK_M else reach + BARE_M)
 
 
+def _length(spans: Sequence[tuple[float, float]]) -> float:
+    """How much of a line some spans of it cover."""
+    total, reached = 0.0, -np.inf
+    for start, end in sorted(spans):
+        total += max(0.0, end - max(start, reached))
+        reached = max(reached, end)
+    return total
+
+
 def _outer_face(o: RecordedObject, axis: int, sign: int) -> float:
-    """Where a box ends towards a wall; what sits in a wall ends in the middle of it."""
-    if o.type in IN_WALLS:
-        return float(o.low[axis] + o.high[axis]) / 2 if (o.high - o.low)[axis] < 0.6 else -sign * np.inf
+    """Where a box ends towards a wall; what sits in that wall ends in its middle, and a window at a corner nowhere."""
+    size = o.high - o.low
+    if o.type in IN_WALLS and size[axis] < max(0.6, size[1 - axis]):
+        return float(o.low[axis] + o.high[axis]) / 2 if size[axis] < 0.6 else -sign * np.inf
     return float((o.low if sign < 0 else o.high)[axis])
 
 
 def _has_wall_behind(o: RecordedObject, axis: int, sign: int) -> bool:
     """Whether something hangs flat on a wall on one side, or stands with its back to it."""
     flat = (o.high - o.low)[axis] < 0.6 * (o.high - o.low)[1 - axis]
-    return (o.type in ON_WALLS and bool(flat)) or (o.type in BEFORE_WALLS and float(sign * o.front[axis]) < -0.9)
+    is_backed = o.type in BEFORE_WALLS and float(sign * o.front[axis]) < -0.9
+    return is_backed or (o.type in ON_WALLS | BACKED and bool(flat))
 
 
 def _notches(things: Sequence[RecordedObject], floor: RecordedObject, bounds: Rect) -> list[Rect]:
@@ -87,6 +103,9 @@ def _notches(things: Sequence[RecordedObject], floor: RecordedObject, bounds: Re
     around = np.where(has_use, BEFORE_DOORS_M, AROUND_M)[:, None]
     for corner, opposite in zip(low - around, high + around, strict=True):
         inside |= np.all((points > corner) & (points < opposite), axis=-1)
+    behind = behind_walls(things, bounds)
+    for rect in behind:
+        inside &= ~np.all((points > rect[:2]) & (points < rect[2:]), axis=-1)
     least = round(LEAST_NOTCH_M / CELL_M)
     found = []
     for i0, j0, i1, j1 in edge_rectangles(inside, (least, least), MOST_NOTCHES):
@@ -96,7 +115,14 @@ def _notches(things: Sequence[RecordedObject], floor: RecordedObject, bounds: Re
         is_corner = (i0 == 0 or i1 == counts[0]) and (j0 == 0 or j1 == counts[1])  # else it might cut the room in two
         if is_corner and (x1 - x0) * (y1 - y0) >= LEAST_NOTCH_M2:
             found.append((x0, y0, x1, y1))
-    return found
+    return found + [rest for rect in behind for rest in _without(rect, found)]
+
+
+def _without(rect: Rect, others: Sequence[Rect]) -> list[Rect]:
+    """What some rectangles leave of another one."""
+    holes = [(x0, y0, -1.0, x1, y1, 1.0) for x0, y0, x1, y1 in others]
+    rests = solid_around((rect[0], rect[1], 0.0, rect[2], rect[3], 0.5), holes)
+    return [(x0, y0, x1, y1) for x0, y0, _, x1, y1, _ in rests if min(x1 - x0, y1 - y0) > SLIVER_M]
 
 
 def _drawn_in(start: int, end: int, axis: int, bounds: Rect, count: int) -> tuple[float, float]:

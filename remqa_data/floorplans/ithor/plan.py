@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.catalog import types_with
-from remqa_data.floorplans.ithor.extent import ON_WALLS, recorded_extent
+from remqa_data.floorplans.ithor.backs import ON_WALLS
+from remqa_data.floorplans.ithor.extent import recorded_extent
 from remqa_data.floorplans.ithor.table import RecordedObject, axes_facing
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Rect
@@ -17,6 +18,8 @@ from remqa_data.geometry.types import F64, Rect
 BACKED = types_with("has_back")
 """Furniture that stands with its back to a wall when it stands at one."""
 AT_WALL_M = 0.35
+AT_NOTCH_M = 0.15
+"""So far behind a thing there is no room if it hangs beside a corner that is not part of it."""
 
 SIDES: dict[str, F64] = {
     "west": np.array([1.0, 0.0, 0.0]),
@@ -117,6 +120,9 @@ def _off_the_wall(o: RecordedObject, shell: RoomShell) -> F64:
     extent = o.high - o.low
     thin = [axis for axis in (0, 1) if extent[axis] < 0.6 * extent[1 - axis]]
     allowed = [side for side, inward in SIDES.items() if not thin or abs(inward[thin[0]]) > 0.5]
+    at_notch = [side for side in allowed if thin and _has_notch_behind(o, SIDES[side], shell)]
+    if len(at_notch) == 1:
+        return SIDES[at_notch[0]]
     gaps = {side: abs(shell.gap(side, o.low, o.high)) for side in allowed}
     side = min(gaps, key=lambda name: (gaps[name] > AT_WALL_M, gaps[name]))
     if (
@@ -126,6 +132,14 @@ def _off_the_wall(o: RecordedObject, shell: RoomShell) -> F64:
     ):
         return o.front  # on an inner wall: trust the recorded yaw
     return SIDES[side]
+
+
+def _has_notch_behind(o: RecordedObject, front: F64, shell: RoomShell) -> bool:
+    """Whether the middle of an object's back, if that is its front, is at a corner that is not part of the room."""
+    axis = int(np.abs(front).argmax())
+    behind = ((o.low + o.high) / 2)[:2]
+    behind[axis] = (o.low if front[axis] > 0 else o.high)[axis] - AT_NOTCH_M * front[axis]
+    return any(x0 < behind[0] < x1 and y0 < behind[1] < y1 for x0, y0, x1, y1 in shell.notches)
 
 
 def _not_into_wall(o: RecordedObject, shell: RoomShell) -> F64:
