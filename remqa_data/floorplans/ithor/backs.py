@@ -133,11 +133,13 @@ def _joined(backs: Sequence[_Back], things: Sequence[RecordedObject], bounds: Re
 def _to_corners(piece: _Back, things: Sequence[RecordedObject], bounds: Rect) -> _Back:
     """A piece of wall that goes on to the corners of the room near to it."""
     across = 1 - piece.axis
-    for name, corner in (("start", bounds[across]), ("end", bounds[across + 2])):
-        longer = replace(piece, **{name: corner})
-        gap = abs(getattr(piece, name) - corner)
-        if gap < CORNER_M and _is_empty(longer, things, bounds):
-            piece = longer
+    first, last = bounds[across], bounds[across + 2]
+    longer = replace(piece, start=first)
+    if abs(piece.start - first) < CORNER_M and _is_empty(longer, things, bounds):
+        piece = longer
+    longer = replace(piece, end=last)
+    if abs(piece.end - last) < CORNER_M and _is_empty(longer, things, bounds):
+        piece = longer
     return piece
 
 

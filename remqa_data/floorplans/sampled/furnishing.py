@@ -9,7 +9,8 @@ from itertools import islice
 import numpy as np
 
 from remqa_data.catalog import types_with
-from remqa_data.floorplans.ithor.extent import IN_WALLS, ON_WALLS
+from remqa_data.floorplans.ithor.backs import ON_WALLS
+from remqa_data.floorplans.ithor.extent import IN_WALLS
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.floorplans.sampled.canvas import QUARTERS_AT, Canvas, Wall, clearances
 from remqa_data.floorplans.sampled.furniture_sets import QUARTERS, FurnitureSet, moved

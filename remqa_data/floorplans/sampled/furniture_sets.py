@@ -15,7 +15,8 @@ import networkx as nx
 import numpy as np
 
 from remqa_data.catalog import types_with
-from remqa_data.floorplans.ithor.extent import IN_WALLS, ON_WALLS
+from remqa_data.floorplans.ithor.backs import ON_WALLS
+from remqa_data.floorplans.ithor.extent import IN_WALLS
 from remqa_data.floorplans.ithor.plan import SIDES, RoomShell, host_of
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.geometry import arithmetic
