@@ -10,7 +10,7 @@ from remqa_data.generators.audit.failures import Broken, Failure
 from remqa_data.generators.audit.truths import CheckedRoom, understood
 from remqa_data.generators.scene_job import expression_split
 from remqa_data.language.referring import Program, candidates, resolve
-from remqa_data.language.rules import expression_rules, may_be_called
+from remqa_data.language.rules import SEEN_AS_ONE, may_be_called
 from remqa_data.tables.rows import ExpressionRow, FrameRow
 
 
@@ -86,7 +86,7 @@ def _anchor(room: CheckedRoom, said: ExpressionRow) -> Iterator[Broken]:
         yield "consistent", f"the relation is {relation}, not {said.relation}"
     if said.anchor_id is None or said.anchor_id not in resolve(leaning[-1], room.graph):
         yield "consistent", f"{said.anchor_id} is not what the expression leans on"
-    elif len(_called(room, said.anchor_id)) > 1 and room.type_of(said.anchor_id) not in expression_rules().seen_as_one:
+    elif len(_called(room, said.anchor_id)) > 1 and room.type_of(said.anchor_id) not in SEEN_AS_ONE:
         yield "unique", f"{said.text!r} leans on one of several things that are called so"
     elif leaning[0] == "relate" and room.graph.relation(said.target_id, said.anchor_id) != relation:
         yield "consistent", f"{said.target_id} is not {relation} {said.anchor_id}"

@@ -12,16 +12,20 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
-from remqa_data.catalog import object_type
+from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry.boxes import centre_distance
 from remqa_data.language.referring import Program, Step, candidates, resolve
-from remqa_data.language.rules import expression_rules, may_be_called
+from remqa_data.language.rules import SEEN_AS_ONE, expression_rules, may_be_called
 from remqa_data.relations import Relation, relation_rules
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import ObjectMetadata
 
 ExpressionKind = Literal["bare", "relation", "attribute", "superlative"]
 
+STACKED = types_with("in_stacks")
+IN_ROWS = types_with("in_rows")
+NEVER_TARGETS = types_with("never_target")
+TAKEN_FOR_GRANTED = types_with("taken_for_granted")
 CLOSED_OPENNESS = 0.05
 """A receptacle that is open by less than this hides what is inside."""
 
@@ -85,7 +89,7 @@ class Expressions:
             If the object is not in the graph.
         """
         target = self.graph.node(target_id)
-        if target.type in expression_rules().never_targets:
+        if target.type in NEVER_TARGETS:
             return []
         found: dict[str, Expression] = {}
         for expression in self._tried(target):
@@ -148,7 +152,7 @@ class Expressions:
     def _is_one(self, type_name: str) -> bool:
         """Whether the word for a type means one thing: nothing else is called so, or all are seen as one."""
         called = sum(self._count.get(name, 0) for name in may_be_called(type_name))
-        return called == 1 or type_name in expression_rules().seen_as_one
+        return called == 1 or type_name in SEEN_AS_ONE
 
     def _is_hidden(self, object_id: str) -> bool:
         """Whether it is in something closed."""
@@ -210,8 +214,8 @@ def _described(target: ObjectMetadata, plain: Expression) -> Iterator[Expression
 def _placed(target: ObjectMetadata, plain: Expression, *, doubly: bool) -> Iterator[Expression]:
     """The phrase with each place in a stack or a row; doubly: with one of each, as in "the top left drawer"."""
     rules = expression_rules()
-    stack = rules.stack_words if target.type in rules.stack_types else {}
-    row = rules.row_words if target.type in rules.row_types else {}
+    stack = rules.stack_words if target.type in STACKED else {}
+    row = rules.row_words if target.type in IN_ROWS else {}
     places: list[tuple[str, Program]]
     if doubly:
         ends = [high for high, place in stack.items() if place != "middle"]
@@ -235,7 +239,7 @@ def _with_word(plain: Expression, word: str) -> str:
 def _suits(anchor: ObjectMetadata, target: ObjectMetadata) -> bool:
     """Furniture is not pointed out by what a hand can carry away, as phrases outlive an arrangement; nor by the floor."""
     carried = object_type(target.type).pickupable
-    return carried or not (object_type(anchor.type).pickupable or anchor.type in expression_rules().not_for_furniture)
+    return carried or not (object_type(anchor.type).pickupable or anchor.type in TAKEN_FOR_GRANTED)
 
 
 @lru_cache(maxsize=256)

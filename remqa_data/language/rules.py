@@ -10,10 +10,12 @@ from typing import Literal
 import yaml
 from pydantic import BaseModel, ConfigDict
 
-from remqa_data.catalog import catalog
+from remqa_data.catalog import catalog, types_with
 from remqa_data.relations import Relation
 
 SOURCE = "expressions.yaml"
+SEEN_AS_ONE = types_with("seen_as_one")
+"""Types of which several are one landmark."""
 StackPlace = Literal["highest", "lowest", "middle"]
 RowPlace = Literal["left", "right", "leftmost", "rightmost"]
 
@@ -27,14 +29,10 @@ class ExpressionRules(BaseModel):
     landmarks: tuple[tuple[str, ...], ...]
     only_for: dict[str, tuple[Relation, ...]]
     relation_order: tuple[Relation, ...]
-    not_for_furniture: frozenset[str]
-    seen_as_one: frozenset[str]
     stack_words: dict[str, StackPlace]
-    stack_types: frozenset[str]
     same_height_m: float
     column_min_share: float
     row_words: dict[str, RowPlace]
-    row_types: frozenset[str]
     row_min_step_m: float
     row_max_turn_deg: float
     row_min_height_share: float
@@ -46,7 +44,6 @@ class ExpressionRules(BaseModel):
     closest_landmark_groups: int
     near_m: float
     near_height_m: float
-    never_targets: frozenset[str]
     substances: frozenset[str]
     similar_words: tuple[frozenset[str], ...]
     may_mean: dict[str, frozenset[str]]
