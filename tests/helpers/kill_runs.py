@@ -139,7 +139,10 @@ def main() -> None:
         runs, same = 0, 0
         while len(strikes) < asked.strikes:
             out = Path(folder) / str(runs)
+            began = time.monotonic()
             done = strike_until_the_end(out, asked, usual_s, rng)
+            if not done:  # the machine has become faster
+                usual_s = time.monotonic() - began
             is_same = files_of(out) == expected
             strikes += done
             runs, same = runs + 1, same + is_same
