@@ -54,7 +54,7 @@ LEAN_DEG = 8.0
 """What is recorded more tilted than this leans on something; it stays put until something acts on it."""
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=120)  # of 50 kB each
 def load_scene(name: str) -> Scene:
     """One of the 120 rooms as recorded.
 
