@@ -17,10 +17,9 @@ from remqa_data.errors import DatasetError, RemqaError, UnknownNameError
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, KIND_OF, Action
-from remqa_data.sim.agent.embodiment import Embodiment
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import Box2D, is_visible, tight_box
-from remqa_data.sim.navigation.grid import GRID_M
+from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.rows import EmbodimentRow
@@ -148,7 +147,7 @@ def load_room(scene_json: str, name: str, body: EmbodimentRow) -> Replay:
 def walk(replay: Replay, attempt: Attempt) -> tuple[list[Pose], int]:
     """Put the agent at its initial pose and let it walk: the poses it passes, and how many actions were refused."""
     x, y, yaw, horizon = attempt.initial_pose
-    replay.pose = AgentPose((round(x / GRID_M), round(y / GRID_M)), round(yaw), round(horizon))
+    replay.pose = AgentPose((round(x / AGENT.step_m), round(y / AGENT.step_m)), round(yaw), round(horizon))
     poses, refused = [attempt.initial_pose], 0
     agent = replay.agent
     for action in attempt.actions:
@@ -185,8 +184,10 @@ def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[R
         found = attempts.get((row["scene"], row["configuration"]))
         if found:
             body = EmbodimentRow(**row["embodiment"])
-            if body.step_m != GRID_M:
-                msg = f"{root}: the agent of {row['scene']} steps {body.step_m} m; the simulator's steps {GRID_M} m"
+            if body.step_m != AGENT.step_m:
+                msg = (
+                    f"{root}: the agent of {row['scene']} steps {body.step_m} m; the simulator's steps {AGENT.step_m} m"
+                )
                 raise DatasetError(msg)
             name = f"{row['scene']}, configuration {row['configuration']}"
             jobs.append(ReplayJob(name, row["scene_json"], body, tuple(found)))

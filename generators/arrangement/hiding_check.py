@@ -13,7 +13,7 @@ from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
-from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M
+from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
@@ -51,8 +51,8 @@ class Violation:
 
 def goal_camera(place: HidingPlace) -> Camera:
     """The agent's camera at the goal of a place, 300 x 300."""
-    x, y = place.goal.cell[0] * GRID_M, place.goal.cell[1] * GRID_M
-    eye = (x, y, place.floor_z + CAMERA_HEIGHT_M)
+    x, y = place.goal.cell[0] * AGENT.step_m, place.goal.cell[1] * AGENT.step_m
+    eye = (x, y, place.floor_z + AGENT.camera_height_m)
     return Camera(eye, float(place.goal.yaw_deg), float(place.goal.horizon_deg), width=FRAME_PX, height=FRAME_PX)
 
 

@@ -14,7 +14,8 @@ from remqa_data.generators.arrangement.hiding_rules import HidingRules
 from remqa_data.generators.arrangement.sightlines import Sightlines, cells_that_reach
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64
-from remqa_data.sim.navigation.grid import AGENT_RADIUS_M, ARM_REACH_M, Outline, outline_distance
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import Outline, outline_distance
 from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses
 
 Mask = npt.NDArray[np.bool_]
@@ -48,8 +49,8 @@ def poses_that_reach(
     found: list[AgentPose] = []
     cells = [
         cell
-        for cell in cells_that_reach(sight.grid, points, ARM_REACH_M)
-        if outline_distance(outlines, sight.grid.position(cell)) > AGENT_RADIUS_M
+        for cell in cells_that_reach(sight.grid, points, AGENT.reach_m)
+        if outline_distance(outlines, sight.grid.position(cell)) > AGENT.radius_m
     ]
     for pose in facing_poses(sight.grid, cells, target):
         with np.errstate(divide="ignore", invalid="ignore"):

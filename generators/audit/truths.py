@@ -34,7 +34,8 @@ from remqa_data.sim.metadata import (
     scaled_min_pixels,
     tight_box,
 )
-from remqa_data.sim.navigation.grid import ARM_REACH_M, reach_distance, reachable_grid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import reach_distance, reachable_grid
 from remqa_data.sim.navigation.paths import path_length_m, poses_along, shortest_actions
 from remqa_data.sim.navigation.viewpoints import front_points
 from remqa_data.sim.physics.world import World
@@ -216,10 +217,10 @@ class CheckedRoom:
         try:
             for goal in question.goal_poses:
                 distance = _reach_m(replay, question, goal.position)
-                if distance > ARM_REACH_M:
+                if distance > AGENT.reach_m:
                     yield (
                         "reachable",
-                        f"the arm reaches {ARM_REACH_M} m, and {question.target_id} is {distance:.3f} m off",
+                        f"the arm reaches {AGENT.reach_m} m, and {question.target_id} is {distance:.3f} m off",
                     )
             is_manipulated = False
             for action in actions:

@@ -12,7 +12,8 @@ from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.types import U8
 from remqa_data.opencv import cv2
 from remqa_data.scene import Scene
-from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, GRID_M, ReachableGrid, reachable_grid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera, TopDownCamera
@@ -83,7 +84,7 @@ def spread_views(view: WorldView, grid: ReachableGrid, size_px: int, count: int 
     cameras = []
     for index in chosen:
         x, y = positions[index]
-        eye = (float(x), float(y), grid.floor_z + CAMERA_HEIGHT_M)
+        eye = (float(x), float(y), grid.floor_z + AGENT.camera_height_m)
         options = [Camera(eye, yaw, HORIZON_DEG, width=SCOUT_PX, height=SCOUT_PX) for yaw in range(0, 360, 30)]
         shown = [pixels_per_object(view, option) >= SCOUT_MIN_PX for option in options]
         best = max(range(len(options)), key=lambda i: float(np.sum(shown[i] / (1.0 + 2.0 * seen))))
@@ -114,7 +115,7 @@ def _mark_camera(plan: U8, scene: Scene, camera: Camera, number: int) -> None:
     size = plan.shape[0]
     x, y, _ = camera.position
     yaw = np.radians(camera.yaw_deg)
-    tip = (x + 1.4 * GRID_M * np.cos(yaw), y + 1.4 * GRID_M * np.sin(yaw))
+    tip = (x + 1.4 * AGENT.step_m * np.cos(yaw), y + 1.4 * AGENT.step_m * np.sin(yaw))
     start, end = map_pixel(scene, size, x, y), map_pixel(scene, size, float(tip[0]), float(tip[1]))
     cv2.arrowedLine(plan, start, end, START_COLOR, 2, cv2.LINE_AA, tipLength=0.35)
     place = (start[0] + 4, start[1] - 4)

@@ -14,13 +14,16 @@ from remqa_data.generators.walks.walk import WalkFrame, WalkSettings, walk
 from remqa_data.mapping.semantic_map import VoxelMap
 from remqa_data.scene_graph.graph import GraphUpdate, SceneGraph
 from remqa_data.sim.metadata import object_metadata
-from remqa_data.sim.navigation.grid import ARM_REACH_M, CAMERA_HEIGHT_M, GRID_M, Cell, ReachableGrid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.render.view import WorldView
 from remqa_data.tables.images import RgbFormat, encode_depth, encode_instances, encode_rgb
 from remqa_data.tables.map_columns import map_columns
 from remqa_data.tables.rows import EmbodimentRow, ExpressionRow, FrameRow, GridCell, SceneRow, Split
 
-EMBODIMENT = EmbodimentRow(camera_height_m=CAMERA_HEIGHT_M, fov_deg=90.0, step_m=GRID_M, reach_m=ARM_REACH_M)
+EMBODIMENT = EmbodimentRow(
+    camera_height_m=AGENT.camera_height_m, fov_deg=AGENT.fov_deg, step_m=AGENT.step_m, reach_m=AGENT.reach_m
+)
 
 
 @dataclass(frozen=True)

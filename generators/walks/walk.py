@@ -18,7 +18,8 @@ import numpy as np
 from remqa_data.errors import NoPathError
 from remqa_data.geometry.types import Flags
 from remqa_data.sim.metadata import AgentState, FrameMetadata, frame_metadata, object_metadata, scaled_min_pixels
-from remqa_data.sim.navigation.grid import GRID_M, STEP_OVER_M, Cell, ReachableGrid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.paths import path_length_m, pose_after, shortest_actions
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, HEADINGS_DEG, AgentPose, pixel_counts
 from remqa_data.sim.render.camera import Camera
@@ -239,7 +240,7 @@ def _choose(scout: _Scout, settings: WalkSettings, poses: list[AgentPose]) -> li
 
 def _are_similar(a: AgentPose, b: AgentPose, settings: WalkSettings) -> bool:
     is_same_way = (a.yaw_deg, a.horizon_deg) == (b.yaw_deg, b.horizon_deg)
-    return is_same_way and math.dist(a.cell, b.cell) * GRID_M <= settings.similar_m
+    return is_same_way and math.dist(a.cell, b.cell) * AGENT.step_m <= settings.similar_m
 
 
 class _Scout:
@@ -252,7 +253,7 @@ class _Scout:
         self._is_thing = np.array([world.type_of(object_id) != "Floor" for object_id in world.ids], dtype=np.bool_)
         tops = [world.box(object_id)[1, 2] for object_id in world.ids]
         # The last entry answers for the structure, -1.
-        self._is_ground = np.array([*(top < grid.floor_z + STEP_OVER_M for top in tops), False], dtype=np.bool_)
+        self._is_ground = np.array([*(top < grid.floor_z + AGENT.step_over_m for top in tops), False], dtype=np.bool_)
         self._ground = np.column_stack([grid.positions(), np.full(len(grid.cells), grid.floor_z)])
 
     def sees(self, pose: AgentPose, size_px: int) -> Flags:

@@ -15,7 +15,7 @@ from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.types import F64
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import Action, parse_actions
-from remqa_data.sim.agent.embodiment import Embodiment
+from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.sim.physics.world import World
 from remqa_data.storage.shards import read_table

@@ -21,7 +21,8 @@ from remqa_data.mapping.semantic_map import VoxelMap
 from remqa_data.opencv import cv2
 from remqa_data.sim.agent.actions import MANIPULATION
 from remqa_data.sim.arm.arm import ArmState
-from remqa_data.sim.navigation.grid import GRID_M, Cell
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import Cell
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 
@@ -122,7 +123,7 @@ class _Memory:
         agent = self._env.agent
         camera = agent.camera(self._env.width, self._env.height)
         self._voxels.add(observation["depth"], observation["instances"] - 1, self._types, camera)
-        cell = (round(agent.x / GRID_M), round(agent.y / GRID_M))
+        cell = (round(agent.x / AGENT.step_m), round(agent.y / AGENT.step_m))
         if cell not in self._way[-1:]:
             self._way.append(cell)
 

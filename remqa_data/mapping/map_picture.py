@@ -12,7 +12,8 @@ from remqa_data.catalog import catalog
 from remqa_data.geometry.types import U8
 from remqa_data.mapping.semantic_map import STRUCTURE, UNKNOWN, SemanticPlan
 from remqa_data.opencv import cv2
-from remqa_data.sim.navigation.grid import GRID_M, Cell, ReachableGrid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 
 Color = tuple[int, int, int]
 
@@ -55,7 +56,7 @@ def draw_plan(
     height = image.shape[0]
 
     def pixel(cell: Cell) -> tuple[int, int]:
-        x, y = (v * GRID_M / plan.voxel_m - first for v, first in zip(cell, plan.corner, strict=True))
+        x, y = (v * AGENT.step_m / plan.voxel_m - first for v, first in zip(cell, plan.corner, strict=True))
         return round(x * voxel_px), round(height - y * voxel_px)
 
     for cell in grid.cells if grid is not None else ():

@@ -21,7 +21,8 @@ from remqa_data.errors import NoPathError, VoxelError
 from remqa_data.geometry.types import F32, F64, I16, I32, Box, Flags, Rect
 from remqa_data.mapping.voxel_votes import elect, vote
 from remqa_data.scene import Scene
-from remqa_data.sim.navigation.grid import AGENT_HEIGHT_M, AGENT_RADIUS_M, GRID_M, STEP_OVER_M, Cell, ReachableGrid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.render.camera import AnyCamera
 
 VOXEL_M = 0.05
@@ -192,10 +193,10 @@ class VoxelMap:
         voxels._used = count
         return voxels
 
-    def plan(self, height_m: float = AGENT_HEIGHT_M) -> SemanticPlan:
+    def plan(self, height_m: float = AGENT.height_m) -> SemanticPlan:
         """The room from above: in each column what is highest below a height (metres above floor), and what blocks."""
         labels, names = self.labels()
-        low, high = round(STEP_OVER_M / self.voxel_m), round(AGENT_HEIGHT_M / self.voxel_m)
+        low, high = round(AGENT.step_over_m / self.voxel_m), round(AGENT.height_m / self.voxel_m)
         below = labels[:, :, : round(height_m / self.voxel_m)]
         highest = below.shape[2] - 1 - np.argmax(below[:, :, ::-1] != UNKNOWN, axis=2)
         top = np.take_along_axis(below, highest[:, :, None], axis=2)[:, :, 0]
@@ -269,15 +270,15 @@ class SemanticPlan:
         """
         low = np.array(self.corner) * self.voxel_m
         high = low + np.array(self.labels.shape) * self.voxel_m
-        first, last = np.ceil(low / GRID_M).astype(int), np.floor(high / GRID_M).astype(int)
+        first, last = np.ceil(low / AGENT.step_m).astype(int), np.floor(high / AGENT.step_m).astype(int)
         across, along = np.meshgrid(np.arange(first[0], last[0] + 1), np.arange(first[1], last[1] + 1), indexing="ij")
-        free = self._is_clear(np.stack([across, along], axis=-1) * GRID_M)
+        free = self._is_clear(np.stack([across, along], axis=-1) * AGENT.step_m)
         graph: nx.Graph[Cell] = nx.Graph()
         graph.add_nodes_from((int(i), int(j)) for i, j in np.argwhere(free) + first)
         for step in ((1, 0), (0, 1)):
             pairs = free[: free.shape[0] - step[0], : free.shape[1] - step[1]] & free[step[0] :, step[1] :]
             starts = np.argwhere(pairs) + first
-            between = (starts[:, None] + np.array([0.25, 0.5, 0.75])[:, None] * step) * GRID_M
+            between = (starts[:, None] + np.array([0.25, 0.5, 0.75])[:, None] * step) * AGENT.step_m
             for i, j in starts[np.all(self._is_clear(between), axis=1)]:
                 graph.add_edge((int(i), int(j)), (int(i) + step[0], int(j) + step[1]))
         parts = sorted((sorted(part) for part in nx.connected_components(graph)), key=lambda part: (-len(part), part))
@@ -291,12 +292,12 @@ class SemanticPlan:
 
     def _is_clear(self, points: F64) -> Flags:
         """(...) whether the agent could stand at each of (..., 2) points, metres."""
-        reach = math.ceil(AGENT_RADIUS_M / self.voxel_m)
+        reach = math.ceil(AGENT.radius_m / self.voxel_m)
         blocked = np.pad(self.occupied | ~self.known, reach + 1, constant_values=True)
         shifted = np.asarray(points, dtype=np.float64) / self.voxel_m - self.corner
         home = np.floor(shifted).astype(np.int64)
         clear = np.ones(home.shape[:-1], dtype=np.bool_)
-        limit = (AGENT_RADIUS_M / self.voxel_m) ** 2
+        limit = (AGENT.radius_m / self.voxel_m) ** 2
         for a in range(-reach - 1, reach + 1):
             for b in range(-reach - 1, reach + 1):
                 column = np.clip(home + np.array([a, b]), -reach - 1, np.array(self.labels.shape) + reach)

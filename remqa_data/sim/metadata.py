@@ -16,7 +16,8 @@ from scipy.ndimage import find_objects
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, Box, Flags, Vec3
-from remqa_data.sim.navigation.grid import GRID_M, ReachableGrid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, pixel_counts
 from remqa_data.sim.physics.support import SupportKind, supports
 
@@ -57,7 +58,7 @@ class AgentState:
 
     def pose(self) -> AgentPose:
         """The nearest pose of the grid."""
-        cell = (round(self.position[0] / GRID_M), round(self.position[1] / GRID_M))
+        cell = (round(self.position[0] / AGENT.step_m), round(self.position[1] / AGENT.step_m))
         return AgentPose(cell, round(self.yaw_deg), round(self.horizon_deg))
 
 

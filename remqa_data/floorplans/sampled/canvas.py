@@ -14,7 +14,7 @@ from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.floorplans.sampled.furniture_sets import FurnitureSet, RestingSpot
 from remqa_data.geometry.types import F64, Rect
 from remqa_data.opencv import cv2
-from remqa_data.sim.navigation.grid import AGENT_RADIUS_M, GRID_M
+from remqa_data.sim.navigation.embodiment import AGENT
 
 GAP_M = 0.012
 """Between pieces."""
@@ -23,7 +23,7 @@ HEAD_M = 1.85
 SWEEP_M = 0.5
 """Room before doors and drawers into which they open and where the agent stands."""
 MARGIN_M = 0.03
-STEP_M = GRID_M / 2
+STEP_M = AGENT.step_m / 2
 DOOR_CLEAR_M = 0.7
 OPENS_FORWARD = types_with("opens_forward")
 Mask = npt.NDArray[np.bool_]
@@ -192,7 +192,7 @@ class Canvas:
         x0, y0, x1, y1 = self.bounds
         xs = np.arange(np.ceil(x0 / STEP_M), np.floor(x1 / STEP_M) + 1) * STEP_M
         ys = np.arange(np.ceil(y0 / STEP_M), np.floor(y1 / STEP_M) + 1) * STEP_M
-        reach = AGENT_RADIUS_M + MARGIN_M
+        reach = AGENT.radius_m + MARGIN_M
         inside_x, inside_y = (xs > x0 + reach) & (xs < x1 - reach), (ys > y0 + reach) & (ys < y1 - reach)
         free = inside_x[:, None] & inside_y[None, :] & (_on_grid(xs)[:, None] | _on_grid(ys)[None, :])
         boxes = [(low, high) for low, high in (*self.solids, *more) if low[2] < HEAD_M and high[2] > 0.05]

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from remqa_data.errors import ActionError, nearest_names
 from remqa_data.geometry.types import Vec3
-from remqa_data.sim.agent.embodiment import MAX_PUSH_M, Embodiment
 from remqa_data.sim.agent.results import ActionResult
+from remqa_data.sim.navigation.embodiment import AGENT
 
 if TYPE_CHECKING:
     from remqa_data.sim.agent.agent import Agent
@@ -198,11 +198,10 @@ def action_spec(name: str) -> ActionSpec:
 OPEN, CLOSE, PICK_UP, MOVE = "OpenObject", "CloseObject", "PickupObject", "MoveObject"
 PUSH, PULL, TELEPORT = "PushObject", "PullObject", "Teleport"
 
-_BODY = Embodiment()
-_STEP = Amount("metres", 0.0, 5.0, _BODY.step_m)
-_TURN = Amount("degrees", 0.0, 360.0, _BODY.rotate_deg)
-_TILT = Amount("degrees", 0.0, 90.0, _BODY.look_deg)
-_PUSH = Amount("metres", 0.001, MAX_PUSH_M, 0.25)
+_STEP = Amount("metres", 0.0, 5.0, AGENT.step_m)
+_TURN = Amount("degrees", 0.0, 360.0, AGENT.rotate_deg)
+_TILT = Amount("degrees", 0.0, 90.0, AGENT.look_deg)
+_PUSH = Amount("metres", 0.001, AGENT.push_m, 0.25)
 _FAR = 1e4
 POSITION = (Amount("x", -_FAR, _FAR), Amount("y", -_FAR, _FAR), Amount("z", -_FAR, _FAR))
 """Metres in the room."""

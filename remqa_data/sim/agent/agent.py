@@ -18,15 +18,15 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.body import Body, direction
-from remqa_data.sim.agent.embodiment import MAX_PUSH_M, Embodiment
 from remqa_data.sim.agent.results import DONE, ActionResult
+from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
 if TYPE_CHECKING:
     from remqa_data.sim.arm.arm import Arm, ArmBase, ArmMove
 
-__all__ = ["MAX_PUSH_M", "ActionResult", "Agent", "Embodiment", "Hands"]
+__all__ = ["ActionResult", "Agent", "Embodiment", "Hands"]
 
 Hands = Literal["arm", "reach", "near"]
 """What it takes to act on a thing. "arm": the arm finds a way on which its hand touches it. "reach": the agent sees it
@@ -166,8 +166,10 @@ class Agent(Body):
             return ActionResult(False, f"{object_id} is not moveable")
         if not force:
             refusal = self.refusal(object_id)
-            if refusal is None and math.dist(self.world.state(object_id).position, position) > MAX_PUSH_M:
-                refusal = ActionResult(False, f"{object_id} cannot be moved more than {MAX_PUSH_M} m at once")
+            if refusal is None and math.dist(self.world.state(object_id).position, position) > self.embodiment.push_m:
+                refusal = ActionResult(
+                    False, f"{object_id} cannot be moved more than {self.embodiment.push_m} m at once"
+                )
             if refusal is None:
                 blocker = handling.blocker_at(self.world, object_id, position) or self._body_at(object_id, position)
                 refusal = (
@@ -182,8 +184,8 @@ class Agent(Body):
 
         The result's value is the distance that it was moved, metres.
         """
-        if not 0.0 < distance_m <= MAX_PUSH_M:
-            raise ActionError(f"a push goes more than 0 and at most {MAX_PUSH_M} m, not {distance_m}")
+        if not 0.0 < distance_m <= self.embodiment.push_m:
+            raise ActionError(f"a push goes more than 0 and at most {self.embodiment.push_m} m, not {distance_m}")
         if not _can_be_moved(self.world, object_id):
             return ActionResult(False, f"{object_id} is not moveable")
         refusal = self.refusal(object_id) or self.reach(object_id)

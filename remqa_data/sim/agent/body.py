@@ -10,9 +10,9 @@ import numpy as np
 from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
-from remqa_data.sim.agent.embodiment import Embodiment
 from remqa_data.sim.agent.results import DONE, ActionResult
-from remqa_data.sim.navigation.grid import SHOULDER_HIGH_M, SHOULDER_LOW_M, ReachableGrid, reach_distance
+from remqa_data.sim.navigation.embodiment import Embodiment
+from remqa_data.sim.navigation.grid import ReachableGrid, reach_distance
 from remqa_data.sim.navigation.ground import Ground
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
 from remqa_data.sim.physics.world import World
@@ -166,7 +166,7 @@ class Body:
         state = self.world.state(object_id)
         half = np.array(self.world.assets[object_id].spec.size) / 2
         frame = state.matrix()
-        low, high = SHOULDER_LOW_M, SHOULDER_HIGH_M
+        low, high = self.embodiment.shoulder_low_m, self.embodiment.shoulder_high_m
         height = min(max(state.position[2] - self.world.scene.floor_z, low), high)
         shoulder = np.array([self.x, self.y, self.world.scene.floor_z + height])
         local = np.clip(arithmetic.moved_back(shoulder, frame), -half, half)

@@ -7,7 +7,8 @@ from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import TELEPORT, Action, perform
 from remqa_data.sim.agent.agent import Agent, Embodiment
 from remqa_data.sim.agent.results import ActionResult
-from remqa_data.sim.navigation.grid import GRID_M, ReachableGrid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, AgentPose
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import Observation, WorldView
@@ -44,7 +45,7 @@ class Replay:
     def pose(self) -> AgentPose:
         """Where the agent stands and looks, rounded to the grid; may be set."""
         agent = self.agent
-        cell = (round(agent.x / GRID_M), round(agent.y / GRID_M))
+        cell = (round(agent.x / AGENT.step_m), round(agent.y / AGENT.step_m))
         return AgentPose(cell, round(agent.yaw_deg) % 360, round(agent.horizon_deg), agent.is_standing)
 
     @pose.setter

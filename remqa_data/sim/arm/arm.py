@@ -20,7 +20,7 @@ from remqa_data.sim.arm.obstacles import Obstacles
 from remqa_data.sim.arm.postures import HOME, ArmBase, ArmState, link_poses
 from remqa_data.sim.arm.search import HandGoals, Search, Way
 from remqa_data.sim.arm.targets import Targets
-from remqa_data.sim.navigation.grid import CAMERA_HEIGHT_M, SHOULDER_HIGH_M, SHOULDER_LOW_M
+from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.world import World
 
 __all__ = ["HOME", "Arm", "ArmBase", "ArmMove", "ArmState"]
@@ -119,7 +119,7 @@ class Arm:
 
     def set_base_height(self, base: ArmBase, height_m: float) -> ArmMove:
         """Slide the shoulder to a height above the floor, metres, as far as it is free; the joints stay as they are."""
-        if not SHOULDER_LOW_M <= height_m <= SHOULDER_HIGH_M:
+        if not AGENT.shoulder_low_m <= height_m <= AGENT.shoulder_high_m:
             return ArmMove(False, NOT_WITHIN_REACH, self.state)
         posture = self.state.posture()
         posture[0] = height_m
@@ -142,7 +142,7 @@ class Arm:
         """Surfaces of the whole agent, part by part: base, column, head, carriage, the arm's foot and links."""
         return robot_surfaces()
 
-    def poses(self, base: ArmBase, camera_height_m: float = CAMERA_HEIGHT_M) -> F64:
+    def poses(self, base: ArmBase, camera_height_m: float = AGENT.camera_height_m) -> F64:
         """(n, 4, 4) poses of the parts in the room; the head is at the camera's height above the floor."""
         return robot_poses(base, self.state, camera_height_m)
 

@@ -19,7 +19,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.postures import BASE_TOP_M, COLUMN_TOP_M, ArmBase, ArmState, foot_poses, link_poses
-from remqa_data.sim.navigation.grid import SHOULDER_AHEAD_M
+from remqa_data.sim.navigation.embodiment import AGENT
 
 Drawing = list[tuple[Mesh, Material]]
 
@@ -103,9 +103,12 @@ def _head() -> Drawing:
 
 
 def _carriage() -> Drawing:
-    length = SHOULDER_AHEAD_M + 0.05
+    length = AGENT.shoulder_ahead_m + 0.05
     return [
-        (primitives.rounded_box((0.098, 0.098, 0.11), 0.015).moved((-SHOULDER_AHEAD_M, 0, -0.055)), BLACK_PLASTIC),
+        (
+            primitives.rounded_box((0.098, 0.098, 0.11), 0.015).moved((-AGENT.shoulder_ahead_m, 0, -0.055)),
+            BLACK_PLASTIC,
+        ),
         (primitives.rounded_box((length, 0.075, 0.028), 0.012).moved((0.05 - length / 2, 0, -0.014)), BLACK_PLASTIC),
         (primitives.cylinder(0.054, 0.028, sections=28).moved((0, 0, -0.014)), BLACK_PLASTIC),
     ]

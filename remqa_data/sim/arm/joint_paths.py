@@ -11,7 +11,7 @@ import numpy as np
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.postures import HOME, ArmBase, link_poses, postures_to
-from remqa_data.sim.navigation.grid import SHOULDER_HIGH_M
+from remqa_data.sim.navigation.embodiment import AGENT
 
 STEP_RAD, STEP_M = 0.02, 0.015
 """Between two steps no joint moves farther; the arm is 1 m long, and its thinnest ball 4 cm across."""
@@ -57,7 +57,7 @@ def _unfolding(base: ArmBase, posture: F64) -> list[F64]:
 
 def _raised(posture: F64) -> F64:
     """The same posture with a higher shoulder."""
-    return np.append(min(posture[0] + RAISED_M, SHOULDER_HIGH_M), posture[1:])
+    return np.append(min(posture[0] + RAISED_M, AGENT.shoulder_high_m), posture[1:])
 
 
 def _steps(a: F64, b: F64) -> F64:

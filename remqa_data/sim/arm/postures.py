@@ -16,7 +16,7 @@ from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm import jaco
-from remqa_data.sim.navigation.grid import SHOULDER_AHEAD_M
+from remqa_data.sim.navigation.embodiment import AGENT
 
 
 @dataclass(frozen=True)
@@ -91,8 +91,8 @@ def foot_poses(base: ArmBase, postures: F64) -> F64:
     poses[:, 0, 0] = poses[:, 1, 1] = cos
     poses[:, 1, 0], poses[:, 0, 1] = sin, -sin
     poses[:, 2, 2] = poses[:, 3, 3] = 1.0
-    poses[:, 0, 3] = base.x + SHOULDER_AHEAD_M * cos
-    poses[:, 1, 3] = base.y + SHOULDER_AHEAD_M * sin
+    poses[:, 0, 3] = base.x + AGENT.shoulder_ahead_m * cos
+    poses[:, 1, 3] = base.y + AGENT.shoulder_ahead_m * sin
     poses[:, 2, 3] = base.floor_z + postures[:, 0] - jaco.SHOULDER_M
     return poses
 

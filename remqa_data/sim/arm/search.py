@@ -30,7 +30,7 @@ from remqa_data.sim.arm.postures import (
     postures_to,
     shoulders,
 )
-from remqa_data.sim.navigation.grid import ARM_REACH_M, SHOULDER_HIGH_M, SHOULDER_LOW_M
+from remqa_data.sim.navigation.embodiment import AGENT
 
 T = TypeVar("T")
 
@@ -172,10 +172,10 @@ class Search:
                 self.base.yaw_deg
             )
             for turn, rise in itertools.product(TURNS_DEG, RISES_M):
-                height = min(max(point[2] - self.base.floor_z + rise, SHOULDER_LOW_M), SHOULDER_HIGH_M)
+                height = min(max(point[2] - self.base.floor_z + rise, AGENT.shoulder_low_m), AGENT.shoulder_high_m)
                 columns.append(np.array([height, _wrapped(ahead + math.radians(turn))]))
         stacked = np.array(columns)
-        is_near = arithmetic.length(shoulders(self.base, stacked) - point) <= ARM_REACH_M
+        is_near = arithmetic.length(shoulders(self.base, stacked) - point) <= AGENT.reach_m
         return np.asarray(stacked[is_near])
 
     def _touches_nothing(self, postures: F64) -> npt.NDArray[np.bool_]:

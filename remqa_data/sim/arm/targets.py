@@ -15,7 +15,7 @@ from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm.postures import ArmBase
 from remqa_data.sim.arm.search import HandGoals
-from remqa_data.sim.navigation.grid import ARM_REACH_M, SHOULDER_AHEAD_M, SHOULDER_HIGH_M, SHOULDER_LOW_M
+from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.world import World
 
 SPREAD = (0.0, -0.45, 0.45, -0.9, 0.9)
@@ -56,7 +56,7 @@ class Targets:
         axes = np.vstack([inwards, level, down, _unit(level + down)])
         hand = np.vstack([points, corners, corners, corners]) - axes * (GAP_SHARE * hand_radius_m)
         reach = arithmetic.length(hand - best_shoulders(base, hand))
-        order = np.argsort(np.round(reach, 6), kind="stable")[: np.count_nonzero(reach <= ARM_REACH_M)]
+        order = np.argsort(np.round(reach, 6), kind="stable")[: np.count_nonzero(reach <= AGENT.reach_m)]
         return HandGoals(hand[order], axes[order])
 
 
@@ -67,9 +67,9 @@ def best_shoulders(base: ArmBase, points: F64) -> F64:
     """
     shoulders = np.empty_like(points)
     shoulders[:, :2] = points[:, :2] - [base.x, base.y]
-    shoulders[:, :2] *= SHOULDER_AHEAD_M / np.maximum(arithmetic.length(shoulders[:, :2])[:, None], 1e-9)
+    shoulders[:, :2] *= AGENT.shoulder_ahead_m / np.maximum(arithmetic.length(shoulders[:, :2])[:, None], 1e-9)
     shoulders[:, :2] += [base.x, base.y]
-    shoulders[:, 2] = np.clip(points[:, 2], base.floor_z + SHOULDER_LOW_M, base.floor_z + SHOULDER_HIGH_M)
+    shoulders[:, 2] = np.clip(points[:, 2], base.floor_z + AGENT.shoulder_low_m, base.floor_z + AGENT.shoulder_high_m)
     return shoulders
 
 

@@ -24,24 +24,12 @@ from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Rect, Vec3
 from remqa_data.opencv import cv2
 from remqa_data.scene import Scene
+from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
 
 if TYPE_CHECKING:
     from remqa_data.sim.physics.world import World
 
-GRID_M = 0.25
-AGENT_RADIUS_M = 0.20
-AGENT_HEIGHT_M = 1.80
-STEP_OVER_M = 0.05
-"""Lower things (rugs, a doorstep) do not stop the agent."""
 FINE_M = 0.02
-ARM_REACH_M = 0.63
-SHOULDER_LOW_M, SHOULDER_HIGH_M = 0.45, 1.80
-SHOULDER_AHEAD_M = 0.15
-"""The shoulder slides up and down a column (metres above the floor) that stands this far ahead of the agent's middle, so
-that the base, 0.20 m in radius, does not eat up the arm's reach; the agent turns to face what it reaches for."""
-CAMERA_HEIGHT_M = 1.576
-CROUCHED_CAMERA_HEIGHT_M = 0.901
-"""AI2-THOR's agent lowers its camera by 0.675 m when it crouches."""
 
 Cell = tuple[int, int]
 Outline = npt.NDArray[np.float32]
@@ -55,57 +43,60 @@ class ReachableGrid:
     Attributes
     ----------
     cells : tuple of (int, int)
-        Sorted; cell (i, j) has its centre at (i, j) * 0.25 m in the room.
+        Sorted; cell (i, j) has its centre at (i, j) steps in the room.
     graph : networkx.Graph
         The same cells, joined where a step is free.
     other_parts : tuple of int
         Sizes of the parts of the floor that cannot be reached from there (behind a shower door, a bar), largest first.
+    body : Embodiment
+        Whose steps these are.
     """
 
     cells: tuple[Cell, ...]
     graph: nx.Graph[Cell]
     other_parts: tuple[int, ...]
     floor_z: float
+    body: Embodiment = AGENT
 
     def position(self, cell: Cell) -> tuple[float, float]:
         """Centre of a cell in the room, metres."""
-        return cell[0] * GRID_M, cell[1] * GRID_M
+        return cell[0] * self.body.step_m, cell[1] * self.body.step_m
 
     def positions(self) -> F64:
         """(n, 2) centres of all cells."""
-        return np.array(self.cells, dtype=np.float64).reshape(-1, 2) * GRID_M
+        return np.array(self.cells, dtype=np.float64).reshape(-1, 2) * self.body.step_m
 
 
-def reachable_grid(world: World) -> ReachableGrid:
+def reachable_grid(world: World, body: Embodiment = AGENT) -> ReachableGrid:
     """The grid of a world as it is now; everything between ankle and head height blocks, but for what is held."""
-    clearance = clearance_map(world)
+    clearance, step_m = clearance_map(world), body.step_m
     x0, y0, x1, y1 = world.scene.bounds
     free: set[Cell] = set()
-    for i in range(math.ceil(x0 / GRID_M), math.floor(x1 / GRID_M) + 1):
-        for j in range(math.ceil(y0 / GRID_M), math.floor(y1 / GRID_M) + 1):
-            if clearance.at(i * GRID_M, j * GRID_M) > AGENT_RADIUS_M:
+    for i in range(math.ceil(x0 / step_m), math.floor(x1 / step_m) + 1):
+        for j in range(math.ceil(y0 / step_m), math.floor(y1 / step_m) + 1):
+            if clearance.at(i * step_m, j * step_m) > body.radius_m:
                 free.add((i, j))
     graph: nx.Graph[Cell] = nx.Graph()
     graph.add_nodes_from(sorted(free))
     for i, j in sorted(free):
         for k, m in ((i + 1, j), (i, j + 1)):
             if (k, m) in free and all(
-                clearance.at((i + t * (k - i)) * GRID_M, (j + t * (m - j)) * GRID_M) > AGENT_RADIUS_M
+                clearance.at((i + t * (k - i)) * step_m, (j + t * (m - j)) * step_m) > body.radius_m
                 for t in (0.25, 0.5, 0.75)
             ):
                 graph.add_edge((i, j), (k, m))
     parts = sorted((sorted(part) for part in nx.connected_components(graph)), key=lambda part: (-len(part), part))
     if not parts:
-        return ReachableGrid((), nx.Graph(), (), world.scene.floor_z)
-    main = _part_nearest_to_most(world, parts)
+        return ReachableGrid((), nx.Graph(), (), world.scene.floor_z, body)
+    main = _part_nearest_to_most(world, parts, step_m)
     sizes = tuple(len(part) for part in parts if part is not main)
-    return ReachableGrid(tuple(main), nx.Graph(graph.subgraph(main)), sizes, world.scene.floor_z)
+    return ReachableGrid(tuple(main), nx.Graph(graph.subgraph(main)), sizes, world.scene.floor_z, body)
 
 
-def _part_nearest_to_most(world: World, parts: list[list[Cell]]) -> list[Cell]:
+def _part_nearest_to_most(world: World, parts: list[list[Cell]], step_m: float) -> list[Cell]:
     """The part that is nearest to the largest number of objects; the largest such part."""
     things = np.array([world.state(object_id).position[:2] for object_id in world.ids]).reshape(-1, 2)
-    gaps = [arithmetic.length(things[:, None] - np.array(part)[None] * GRID_M).min(axis=1) for part in parts]
+    gaps = [arithmetic.length(things[:, None] - np.array(part)[None] * step_m).min(axis=1) for part in parts]
     votes = np.bincount(np.argmin(gaps, axis=0), minlength=len(parts))
     return parts[int(votes.argmax())]
 
@@ -122,7 +113,7 @@ def solid_ids(world: World) -> list[str]:
 
 def building_outlines(scene: Scene) -> list[Outline]:
     """Plan outlines of the walls and what is built in, between ankle and head height."""
-    low, high = scene.floor_z + STEP_OVER_M, scene.floor_z + AGENT_HEIGHT_M
+    low, high = scene.floor_z + AGENT.step_over_m, scene.floor_z + AGENT.height_m
     outlines = []
     for part in scene.structure:
         x0, y0, z0, x1, y1, z1 = part.box
@@ -141,7 +132,7 @@ def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int
 
     With `first_link` 1, only of what moves when it opens.
     """
-    low, high = floor_z + STEP_OVER_M, floor_z + AGENT_HEIGHT_M
+    low, high = floor_z + AGENT.step_over_m, floor_z + AGENT.height_m
     outlines = []
     for link, pose in zip(asset.links[first_link:], link_poses[first_link:], strict=True):
         placed = arithmetic.moved(_corners(link.boxes), pose)
@@ -166,12 +157,12 @@ def outline_distance(outlines: Iterable[Outline], point: tuple[float, float]) ->
 def reach_distance(position: tuple[float, float], floor_z: float, point: Vec3 | F64) -> float:
     """Metres from the shoulder, at its best height and facing the point, to a point; the arm reaches 0.63 m."""
     x, y, z = (float(v) for v in point)
-    shoulder = min(max(z, floor_z + SHOULDER_LOW_M), floor_z + SHOULDER_HIGH_M)
-    ahead = max(math.dist(position, (x, y)) - SHOULDER_AHEAD_M, 0.0)
+    shoulder = min(max(z, floor_z + AGENT.shoulder_low_m), floor_z + AGENT.shoulder_high_m)
+    ahead = max(math.dist(position, (x, y)) - AGENT.shoulder_ahead_m, 0.0)
     return math.hypot(ahead, z - shoulder)
 
 
-def cells_in_reach(grid: ReachableGrid, points: Iterable[Vec3] | F64, reach_m: float = ARM_REACH_M) -> list[Cell]:
+def cells_in_reach(grid: ReachableGrid, points: Iterable[Vec3] | F64, reach_m: float = AGENT.reach_m) -> list[Cell]:
     """Cells from which the arm reaches at least one of some points."""
     targets = [np.asarray(point, dtype=np.float64) for point in points]
     return [

@@ -13,9 +13,9 @@ from itertools import chain
 import numpy as np
 
 from remqa_data.geometry.types import F64
+from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import (
     FINE_M,
-    GRID_M,
     Outline,
     ReachableGrid,
     body_outlines,
@@ -32,7 +32,7 @@ from remqa_data.sim.physics.world import World
 
 Point = tuple[float, float]
 
-SAMPLE_M = GRID_M / 4
+SAMPLE_M = AGENT.step_m / 4
 """A step is tested at least this densely."""
 
 

@@ -16,7 +16,7 @@ from itertools import accumulate
 import networkx as nx
 
 from remqa_data.errors import ActionError, NoPathError
-from remqa_data.sim.navigation.grid import GRID_M, Cell, ReachableGrid
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.viewpoints import AgentPose
 
 MOVE_AHEAD = "MoveAhead"
@@ -66,7 +66,7 @@ def path_length_m(grid: ReachableGrid, start: Cell, goal: Cell) -> float:
     """
     _check_reachable(grid, start)
     _check_reachable(grid, goal)
-    return GRID_M * int(nx.shortest_path_length(grid.graph, start, goal))
+    return grid.body.step_m * int(nx.shortest_path_length(grid.graph, start, goal))
 
 
 def pose_after(grid: ReachableGrid, pose: AgentPose, action: str) -> AgentPose:

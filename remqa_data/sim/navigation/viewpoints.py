@@ -13,12 +13,7 @@ import numpy.typing as npt
 from remqa_data.catalog import types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, I32
-from remqa_data.sim.navigation.grid import (
-    CAMERA_HEIGHT_M,
-    CROUCHED_CAMERA_HEIGHT_M,
-    Cell,
-    ReachableGrid,
-)
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.render.camera import Camera
 
 if TYPE_CHECKING:
@@ -43,9 +38,10 @@ class AgentPose:
     def camera(self, grid: ReachableGrid, size_px: int = FRAME_PX) -> Camera:
         """The agent's camera there."""
         x, y = grid.position(self.cell)
-        height = CAMERA_HEIGHT_M if self.is_standing else CROUCHED_CAMERA_HEIGHT_M
+        body = grid.body
+        height = body.camera_height_m if self.is_standing else body.crouched_camera_height_m
         eye = (x, y, grid.floor_z + height)
-        return Camera(eye, float(self.yaw_deg), float(self.horizon_deg), width=size_px, height=size_px)
+        return Camera(eye, float(self.yaw_deg), float(self.horizon_deg), body.fov_deg, size_px, size_px)
 
 
 def pixels_per_object(view: WorldView, camera: Camera) -> npt.NDArray[np.int64]:
@@ -63,7 +59,7 @@ def facing_poses(
 ) -> Iterator[AgentPose]:
     """Poses at some cells that look towards a point: nearest cells first, then the heading and horizon nearest to it."""
     x, y, z = (float(v) for v in point)
-    height = CAMERA_HEIGHT_M if is_standing else CROUCHED_CAMERA_HEIGHT_M
+    height = grid.body.camera_height_m if is_standing else grid.body.crouched_camera_height_m
     for cell in sorted(cells, key=lambda c: (math.dist(grid.position(c), (x, y)), c)):
         px, py = grid.position(cell)
         yaw = math.degrees(arithmetic.arctan2(y - py, x - px)) % 360

@@ -13,7 +13,7 @@ import numpy as np
 from remqa_data.catalog import object_type
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.agent.agent import ActionResult
-from remqa_data.sim.navigation.grid import SHOULDER_HIGH_M, SHOULDER_LOW_M
+from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.actions import objects as actions_objects
 from remqa_data.thor.state.arm_metadata import touched_objects
 from remqa_data.thor.state.dispatch import Action
@@ -52,7 +52,7 @@ def move_arm_base(
     if normalizedY:
         if not 0.0 <= y <= 1.0:
             return ActionResult(False, f"y {y:g} is not between 0 and 1")
-        y = SHOULDER_LOW_M + y * (SHOULDER_HIGH_M - SHOULDER_LOW_M)
+        y = AGENT.shoulder_low_m + y * (AGENT.shoulder_high_m - AGENT.shoulder_low_m)
     return _or_back(simulator, returnToStart, lambda: simulator.agent.set_arm_base(y))
 
 

@@ -9,7 +9,8 @@ import math
 
 from remqa_data.catalog import object_type
 from remqa_data.errors import MisuseError
-from remqa_data.sim.agent.agent import MAX_PUSH_M, ActionResult
+from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.simulator import SimulatorState
@@ -189,7 +190,7 @@ def _push(simulator: SimulatorState, target: str | ActionResult, newtons: float,
 def _slide_m(newtons: float, mass_kg: float) -> float:
     """How far a push sends an object, metres; one that friction would swallow moves it a millimetre."""
     speed = newtons * PUSH_S / mass_kg
-    return min(max(speed**2 / (2 * FRICTION * -GRAVITY_M_S2), 0.001), MAX_PUSH_M)
+    return min(max(speed**2 / (2 * FRICTION * -GRAVITY_M_S2), 0.001), AGENT.push_m)
 
 
 def _toggle(simulator: SimulatorState, target: str | ActionResult, on: bool, force: bool) -> ActionResult:

@@ -9,8 +9,8 @@ import numpy as np
 
 from remqa_data.geometry.types import F64, I32
 from remqa_data.sim.agent.agent import Agent, Hands
-from remqa_data.sim.agent.embodiment import Embodiment
 from remqa_data.sim.metadata import scaled_min_pixels
+from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import WorldView

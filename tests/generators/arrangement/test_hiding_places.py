@@ -14,7 +14,8 @@ from remqa_data.generators.arrangement.areas import Area, largest_rectangle
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import goal_camera, manipulated
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places, surface_points
-from remqa_data.sim.navigation.grid import ARM_REACH_M, reach_distance, reachable_grid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import reach_distance, reachable_grid
 from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, front_points, pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
@@ -118,7 +119,7 @@ def test_goals_stand_on_the_grid_see_the_object_and_reach_it(room: tuple[WorldVi
         for pose in (place.goal, *place.other_goals):
             assert pose.is_standing
             assert pose.cell in grid.graph
-            assert min(reach_distance(grid.position(pose.cell), grid.floor_z, p) for p in points) <= ARM_REACH_M
+            assert min(reach_distance(grid.position(pose.cell), grid.floor_z, p) for p in points) <= AGENT.reach_m
         others = [o for o in view.world.ids if not view.world.state(o).is_fixed and o != place.object_id]
         for other in others:
             view.hide(other)

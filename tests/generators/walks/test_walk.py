@@ -8,7 +8,8 @@ from remqa_data.errors import NoPathError
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.generators.walks.walk import WalkFrame, WalkSettings, breadth_first, plan_walk, walk
 from remqa_data.sim.metadata import AgentState
-from remqa_data.sim.navigation.grid import GRID_M, Cell, ReachableGrid, reachable_grid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, AgentPose, pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
@@ -98,7 +99,7 @@ def test_a_frame_says_where_it_was_taken(room: tuple[WorldView, ReachableGrid], 
     assert frames
     for frame in frames:
         i, j = frame.pose.cell
-        place = (i * GRID_M, j * GRID_M, grid.floor_z)
+        place = (i * AGENT.step_m, j * AGENT.step_m, grid.floor_z)
         assert frame.metadata.agent == AgentState(place, frame.pose.yaw_deg, frame.pose.horizon_deg)
         assert frame.camera == frame.pose.camera(grid)
         assert frame.observation.rgb.shape == (300, 300, 3)

@@ -16,13 +16,8 @@ from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import ACTIONS, NAVIGATION, parse_action, perform
 from remqa_data.sim.agent.agent import Agent, Hands
-from remqa_data.sim.navigation.grid import (
-    AGENT_RADIUS_M,
-    clearance_map,
-    object_outlines,
-    outline_distance,
-    reachable_grid,
-)
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import clearance_map, object_outlines, outline_distance, reachable_grid
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.view import WorldView
@@ -100,11 +95,11 @@ def test_no_walk_ends_nearer_to_anything_than_the_radius(steps: list[tuple[float
     agent = walker()
     clearance = clearance_map(agent.world)
     agent.place(agent.grid.position(agent.grid.cells[len(agent.grid.cells) // 2]), 0.0)
-    assert clearance.at(agent.x, agent.y) > AGENT_RADIUS_M
+    assert clearance.at(agent.x, agent.y) > AGENT.radius_m
     for ahead, right, turn in steps:
         agent.rotate(turn)
         agent.move(ahead, right)
-        assert clearance.at(agent.x, agent.y) > AGENT_RADIUS_M
+        assert clearance.at(agent.x, agent.y) > AGENT.radius_m
         assert 0.0 <= agent.yaw_deg < 360.0
 
 

@@ -18,7 +18,8 @@ from remqa_data.sim.arm.arm import HOME, Arm, ArmBase, ArmState
 from remqa_data.sim.arm.obstacles import Boxes, Obstacles, depth, first_push
 from remqa_data.sim.arm.postures import BALL_RADII_M, balls, link_poses
 from remqa_data.sim.arm.targets import best_shoulders
-from remqa_data.sim.navigation.grid import AGENT_RADIUS_M, ARM_REACH_M, GRID_M, reach_distance
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import reach_distance
 from remqa_data.sim.physics.bullet import BulletClient, pybullet
 from remqa_data.sim.physics.world import World
 
@@ -87,7 +88,7 @@ def _bullet_gap(client: BulletClient, point: F64, radius: float, body: int) -> f
 @pytest.mark.parametrize("height_m", [0.45, 0.75, 1.8])
 def test_the_folded_arm_stays_above_the_agents_base(height_m: float) -> None:
     at = balls(link_poses(BASE, ArmState(height_m, HOME.joints).posture()[None]))[0]
-    assert (np.hypot(at[:, 0], at[:, 1]) + BALL_RADII_M).max() < AGENT_RADIUS_M
+    assert (np.hypot(at[:, 0], at[:, 1]) + BALL_RADII_M).max() < AGENT.radius_m
 
 
 def test_the_shoulder_is_ahead_of_the_agent_at_the_height_of_the_state() -> None:
@@ -279,7 +280,7 @@ def test_the_hands_ball_touches_what_it_reaches_and_nothing_else_does() -> None:
     with World(room(mug(0.55, 0.1, 0.8), walls=[table])) as world:
         arm = Arm(world)
         assert arm.reach_object(BASE, "Mug|1").success
-        assert np.linalg.norm(np.array(arm.hand(BASE)) - arm.shoulder(BASE)) <= ARM_REACH_M
+        assert np.linalg.norm(np.array(arm.hand(BASE)) - arm.shoulder(BASE)) <= AGENT.reach_m
         low, high = world.box("Mug|1")
         outside = np.maximum(np.maximum(low - arm.hand(BASE), arm.hand(BASE) - high), 0.0)
         assert np.linalg.norm(outside) < arm.hand_radius_m
@@ -343,7 +344,8 @@ def test_every_hiding_place_is_reached_from_its_goal(name: str) -> None:
         for place in hiding_places(scene):
             i, j = place.goal.cell
             arm.state = HOME
-            move = arm.reach_object(ArmBase(i * GRID_M, j * GRID_M, place.goal.yaw_deg, scene.floor_z), place.object_id)
+            base = ArmBase(i * AGENT.step_m, j * AGENT.step_m, place.goal.yaw_deg, scene.floor_z)
+            move = arm.reach_object(base, place.object_id)
             if not move.success:
                 missed.append((place.object_id, move.error))
     assert missed == []

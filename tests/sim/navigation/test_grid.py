@@ -5,7 +5,8 @@ import pytest
 from remqa_data.assets.core.model import AssetSpec
 from remqa_data.assets.looks.materials import OAK
 from remqa_data.scene import Scene, SceneObject, StructureBox
-from remqa_data.sim.navigation.grid import GRID_M, cells_in_reach, reach_distance, reachable_grid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import cells_in_reach, reach_distance, reachable_grid
 from remqa_data.sim.physics.world import World
 
 
@@ -30,7 +31,7 @@ def test_an_empty_room_is_free_up_to_the_agents_radius_from_the_walls() -> None:
 
 def test_a_table_blocks_its_plan_and_the_agents_radius_around_it() -> None:
     found = cells(empty_room((-0.5, -0.5, 0.4, 0.5, 0.5, 0.8)))
-    positions = np.array(sorted(found)) * GRID_M
+    positions = np.array(sorted(found)) * AGENT.step_m
     gap = np.hypot(*np.maximum(np.abs(positions) - 0.5, 0).T)
     assert gap.min() > 0.2 - 0.02
     assert (3, 0) in found  # 0.75 - 0.5 = 0.25 m
@@ -75,4 +76,4 @@ def test_cells_in_reach_are_those_near_any_of_the_points() -> None:
     near = cells_in_reach(grid, [(0.0, 0.0, 1.0)])
     distances = [np.hypot(*grid.position(cell)) for cell in near]
     assert max(distances) <= 0.63 + 0.15
-    assert len(near) == sum(np.hypot(i, j) * GRID_M <= 0.78 for i in range(-7, 8) for j in range(-7, 8))
+    assert len(near) == sum(np.hypot(i, j) * AGENT.step_m <= 0.78 for i in range(-7, 8) for j in range(-7, 8))

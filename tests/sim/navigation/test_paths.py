@@ -8,7 +8,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from remqa_data.errors import ActionError, NoPathError
-from remqa_data.sim.navigation.grid import GRID_M, ReachableGrid
+from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.paths import path_length_m, pose_after, shortest_actions
 from remqa_data.sim.navigation.viewpoints import AgentPose
 
@@ -33,7 +34,7 @@ def oracle_graph(grid: ReachableGrid) -> nx.DiGraph:
                 ahead = complex(i, j) + 1j**turns
                 target = (round(ahead.real), round(ahead.imag))
                 if grid.graph.has_edge((i, j), target):
-                    graph.add_edge(here, (complex(*target), turns, horizon, up), metres=GRID_M)
+                    graph.add_edge(here, (complex(*target), turns, horizon, up), metres=AGENT.step_m)
                 for turn in (1, 3):
                     graph.add_edge(here, (complex(i, j), (turns + turn) % 4, horizon, up), metres=0.0)
                 for look in (-30, 30):
@@ -143,7 +144,7 @@ def test_no_other_search_finds_a_shorter_way(grid: ReachableGrid, a: tuple[int, 
         return
     actions = shortest_actions(grid, start, goal)
     assert follow(grid, start, actions) == goal
-    metres = actions.count("MoveAhead") * GRID_M
+    metres = actions.count("MoveAhead") * AGENT.step_m
     assert metres == nx.dijkstra_path_length(graph, node(start), node(goal), "metres")
     assert metres == path_length_m(grid, start.cell, goal.cell)
     # of all ways so short, none has fewer actions: each costs a little, so that their number breaks ties

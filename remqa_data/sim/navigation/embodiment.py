@@ -7,17 +7,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from remqa_data.sim.navigation.grid import (
-    AGENT_RADIUS_M,
-    ARM_REACH_M,
-    CAMERA_HEIGHT_M,
-    CROUCHED_CAMERA_HEIGHT_M,
-    GRID_M,
-)
-
-MAX_PUSH_M = 0.75
-"""How far one action moves a thing."""
-
 
 @dataclass(frozen=True)
 class Embodiment:
@@ -25,38 +14,51 @@ class Embodiment:
 
     Attributes
     ----------
-    radius_m : float
+    radius_m, height_m : float
         Of the cylinder that must not touch anything.
+    step_over_m : float
+        Lower things (rugs, a doorstep) do not stop the agent.
     camera_height_m, crouched_camera_height_m : float
         Above the floor.
     fov_deg : float
         Vertical field of view.
     step_m, rotate_deg, look_deg : float
-        How far an action goes that names no amount.
+        How far an action goes that names no amount; grids have cells of one step.
     least_horizon_deg, most_horizon_deg : float
         How far the camera tilts; positive is down.
+    shoulder_low_m, shoulder_high_m, shoulder_ahead_m : float
+        The shoulder slides up and down a column (metres above the floor) that stands this far ahead of the agent's middle,
+        so that the base does not eat up the arm's reach; the agent turns to face what it reaches for.
     reach_m : float
         From the shoulder to the hand.
     visibility_m : float
         How near, in plan, a thing must be to be acted on without the arm.
+    push_m : float
+        How far one action moves a thing.
     """
 
-    radius_m: float = AGENT_RADIUS_M
-    camera_height_m: float = CAMERA_HEIGHT_M
-    crouched_camera_height_m: float = CROUCHED_CAMERA_HEIGHT_M
+    radius_m: float = 0.20
+    height_m: float = 1.80
+    step_over_m: float = 0.05
+    camera_height_m: float = 1.576
+    crouched_camera_height_m: float = 0.901
     fov_deg: float = 90.0
-    step_m: float = GRID_M
+    step_m: float = 0.25
     rotate_deg: float = 90.0
     look_deg: float = 30.0
     least_horizon_deg: float = -30.0
     most_horizon_deg: float = 60.0
-    reach_m: float = ARM_REACH_M
+    shoulder_low_m: float = 0.45
+    shoulder_high_m: float = 1.80
+    shoulder_ahead_m: float = 0.15
+    reach_m: float = 0.63
     visibility_m: float = 1.5
+    push_m: float = 0.75
 
     @classmethod
     def of_dataset(cls, camera_height_m: float, fov_deg: float, step_m: float, reach_m: float) -> Embodiment:
         """The body whose figures a dataset stores; to crouch lowers the camera as much as usual."""
-        lower_m = CAMERA_HEIGHT_M - CROUCHED_CAMERA_HEIGHT_M
+        lower_m = cls.camera_height_m - cls.crouched_camera_height_m
         return cls(
             camera_height_m=camera_height_m,
             crouched_camera_height_m=camera_height_m - lower_m,
@@ -64,3 +66,7 @@ class Embodiment:
             step_m=step_m,
             reach_m=reach_m,
         )
+
+
+AGENT = Embodiment()
+"""The body that datasets are made with."""
