@@ -10,12 +10,14 @@ from urllib.parse import unquote, urlsplit
 
 import boto3
 import pytest
+from pyarrow.fs import AwsStandardS3RetryStrategy, S3FileSystem
 
 from remqa_data.errors import BusyDatasetError, RemqaError, StorageError
 from remqa_data.generators import pipeline
 from remqa_data.generators.config import Config, load_config
 from remqa_data.storage import locks
 from remqa_data.storage.backend import storage_at
+from remqa_data.storage.bucket import Bucket
 from remqa_data.storage.locks import exclusive
 from remqa_data.storage.manifest import MANIFEST
 from tests.helpers.crash_run import made_up_part
@@ -75,6 +77,13 @@ def name_of(fault: Fault) -> str:
     return f"{fault.request}: {fault.does} {often} {fault.key}".strip()
 
 
+def opened(bucket: Bucket) -> tuple[S3FileSystem, str]:
+    """As it is, but with three attempts, where pyarrow's own go on for 6 s."""
+    patience = AwsStandardS3RetryStrategy(max_attempts=3)
+    system = S3FileSystem(endpoint_override=os.environ["AWS_ENDPOINT_URL"], retry_strategy=patience)
+    return system, bucket.root.removeprefix("s3://")
+
+
 @pytest.fixture(scope="module")
 def servers() -> Iterator[tuple[FaultyS3, str]]:
     """The proxy, which everything speaks to, and the URL of the server behind it."""
@@ -83,6 +92,7 @@ def servers() -> Iterator[tuple[FaultyS3, str]]:
         where = urlsplit(behind)
         with faulty_s3(str(where.hostname), int(where.port or 0)) as (url, proxy):
             monkeypatch.setenv("AWS_ENDPOINT_URL", url)
+            monkeypatch.setattr(Bucket, "_opened", property(opened))
             monkeypatch.setattr(pipeline, "make_part", made_up_part)
             monkeypatch.setattr(pipeline, "FEWEST_SHARDS", {"train": 1, "val": 1, "test": 1})
             monkeypatch.setattr(locks, "SETTLE_S", 0.0)

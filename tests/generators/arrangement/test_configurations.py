@@ -14,20 +14,16 @@ from remqa_data.generators.arrangement.areas import Area
 from remqa_data.generators.arrangement.configurations import Configuration, arrange
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import Hidden, Violation, goal_camera, manipulated
-from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places
+from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.arrangement.packing import packed
 from remqa_data.scene import Scene
 from remqa_data.sim.metadata import object_metadata
 from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
+from tests.helpers.places import places_of
 
 ROOMS = ("FloorPlan7", "FloorPlan318")
-
-
-@cache
-def places_of(room: str) -> tuple[HidingPlace, ...]:
-    return tuple(hiding_places(load_scene(room)))
 
 
 def wishes_for(room: str, number: int) -> list[Hidden]:

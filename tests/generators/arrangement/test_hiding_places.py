@@ -1,6 +1,5 @@
 import math
 from collections.abc import Iterator
-from functools import cache
 
 import numpy as np
 import pytest
@@ -19,13 +18,9 @@ from remqa_data.sim.navigation.grid import reach_distance, reachable_grid
 from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, front_points, pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
+from tests.helpers.places import places_of
 
 ROOMS = ("FloorPlan7", "FloorPlan205", "FloorPlan324", "FloorPlan417")
-
-
-@cache
-def places_of(room: str) -> tuple[HidingPlace, ...]:
-    return tuple(hiding_places(load_scene(room)))
 
 
 @pytest.fixture(scope="module", params=ROOMS)
