@@ -1,4 +1,4 @@
-"""What a command line can get wrong, in whole processes: one line on stderr, exit code 2, and nothing has been written."""
+"""What a command line can get wrong, in its own process: one line on stderr, exit code 2, and nothing has been written."""
 
 import os
 import re
@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+
+from tests.helpers.forked_runs import run_forked
 
 MODULES = {
     "remqa-gen": "remqa_data.generators.cli",
@@ -53,7 +55,7 @@ def run(
 def test_a_wrong_argument_is_one_line_and_nothing_is_written(what: str, tmp_path: Path) -> None:
     name, *arguments = ARGUMENTS[what]
     assert isinstance(name, str)
-    done = run(name, *arguments, folder=tmp_path)
+    done = run_forked(MODULES[name], *arguments, folder=tmp_path)
     lines = done.stderr.splitlines()
     assert (done.returncode, len(lines)) == (2, 1), done.stderr
     assert lines[0].isprintable()

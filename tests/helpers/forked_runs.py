@@ -1,4 +1,4 @@
-"""Runs of `crash_run` in processes that are forked from one that has imported all of it.
+"""Commands and runs of `crash_run` in processes that are forked from one that has imported all of it.
 
 They are processes like others: they can be killed, have workers, which are forked too, and sit at a terminal if they are given
 one. Only the imports are spared, which take three seconds in the driver and in each worker.
@@ -11,11 +11,15 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
+from importlib import import_module
 from pathlib import Path
 
 from remqa_data.processes import workers
 from tests.helpers import crash_run
 from tests.helpers.fork_server import FORK_SERVER
+
+PATIENCE_S = 120.0
 
 
 class ForkedRun:
@@ -73,6 +77,25 @@ class ForkedRun:
     def terminate(self) -> None:
         """SIGTERM."""
         self.send_signal(signal.SIGTERM)
+
+
+def run_forked(module: str, *arguments: str | bytes, folder: Path) -> subprocess.CompletedProcess[str]:
+    """What comes of the command whose `main` is in a module, in a folder."""
+    with tempfile.TemporaryDirectory() as streams:
+        process = FORK_SERVER.Process(target=_run_main, args=(module, arguments, str(folder), streams))
+        process.start()
+        process.join(PATIENCE_S)
+        assert process.exitcode is not None, "it does not end"
+        out, err = (Path(streams, name).read_text(encoding="utf-8") for name in ("1", "2"))
+    return subprocess.CompletedProcess(arguments, process.exitcode, out, err)
+
+
+def _run_main(module: str, arguments: tuple[str | bytes, ...], folder: str, streams: str) -> None:
+    os.chdir(folder)
+    for standard in (1, 2):
+        os.dup2(os.open(f"{streams}/{standard}", os.O_WRONLY | os.O_CREAT), standard)
+    sys.argv = ["command", *map(os.fsdecode, arguments)]
+    import_module(module).main()
 
 
 def _run(arguments: tuple[str, ...], output: str, ignores_ctrl_c: bool, variables: dict[str, str]) -> None:
