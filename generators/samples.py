@@ -23,6 +23,7 @@ from remqa_data.generators.walks.scene_walk import ConfigurationInfo
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
+from remqa_data.language.inner import inner_of, is_sure, needed
 from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
@@ -171,6 +172,10 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         return Refusal("unique", f"{question.expression.text} does not pick out {hiding.object_id} only")
     if not is_clear(question.program, room.graph, room.loose_graph):
         return Refusal("clear", f"{question.text}: something else nearly fits")
+    inner = inner_of(question.program)
+    if inner is not None and not is_sure(inner, room.graph, wanted):
+        return Refusal("clear", f"{question.text}: it is hard to say")
+    witness_ids = needed(question.program, answer.ids, room.graph)
     manipulation = _manipulation(hiding)
     found = _goal(room, hiding, manipulation)
     if isinstance(found, Refusal):
@@ -183,8 +188,8 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
     start = AgentPose(cells[int(rng.integers(len(cells)))], int(rng.choice(HEADINGS_DEG)))
     way = [Action(name) for name in shortest_actions(room.grid, start, goal)]
     before, after = views.before, views.after
-    refusal = _check_views(room, hiding, answer.ids, before, after)
-    if refusal is None and not answer.ids and _share_in_view(room, hiding, goal, views) < LEAST_SHARE:
+    refusal = _check_views(room, hiding, witness_ids, before, after)
+    if refusal is None and not witness_ids and _share_in_view(room, hiding, goal, views) < LEAST_SHARE:
         refusal = Refusal("sufficient", f"too little of the space that {hiding.object_id} hides comes to light")
     if refusal is None:
         refusal = _disturbance(room, group, answer.ids, views)
@@ -299,14 +304,14 @@ def _share_in_view(room: AuditedRoom, hiding: HidingPlace, goal: AgentPose, view
 
 
 def _check_views(
-    room: AuditedRoom, hiding: HidingPlace, answer_ids: tuple[str, ...], before: Observation, after: Observation
+    room: AuditedRoom, hiding: HidingPlace, witness_ids: tuple[str, ...], before: Observation, after: Observation
 ) -> Refusal | None:
-    """Whether the pictures show the target before, the evidence only after, and the hidden space where there is none."""
+    """Whether the pictures show the target before, what one must see to answer only after, and that much comes to light."""
     ids = room.replay.world.ids
     least = scaled_min_pixels(before.objects.shape)
     if not is_visible(before.objects == ids.index(hiding.object_id)):
         return Refusal("visible", f"{hiding.object_id} is not seen from its goal pose")
-    for object_id in answer_ids:
+    for object_id in witness_ids:
         index = ids.index(object_id)
         if (before.objects == index).any():
             return Refusal("necessary", f"{object_id} is seen before the manipulation")
@@ -326,6 +331,11 @@ def _disturbance(
     moved = disturbed(before, after, hiding.object_id, hiding.manipulation)
     if moved:
         return Refusal("undisturbed", f"{hiding.object_id} takes {', '.join(moved)} along")
+    if group.question.partner is not None:
+        again = execute(group.question.program, SceneGraph.from_objects(after.values()))
+        if again.ids != answer_ids:
+            return Refusal("undisturbed", f"looked at again: {again.text}")
+        return None
     inside = hiding.object_id if hiding.relation == "in" else None
     images, ids = (views.before.objects, views.after.objects), room.replay.world.ids
     counted = counted_again(before, after, images, ids, group.question.type, inside, answer_ids)

@@ -15,6 +15,7 @@ from remqa_data.generators.arrangement.configurations import Configuration, arra
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import Hidden
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places
+from remqa_data.generators.arrangement.inner_packing import inner_fits
 from remqa_data.generators.config import Config
 from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.expressions import Expression, Expressions
@@ -156,7 +157,15 @@ class RoomPlanner:
         configurations, spare = job.config.configurations, job.config.spare_groups.by_kind()
         try:
             return plan_groups(
-                self.places, self.expressions, self._fitting, self.quota, rng, configurations, spare, self.clashes
+                self.places,
+                self.expressions,
+                self._fitting,
+                self.quota,
+                rng,
+                configurations,
+                spare,
+                self.clashes,
+                inner_fits,
             )
         except QuotaError:
             if not self.has_learnt or self.plans_left <= 0:
@@ -202,4 +211,4 @@ def expressions_of_places(scene: Scene, places: Iterable[HidingPlace]) -> dict[s
 
 
 def _hidden(groups: list[GroupPlan[HidingPlace]], number: int) -> list[Hidden]:
-    return [Hidden(wish.place, wish.type, wish.count) for wish in wishes(groups, number)]
+    return [Hidden(wish.place, wish.type, wish.count, wish.partner, wish.holds) for wish in wishes(groups, number)]

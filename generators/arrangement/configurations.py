@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,10 +22,12 @@ from remqa_data.generators.arrangement.hiding_check import (
     Wished,
     blockers,
     in_sight_violations,
+    partner_ids,
     violations,
 )
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
+from remqa_data.generators.arrangement.inner_packing import Link, packed_with_link
 from remqa_data.generators.arrangement.loose_objects import open_surfaces, put_anew
 from remqa_data.generators.arrangement.packing import Put, packed
 from remqa_data.geometry import arithmetic
@@ -102,7 +104,8 @@ def arrange(
     by_place = _by_place(hidden)
     everything = sorted((*base.objects, *(o for things in made for o in things)), key=lambda o: o.id)
     with World(base.with_objects(tuple(everything))) as world:
-        puts = {key: _pack(world, scene, by_place[key], rng) for key in by_place}
+        links = _links(hidden, by_place)
+        puts = {key: _pack(world, scene, by_place[key], links.get(key), rng) for key in by_place}
         _put_all(world, scene, by_place, puts)
         view = WorldView(world)
         lost = _move_loose_things(world, view, scene, places, hidden, share, rng)
@@ -124,7 +127,7 @@ def arrange(
                 return Configuration(_without(world.to_scene(), lost | strayed), hidden)
             for key in sorted({(t.place.object_id, t.place.manipulation) for t in violations_found}):
                 tried[key] += 1
-                puts[key] = _pack(world, scene, by_place[key], rng)
+                puts[key] = _pack(world, scene, by_place[key], links.get(key), rng)
             if max(tried.values()) >= PACKED:
                 break
     first = violations_found[0]
@@ -143,12 +146,15 @@ def check_room(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator)
     ArrangementError
         If one has not: names the place and the things.
     """
-    by_place: dict[Key, tuple[HidingPlace, list[str]]] = {}
-    for wish in wishes:
-        key = (wish.place.object_id, wish.place.manipulation)
-        by_place.setdefault(key, (wish.place, []))[1].extend([wish.type] * wish.count)
-    for place, types in by_place.values():
-        _packed(scene, place, types, [_largest_size(name) for name in types], rng)
+    hidden = [
+        (wish, tuple(f"{number} {wish.type} {n}" for n in range(wish.count))) for number, wish in enumerate(wishes)
+    ]
+    types = {name: wish.type for wish, names in hidden for name in names}
+    by_place = _by_place(hidden)
+    links = _links(hidden, by_place)
+    for key, (place, names) in by_place.items():
+        sizes = [_largest_size(types[name]) for name in names]
+        _packed(scene, place, [types[name] for name in names], sizes, links.get(key), rng)
 
 
 Key = tuple[str, str]
@@ -211,18 +217,42 @@ def _by_place(hidden: Wished) -> dict[Key, tuple[HidingPlace, tuple[str, ...]]]:
     return grouped
 
 
+def _links(hidden: Wished, by_place: Mapping[Key, tuple[HidingPlace, tuple[str, ...]]]) -> dict[Key, Link]:
+    """How things are to lie to one another, in the places where that is wished; a place has one such wish at most."""
+    found: dict[Key, Link] = {}
+    for wish, ids in hidden:
+        if wish.partner is not None:
+            key = (wish.place.object_id, wish.place.manipulation)
+            names = by_place[key][1]
+            others = tuple(names.index(name) for name in partner_ids(hidden, wish))
+            found[key] = Link(names.index(ids[0]), others, wish.partner.relation, wish.holds)
+    return found
+
+
 def _pack(
-    world: World, scene: Scene, place_and_ids: tuple[HidingPlace, tuple[str, ...]], rng: np.random.Generator
+    world: World,
+    scene: Scene,
+    place_and_ids: tuple[HidingPlace, tuple[str, ...]],
+    link: Link | None,
+    rng: np.random.Generator,
 ) -> list[Put]:
     place, ids = place_and_ids
     sizes = [_plan_size(world.assets[object_id].spec) for object_id in ids]
-    return _packed(scene, place, [world.type_of(object_id) for object_id in ids], sizes, rng)
+    return _packed(scene, place, [world.type_of(object_id) for object_id in ids], sizes, link, rng)
 
 
 def _packed(
-    scene: Scene, place: HidingPlace, types: Sequence[str], sizes: Sequence[Vec3], rng: np.random.Generator
+    scene: Scene,
+    place: HidingPlace,
+    types: Sequence[str],
+    sizes: Sequence[Vec3],
+    link: Link | None,
+    rng: np.random.Generator,
 ) -> list[Put]:
-    puts = packed(place.areas, sizes, hiding_rules().gap_m, rng)
+    if link is None:
+        puts = packed(place.areas, sizes, hiding_rules().gap_m, rng)
+    else:
+        puts = packed_with_link(place, types, sizes, link, rng)
     if puts is None:
         names = ", ".join(types)
         msg = f"{scene.name}: no room {place.relation} {place.object_id} for {names}; wish for fewer or smaller things"

@@ -12,6 +12,8 @@ import numpy as np
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
+from remqa_data.language.inner import clearly_related
+from remqa_data.relations import Partner
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
@@ -29,11 +31,16 @@ TILTED_DEG = 20.0
 
 @dataclass(frozen=True)
 class Hidden:
-    """A wish: so many things of a type in or under a place; 0 asks that there be none."""
+    """A wish: so many things of a type in or under a place; 0 asks that there be none.
+
+    With a partner, which is wished for as well, the thing is to lie so to it, or clearly not so.
+    """
 
     place: HidingPlace
     type: str
     count: int
+    partner: Partner | None = None
+    holds: bool = True
 
 
 Wished = Sequence[tuple[Hidden, tuple[str, ...]]]
@@ -98,16 +105,30 @@ def violations(world: World, view: WorldView, hidden: Wished, put_at: Mapping[st
     for wish, ids in hidden:
         place = wish.place
         alike = [record for record in records.values() if record.type == wish.type]
+        partners = partner_ids(hidden, wish)
         related = {record.id for record in alike if _is_related(record, records[place.object_id], place.relation)}
+        related |= {record.id for record in alike if record.support in partners}
         reason = _unrest(world, place, ids, put_at)
         if reason is None and related != set(ids):
             strays = sorted(related ^ set(ids))
             reason = f"{', '.join(strays)}: whether it is {place.relation} it is not as wished"
+        if reason is None and wish.partner is not None:
+            known = [records[name] for name in (place.object_id, *partners, *ids)]
+            if clearly_related(known, ids[0], wish.partner.relation, partners) is not wish.holds:
+                reason = f"{ids[0]} lies otherwise to {', '.join(partners)}"
         if reason is None:
             reason = _ill_seen(world, view, place, ids)
         if reason is not None:
             found.append(Violation(place, wish.type, reason))
     return found
+
+
+def partner_ids(hidden: Wished, wish: Hidden) -> tuple[str, ...]:
+    """What a wished thing is to lie to: the things of its partner's type that are wished for in the same place."""
+    if wish.partner is None:
+        return ()
+    same = ((other, ids) for other, ids in hidden if other.place is wish.place or other.place == wish.place)
+    return next(ids for other, ids in same if other.type == wish.partner.type)
 
 
 def _is_related(thing: ObjectMetadata, target: ObjectMetadata, relation: str) -> bool:

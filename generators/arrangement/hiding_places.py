@@ -303,7 +303,8 @@ class _Finder:
         spots = [spot for area in areas for spot in area.spots(self.rules.spot_side_m)]
         # Two phones need more than the room of two mugs.
         long_ones = sum(area.capacity((*self.rules.long_thing_m, 0.0), self.rules.gap_m) for area in areas)
-        count = max(1, min(len(spots), long_ones, self.rules.max_spots if relation == "in" else 1))
+        most = self.rules.max_spots if relation == "in" else self.rules.max_spots_under
+        count = max(1, min(len(spots), long_ones, most))
         return HidingPlace(
             object_id=object_id,
             type=self.world.type_of(object_id),

@@ -39,6 +39,7 @@ class HidingRules(BaseModel):
     spot_side_m: float = Field(gt=0)
     long_thing_m: tuple[float, float]
     max_spots: int = Field(gt=0)
+    max_spots_under: int = Field(gt=0)
     size_spread: float = Field(ge=0, lt=1)
     gap_m: float = Field(ge=0)
     pixel_margin: float = Field(gt=0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,16 +27,30 @@ class Put:
     yaw_deg: float
 
 
-def packed(areas: Sequence[Area], sizes: Sequence[Vec3], gap_m: float, rng: np.random.Generator) -> list[Put] | None:
+Outline = tuple[float, float, float, float]
+"""The middle, and half the sides, of a thing on an area, in the area's frame."""
+
+
+def packed(
+    areas: Sequence[Area],
+    sizes: Sequence[Vec3],
+    gap_m: float,
+    rng: np.random.Generator,
+    already: Mapping[int, Put] | None = None,
+) -> list[Put] | None:
     """Places for things of some sizes on some areas, in the order of the sizes; None if no room was found.
 
-    Large things choose first, at random; if there is no room for all, everything is set in tidy rows.
+    Large things choose first, at random; if there is no room for all, everything is set in tidy rows. Things that are
+    there `already`, by their number, stay.
     """
-    order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][0] * sizes[i][1], i))
+    there = already or {}
+    order = sorted((i for i in range(len(sizes)) if i not in there), key=lambda i: (-sizes[i][0] * sizes[i][1], i))
     for is_tidy in (False,) * ROUNDS + (True,):
-        taken: dict[int, list[tuple[float, float, float, float]]] = {i: [] for i in range(len(areas))}
+        taken = {
+            i: [outline_of(put, sizes[n]) for n, put in there.items() if put.area == a] for i, a in enumerate(areas)
+        }
         corner = (float(rng.choice((-1, 1))), float(rng.choice((-1, 1))))
-        puts: dict[int, Put] = {}
+        puts: dict[int, Put] = dict(there)
         for index in order:
             size = sizes[index]
             usable = [i for i, a in enumerate(areas) if a.seen_from_m < size[2] <= a.height_m]
@@ -51,12 +65,19 @@ def packed(areas: Sequence[Area], sizes: Sequence[Vec3], gap_m: float, rng: np.r
     return None
 
 
+def outline_of(put: Put, size: Vec3) -> Outline:
+    """What a thing takes up of its area."""
+    sin, cos = (float(value) for value in arithmetic.sin_cos_deg(put.area.yaw_deg))
+    x, y = put.position[0] - put.area.centre[0], put.position[1] - put.area.centre[1]
+    return (cos * x + sin * y, cos * y - sin * x, *turned_half(size, put.yaw_deg - put.area.yaw_deg))
+
+
 def _random_place(
     areas: Sequence[Area],
     usable: Sequence[int],
     size: Vec3,
     gap_m: float,
-    taken: dict[int, list[tuple[float, float, float, float]]],
+    taken: dict[int, list[Outline]],
     rng: np.random.Generator,
 ) -> Put | None:
     if not usable:
@@ -66,7 +87,7 @@ def _random_place(
         which = usable[int(rng.choice(len(usable), p=weights / weights.sum()))]
         yaw = 90.0 * int(rng.integers(4)) + float(rng.uniform(-JITTER_DEG, JITTER_DEG))
         u, v = (float(value) for value in rng.uniform(-1, 1, 2))
-        half = _turned_half(size, yaw)
+        half = turned_half(size, yaw)
         room = (areas[which].half[0] - half[0], areas[which].half[1] - half[1])
         if min(room) < 0:
             continue
@@ -81,14 +102,14 @@ def _tidy_place(
     usable: Sequence[int],
     size: Vec3,
     gap_m: float,
-    taken: dict[int, list[tuple[float, float, float, float]]],
+    taken: dict[int, list[Outline]],
     corner: tuple[float, float],
 ) -> Put | None:
     """The first free place in rows that begin in one corner of an area."""
     for which in usable:
         area = areas[which]
         for yaw in (0.0, 90.0):
-            half = _turned_half(size, yaw)
+            half = turned_half(size, yaw)
             room = (area.half[0] - half[0], area.half[1] - half[1])
             if min(room) < 0:
                 continue
@@ -107,7 +128,7 @@ def _free(
     half: tuple[float, float],
     yaw: float,
     gap_m: float,
-    taken: list[tuple[float, float, float, float]],
+    taken: list[Outline],
 ) -> Put | None:
     """The thing at a place of the area, if it keeps its distance from all others there; then the place is taken."""
     for ox, oy, hx, hy in taken:
@@ -118,6 +139,7 @@ def _free(
     return Put(area, (float(px), float(py), float(pz)), yaw + area.yaw_deg)
 
 
-def _turned_half(size: Vec3, yaw_deg: float) -> tuple[float, float]:
+def turned_half(size: Vec3, yaw_deg: float) -> tuple[float, float]:
+    """Half the sides of the outline of a thing that is turned."""
     sin, cos = (abs(float(share)) for share in arithmetic.sin_cos_deg(yaw_deg))
     return (size[0] * cos + size[1] * sin) / 2, (size[0] * sin + size[1] * cos) / 2

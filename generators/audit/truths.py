@@ -7,21 +7,28 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from typing import Literal
+from functools import lru_cache
+from typing import Literal, get_args
 
 import numpy as np
 
-from remqa_data.catalog import catalog
+from remqa_data.catalog import catalog, question_types
 from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownNameError, one_line
 from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
-from remqa_data.generators.questions.questions import question_program, question_text
+from remqa_data.generators.questions.questions import (
+    inner_question_program,
+    inner_question_text,
+    question_program,
+    question_text,
+)
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
+from remqa_data.language.inner import inner_of, is_sure, needed
 from remqa_data.language.referring import Program, program_of, resolve
 from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M, distance_to_goal_m
-from remqa_data.relations import Relation
+from remqa_data.relations import InnerRelation, Partner, Relation
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, MOVE, OPEN, PICK_UP, parse_actions, walk_and_rest
@@ -156,6 +163,9 @@ class CheckedRoom:
                 yield "answer", f"{object_id} is no {question.answer_type}"
         if not is_clear(program, self.graph, self.loose_graph):
             yield "clear", "something else nearly fits the question"
+        inner = inner_of(program)
+        if inner is not None and not is_sure(inner, self.graph, question.answer):
+            yield "clear", "it is hard to say how the things lie"
 
     def _pictures(self, question: QuestionRow) -> Iterator[Broken]:
         """What the stored pictures show before and after the manipulation."""
@@ -170,7 +180,7 @@ class CheckedRoom:
                 "visible",
                 f"the box of {question.target_id} is {tight_box(target)}, not {question.start_target_box_2d}",
             )
-        for object_id in question.answer_ids:
+        for object_id in needed(_asked(question), question.answer_ids, self.graph):
             shown, revealed = (np.count_nonzero(image == _number(question, object_id)) for image in (before, after))
             if shown:
                 yield "necessary", f"{object_id} shows {shown} pixels before the manipulation"
@@ -249,10 +259,17 @@ class CheckedRoom:
             yield "consistent", f"the end view shows object {revealed.max()} of {len(question.object_ids)}"
             return
         shown = [question.object_ids[number - 1] for number in revealed]
+        records = object_metadata(replay.world)
+        program = _asked(question)
+        if inner_of(program) is not None:
+            again = execute(program, SceneGraph.from_objects(records.values()))
+            if again.ids != question.answer_ids:
+                yield "undisturbed", f"after acting the answer is {again.text}"
+            return
         found = sorted(name for name in shown if self.type_of(name) == question.answer_type)
         if found != sorted(question.answer_ids):
             yield "undisturbed", f"after acting one counts {', '.join(found) or 'nothing'}"
-        held_by = {name: record.support for name, record in object_metadata(replay.world).items()}
+        held_by = {name: record.support for name, record in records.items()}
         for name in question.answer_ids:
             self.type_of(name)
             if question.manipulation == "Open" and held_by[name] != question.target_id:
@@ -314,10 +331,20 @@ def _asked(question: QuestionRow) -> Program:
     where = understood(question.expression)
     if question.answer_type not in catalog():
         raise UnknownNameError("object type", question.answer_type, catalog())
+    if question.kind == "SPATIAL":
+        for partner in _partners():
+            if question.question == inner_question_text(question.answer_type, partner, question.expression):
+                return inner_question_program(question.answer_type, partner, where)
     for relation in RELATIONS_OF[question.kind]:
         if question.question == question_text(question.kind, question.answer_type, relation, question.expression):
             return question_program(question.kind, question.answer_type, relation, where)
     raise ProgramError(f"the words of the question do not ask for a {question.answer_type} by {question.expression!r}")
+
+
+@lru_cache(maxsize=1)
+def _partners() -> tuple[Partner, ...]:
+    """All that a thing may be asked to lie on, next to, behind or between."""
+    return tuple(Partner(relation, name) for relation in get_args(InnerRelation) for name in question_types())
 
 
 def _number(question: QuestionRow, object_id: str) -> int:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import heapq
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -26,6 +27,10 @@ SAMPLED_SOURCE = "sampled_capacities.csv"
 QuestionSplit = Literal["train", "test"]
 SPLITS: tuple[QuestionSplit, ...] = ("train", "test")
 Totals = Mapping[QuestionKind, int]
+Lots = dict[QuestionKind, dict[str, int]]
+"""By kind and room."""
+RoomFor = Mapping[str, Mapping[QuestionKind, int]]
+"""By room and kind, how many lots it takes."""
 
 LOT_SIZE = 4
 """Samples of a whole lot: as many as there are answers to a COUNTING question."""
@@ -143,8 +148,8 @@ def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]
     -------
     One quota for each room, in the order of the rooms. By split and kind, they add up to the totals exactly; the numbers
     of samples with each answer differ by at most one; and a room's quota makes no more lots than it can take at most, in
-    groups each of which asks for at least two different answers. No room takes more than it does easily, unless all do;
-    and as far as they easily can, all rooms take `FEWEST_LOTS` to `MOST_LOTS`.
+    groups each of which asks for at least two different answers. No room takes more than it does easily, unless all do, or
+    it would have fewer than `FEWEST_LOTS`; and as far as rooms can, all take `FEWEST_LOTS` to `MOST_LOTS`.
 
     Raises
     ------
@@ -155,61 +160,117 @@ def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]
     answers: dict[str, dict[QuestionKind, dict[str, int]]] = {room.scene: {} for room in rooms}
     for split in SPLITS:
         own = [room for room in rooms if splits[room.scene] == split]
-        had = dict.fromkeys((room.scene for room in own), 0)
-        later = {room.scene: sum(room.lots.values()) for room in own}
-        for kind in reversed(KINDS):  # of EXISTENCE rooms take most, so it comes last and evens out
-            later = {room.scene: later[room.scene] - room.lots[kind] for room in own}
-            first = {name: FEWEST_LOTS - lots - later[name] for name, lots in had.items()}
-            for scene, quota in _deal(own, split, kind, totals.get(split, {}).get(kind, 0), had, first).items():
+        asked = {kind: totals.get(split, {}).get(kind, 0) for kind in KINDS}
+        for kind, lots in _dealt(own, split, asked).items():
+            for scene, quota in _in_samples(lots, kind, asked[kind]).items():
                 answers[scene][kind] = quota
-                had[scene] += -(-sum(quota.values()) // LOT_SIZE)
-    in_order = {scene: {kind: quotas[kind] for kind in KINDS if kind in quotas} for scene, quotas in answers.items()}
-    return [SceneQuota(room.scene, room.room_type, splits[room.scene], in_order[room.scene]) for room in rooms]
+    return [SceneQuota(room.scene, room.room_type, splits[room.scene], answers[room.scene]) for room in rooms]
 
 
 # ---- dealing
 
 
-def _deal(
-    rooms: Sequence[SceneCapacity],
-    split: str,
-    kind: QuestionKind,
-    total: int,
-    had: Mapping[str, int],
-    first: Mapping[str, int],
-) -> dict[str, dict[str, int]]:
-    """Samples by room and answer, after each room had some lots of other kinds; so many lots are dealt first."""
-    names = question_rules().answers(kind)
+def _dealt(rooms: Sequence[SceneCapacity], split: str, totals: Totals) -> Lots:
+    """Lots by kind and room of one split."""
+    dealt: Lots = {}
+    had = dict.fromkeys((room.scene for room in rooms), 0)
+    later = {room.scene: sum(room.lots.values()) for room in rooms}
+    for kind in reversed(KINDS):  # of EXISTENCE rooms take most, so it comes last and evens out
+        count = _lots_of(rooms, split, kind, totals[kind])
+        later = {room.scene: later[room.scene] - room.lots[kind] for room in rooms}
+        first = {name: FEWEST_LOTS - lots - later[name] for name, lots in had.items()}
+        most = {room.scene: room.most[kind] for room in rooms}
+        easy = {room.scene: min(room.lots[kind], most[room.scene]) for room in rooms}
+        even = {scene: max(0, min(lots, MOST_LOTS - had[scene])) for scene, lots in easy.items()}
+        dealt[kind] = _deal_lots((even, easy, most), count, first)
+        had = {scene: lots + dealt[kind][scene] for scene, lots in had.items()}
+    _even_out(dealt, rooms)
+    return {kind: dealt[kind] for kind in KINDS}
+
+
+def _lots_of(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, total: int) -> int:
+    """How many lots a total makes, the last of which may be smaller; QuotaError if rooms cannot take them."""
     if total == 1 or total < 0:
         raise QuotaError(
             f"{split}: {kind}: {total} samples cannot have different answers; ask for none or for at least 2"
         )
-    whole, left = divmod(total, LOT_SIZE)
+    count = -(-total // LOT_SIZE)
     room_for = {room.scene: room.most[kind] for room in rooms}
-    if whole + (left > 0) > sum(room_for.values()):
+    if count > sum(room_for.values()):
         empty = [scene for scene, lots in room_for.items() if lots == 0]
-        msg = (
-            f"{split}: {kind}: {total} questions need {whole + (left > 0)} lots of {LOT_SIZE}, but {len(rooms)} rooms "
-        )
+        msg = f"{split}: {kind}: {total} questions need {count} lots of {LOT_SIZE}, but {len(rooms)} rooms "
         msg += f"({_some(list(room_for))}) have room for {sum(room_for.values())}"
         msg += f"; {_some(empty)} can take none" if empty else ""
         raise QuotaError(f"{msg}; ask for more scenes or fewer questions")
-    easy = {room.scene: min(room.lots[kind], room.most[kind]) for room in rooms}
-    even = {scene: max(0, min(lots, MOST_LOTS - had[scene])) for scene, lots in easy.items()}
-    dealt = _deal_lots((even, easy, room_for), whole + (left > 0), first)
-    twice = LOT_SIZE // len(names)
-    quotas = {scene: dict.fromkeys(names, lots * twice) for scene, lots in dealt.items()}
+    return count
+
+
+def _in_samples(lots: Mapping[str, int], kind: QuestionKind, total: int) -> dict[str, dict[str, int]]:
+    """Samples by room and answer: two or four of an answer make a lot."""
+    names, left = question_rules().answers(kind), total % LOT_SIZE
+    per_answer = LOT_SIZE // len(names)
+    quotas = {scene: dict.fromkeys(names, count * per_answer) for scene, count in lots.items()}
     if left:  # the last lot of the room with most of them is not a whole one
-        fullest = max(dealt, key=lambda scene: dealt[scene])
-        others = [scene for scene, lots in dealt.items() if lots == 1 and scene != fullest]
-        quotas[fullest] = dict.fromkeys(names, (dealt[fullest] - 1) * twice)
+        fullest = max(lots, key=lambda scene: lots[scene])
+        others = [scene for scene, count in lots.items() if count == 1 and scene != fullest]
+        quotas[fullest] = dict.fromkeys(names, (lots[fullest] - 1) * per_answer)
         extra = [fullest] * left
-        if left == dealt[fullest] == 1:  # one sample makes no lot: two rooms share it with a whole one, as 3 and 2
+        if left == lots[fullest] == 1:  # one sample makes no lot: two rooms share it with a whole one, as 3 and 2
             quotas[others[0]] = dict.fromkeys(names, 0)
             extra = [fullest] * 3 + [others[0]] * 2
         for index, scene in enumerate(extra):
             quotas[scene][names[index % len(names)]] += 1
     return quotas
+
+
+def _even_out(dealt: Lots, rooms: Sequence[SceneCapacity]) -> None:
+    """Pass lots on until no room has more than `MOST_LOTS`, or fewer than `FEWEST_LOTS`, as far as others can take or give.
+
+    What a room has too many of goes where it is easy. A room that has too few takes as many as it can at most, of kinds that
+    rooms can easily take.
+    """
+    easy = {room.scene: {kind: min(room.lots[kind], room.most[kind]) for kind in KINDS} for room in rooms}
+    plenty = [kind for kind in KINDS if sum(dealt[kind].values()) <= sum(lots[kind] for lots in easy.values())]
+    most = {room.scene: {kind: room.most[kind] if kind in plenty else 0 for kind in KINDS} for room in rooms}
+    while True:
+        had = {room.scene: sum(lots[room.scene] for lots in dealt.values()) for room in rooms}
+        ranked = sorted(had, key=lambda scene: had[scene])
+        full = [scene for scene in reversed(ranked) if had[scene] > MOST_LOTS]
+        poor = [scene for scene in ranked if had[scene] < FEWEST_LOTS]
+        takers = {scene: easy[scene] for scene in ranked if had[scene] < MOST_LOTS}
+        givers = [scene for scene in reversed(ranked) if had[scene] > FEWEST_LOTS]
+        if not any(_pass_on(dealt, [scene], takers, easy) for scene in full) and not any(
+            _pass_on(dealt, givers, {scene: most[scene]}, easy) for scene in poor
+        ):
+            return
+
+
+def _pass_on(dealt: Lots, givers: Sequence[str], takers: RoomFor, others: RoomFor) -> bool:
+    """Let one of the givers have one lot fewer, and one of the takers one more, by way of others if need be."""
+    came_from: dict[str, tuple[str, QuestionKind] | None] = dict.fromkeys(givers)
+    waiting = deque(givers)
+    while waiting:
+        giver = waiting.popleft()
+        for name in others:
+            room_for = takers.get(name, others[name])
+            kinds = [kind for kind in KINDS if dealt[kind][giver] > 0 and dealt[kind][name] < room_for[kind]]
+            if not kinds or name in came_from:
+                continue
+            came_from[name] = giver, kinds[0]
+            if name in takers:
+                _shift(dealt, name, came_from)
+                return True
+            waiting.append(name)
+    return False
+
+
+def _shift(dealt: Lots, taker: str, came_from: Mapping[str, tuple[str, QuestionKind] | None]) -> None:
+    step = came_from[taker]
+    while step is not None:
+        giver, kind = step
+        dealt[kind][giver] -= 1
+        dealt[kind][taker] += 1
+        taker, step = giver, came_from[giver]
 
 
 def _deal_lots(limits: Sequence[Mapping[str, int]], count: int, first: Mapping[str, int]) -> dict[str, int]:

@@ -13,6 +13,7 @@ from typing import Generic
 
 from remqa_data.errors import QuotaError
 from remqa_data.generators.questions.questions import NO, YES, Candidate, P
+from remqa_data.relations import Partner
 
 
 @dataclass(frozen=True)
@@ -39,22 +40,54 @@ class GroupPlan(Generic[P]):
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """How many things of the type are in the place, in each configuration."""
-        return tuple(things_for(answer) for answer in self.answers)
+        """How many things are in the place for this question, in each configuration."""
+        return tuple(things_to_answer(answer, self.question.partner) for answer in self.answers)
 
 
 @dataclass(frozen=True)
 class Wish(Generic[P]):
-    """So many things of a type in or under a place, in one configuration; 0 says that there are to be none."""
+    """So many things of a type in or under a place, in one configuration; 0 says that there are to be none.
+
+    Attributes
+    ----------
+    place : QuestionSite
+        Where.
+    type : str
+        Of what type.
+    count : int
+        How many.
+    partner : Partner, optional
+        What it lies on, next to, behind or between, all in the same place; those are wished for as well.
+    holds : bool
+        Whether it does, or clearly does not.
+    """
 
     place: P
     type: str
     count: int
+    partner: Partner | None = None
+    holds: bool = True
 
 
 def wishes(groups: Sequence[GroupPlan[P]], configuration: int) -> list[Wish[P]]:
     """What one configuration of the room must hold for all groups to have their answers."""
-    return [Wish(g.question.place, g.question.type, g.counts[configuration]) for g in groups]
+    return [wish for group in groups for wish in _wishes(group, configuration)]
+
+
+def _wishes(group: GroupPlan[P], configuration: int) -> list[Wish[P]]:
+    question, answer = group.question, group.answers[configuration]
+    if question.partner is None:
+        return [Wish(question.place, question.type, things_for(answer))]
+    partner = question.partner
+    return [
+        Wish(question.place, partner.type, partner.count),
+        Wish(question.place, question.type, 1, partner, answer == YES),
+    ]
+
+
+def things_to_answer(answer: str, partner: Partner | None) -> int:
+    """How many things a place holds for an answer: of two that lie to one another in some way, both are there for each."""
+    return things_for(answer) if partner is None else 1 + partner.count
 
 
 def things_for(answer: str) -> int:

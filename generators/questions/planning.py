@@ -16,7 +16,7 @@ from remqa_data.catalog import Manipulation
 from remqa_data.errors import QuotaError
 from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.expressions import Expression
-from remqa_data.generators.questions.groups import GroupPlan, group_shapes, things_for
+from remqa_data.generators.questions.groups import GroupPlan, group_shapes, things_for, things_to_answer
 from remqa_data.generators.questions.questions import (
     Candidate,
     P,
@@ -29,10 +29,13 @@ from remqa_data.generators.questions.questions import (
 )
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
+from remqa_data.relations import InnerRelation, Partner
 from remqa_data.tables.rows import QuestionKind
 
 FittingTypes = Callable[[P, int], Sequence[tuple[str, float]]]
 """Gives the types of which so many things fit a place at the same time, with weights."""
+InnerFits = Callable[[P, str, Partner], bool]
+"""Whether a thing of a type can lie in a place as said to its partner, and clearly not so."""
 SiteKey = tuple[str, str]
 """Object id and relation: in a microwave and under it are two places."""
 Clashes = Mapping[SiteKey, Collection[frozenset[str]]]
@@ -42,6 +45,8 @@ ATTEMPTS = 12
 """Draws of a whole room before its quota counts as impossible."""
 SHUFFLES = 8
 """Orders of a group's answers that are tried before the one that leaves most room."""
+INNER_DRAWS = 24
+"""Draws of a place and two types before it has no room for a question about whether they lie to one another in some way."""
 
 
 def plan_groups(
@@ -53,6 +58,7 @@ def plan_groups(
     configurations: int = 4,
     spare_groups: Mapping[QuestionKind, int] | None = None,
     clashes: Clashes | None = None,
+    inner_fits: InnerFits[P] | None = None,
 ) -> list[GroupPlan[P]]:
     """The questions of one room.
 
@@ -74,6 +80,9 @@ def plan_groups(
         By kind, groups beyond the quota, as far as there is room.
     clashes : Clashes, optional
         What is known not to fit together; no place is asked for all types of such a set.
+    inner_fits : callable, optional
+        Given a place, a type and its partner, whether they can lie there so, and clearly not so. Without it, no question
+        asks how two things lie to one another.
 
     Returns
     -------
@@ -87,9 +96,9 @@ def plan_groups(
     """
     sites = sites_of(places, expressions, fitting_types)
     order, refusal, hardest = PLAN_ORDER, "", PLAN_ORDER[0]
-    for _ in range(ATTEMPTS):
-        planner = Planner(sites, quota.scene, configurations, rng, clashes or {})
-        failed = _fill(planner, order, quota)
+    for attempt in range(ATTEMPTS):
+        planner = Planner(sites, quota.scene, configurations, rng, clashes or {}, inner_fits)
+        failed = _fill(planner, order, quota, with_inner=attempt < ATTEMPTS // 2)
         if failed is None:
             for kind in PLAN_ORDER:
                 for _ in range((spare_groups or {}).get(kind, 0)):
@@ -100,10 +109,18 @@ def plan_groups(
     raise QuotaError(refusal, hardest)
 
 
-def _fill(planner: Planner[P], order: Sequence[QuestionKind], quota: SceneQuota) -> QuestionKind | None:
+def _fill(
+    planner: Planner[P], order: Sequence[QuestionKind], quota: SceneQuota, with_inner: bool
+) -> QuestionKind | None:
     """Plan what a room owes; returns the kind for which there is no room."""
+    shapes = {
+        kind: group_shapes(quota.answers[kind], planner.configurations, f"{quota.scene}: {kind}") for kind in order
+    }
+    if with_inner:  # first, as they need most room
+        inner = planner.inner_groups(len(shapes["SPATIAL"]))
+        shapes["SPATIAL"] = [s for n, s in enumerate(shapes["SPATIAL"]) if n >= inner or not planner.add_inner(s)]
     for kind in order:
-        for shape in group_shapes(quota.answers[kind], planner.configurations, f"{quota.scene}: {kind}"):
+        for shape in shapes[kind]:
             if not planner.add(kind, shape):
                 return kind
     return None
@@ -161,6 +178,7 @@ class Planner(Generic[P]):
     configurations: int
     rng: np.random.Generator
     clashes: Clashes = field(default_factory=dict)
+    inner_fits: InnerFits[P] | None = None
     groups: list[GroupPlan[P]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -183,6 +201,51 @@ class Planner(Generic[P]):
         """
         asked = self._ask(kind, shape, strict=True) or (crowd and self._ask(kind, shape, strict=False))
         return asked or self._widen(kind, shape)
+
+    def inner_groups(self, count: int) -> int:
+        """How many of so many SPATIAL groups are to ask how two things lie to one another."""
+        return 0 if self.inner_fits is None else int(self.rules.inner_share * count + self.rng.random())
+
+    def add_inner(self, shape: Mapping[str, int]) -> bool:
+        """Ask how two things lie to one another in a place; False if no place has room for that."""
+        assert self.inner_fits is not None, "nothing says what fits"
+        sites = [site for site in self.sites if len(site.types.get("EXISTENCE", ())) > 1]
+        relations = list(self.rules.inner_relations)
+        likely = np.array([self.rules.inner_relations[relation] for relation in relations])
+        for which in self.rng.choice(len(relations), len(relations), replace=False, p=likely / likely.sum()):
+            for _ in range(INNER_DRAWS if sites else 0):
+                option = self._inner_option(sites[int(self.rng.integers(len(sites)))], relations[int(which)])
+                question = option.question
+                assert question.partner is not None
+                if self._is_free(option) and self.inner_fits(question.place, question.type, question.partner):
+                    answers = self._answers("SPATIAL", option.site, shape, question.partner)
+                    if answers is not None:
+                        self._take("SPATIAL", option, answers, shape)
+                        return True
+        return False
+
+    def _inner_option(self, site: _Site[P], relation: InnerRelation) -> _Option[P]:
+        """A question about two types that fit a place."""
+        types = site.types["EXISTENCE"]
+        one, two = (types[i][0] for i in self.rng.permutation(len(types))[:2])
+        expression = min((spoken for spoken, _ in site.expressions), key=lambda spoken: len(spoken.text.split()))
+        question = Candidate("SPATIAL", site.place, expression, one, Partner(relation, two))
+        return _Option(site, question, 1.0, question.text, mentioned_types(expression.program))
+
+    def _is_free(self, option: _Option[P]) -> bool:
+        """Whether a question about how two things lie to one another goes with those that have been chosen."""
+        question, key = option.question, option.site.key
+        here = [g.question for g in self.groups if g.question.place.object_id == option.site.place.object_id]
+        others: set[str] = set(option.named | self.mentioned).union(*(other.types for other in here))
+        return (
+            option.words <= self.rules.inner_longest_words
+            and option.text not in self.texts
+            and all(other.place.relation == "in" and other.partner is None for other in here)
+            and not confusable(*question.types)
+            and not _any_confusable(question.types, others)
+            and not _any_confusable(option.named, self.asked_for)
+            and not self._clash(key, set(question.types).union(*(other.types for other in here)))
+        )
 
     def _ask(self, kind: QuestionKind, shape: Mapping[str, int], strict: bool) -> bool:
         """Add a group, if there is room for it."""
@@ -244,6 +307,7 @@ class Planner(Generic[P]):
                     question = Candidate(kind, site.place, expression, name)
                     # A type counts for the same in however many places it fits, and a place for as much as its best phrase.
                     worth = weight * max(others) / sum(others) * likely / fits[name]
+                    worth *= self.rules.type_weights.get(name, 1.0)
                     yield _Option(site, question, worth, question.text, mentioned_types(expression.program))
 
     def _free_options(self, kind: QuestionKind, strict: bool) -> list[_Option[P]]:
@@ -254,8 +318,8 @@ class Planner(Generic[P]):
         at_site: dict[SiteKey, set[str]] = {site.key: set() for site in self.sites}
         for group in self.groups:
             place = group.question.place
-            at_object[place.object_id].add(group.question.type)
-            at_site[place.object_id, place.relation].add(group.question.type)
+            at_object[place.object_id] |= group.question.types
+            at_site[place.object_id, place.relation] |= group.question.types
         # Of two types that look alike in one place, or a type that phrases of this room name, nobody could tell which.
         # What has something under it is raised, and does not open as it did: an object is one place or the other.
         asked = {group.question.place.object_id: group.question.place.relation for group in self.groups}
@@ -301,7 +365,9 @@ class Planner(Generic[P]):
         weights *= arithmetic.exp((off.min() - off) / self.rules.tolerance_words[kind])
         return pool[int(self.rng.choice(len(pool), p=weights / weights.sum()))]
 
-    def _answers(self, kind: QuestionKind, site: _Site[P], shape: Mapping[str, int]) -> tuple[str, ...] | None:
+    def _answers(
+        self, kind: QuestionKind, site: _Site[P], shape: Mapping[str, int], partner: Partner | None = None
+    ) -> tuple[str, ...] | None:
         """One answer for each configuration such that the place has room for all things, if there are such.
 
         Configurations about which nobody asks have none of the things, and so room for others.
@@ -309,7 +375,7 @@ class Planner(Generic[P]):
         possible = sorted(self.rules.answers(kind), key=things_for)
         asked = [answer for answer, count in shape.items() for _ in range(count)] or possible
         pattern = asked + possible[:1] * (self.configurations - len(asked))
-        things = np.array([things_for(answer) for answer in pattern])
+        things = np.array([things_to_answer(answer, partner) for answer in pattern])
         free = len(site.place.spots) - self.filled[site.key]
         for _ in range(SHUFFLES):
             order = self.rng.permutation(self.configurations)
@@ -332,7 +398,7 @@ class Planner(Generic[P]):
         self.filled[chosen.site.key] += group.counts
         self.at_site[kind, chosen.site.key] += 1
         self.per_kind[kind] += 1
-        self.asked_for[chosen.question.type] += 1
+        self.asked_for.update(chosen.question.types)
         self.mentioned |= chosen.named
         self.texts.add(chosen.text)
         self._count(chosen.question, len(asked))

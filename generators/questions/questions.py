@@ -19,7 +19,7 @@ from remqa_data.catalog import Manipulation, object_type, plural, with_article
 from remqa_data.generators.questions.expressions import Expression, ExpressionKind
 from remqa_data.language.referring import AnyProgram, Program
 from remqa_data.language.rules import may_be_called
-from remqa_data.relations import Relation, relation_rules
+from remqa_data.relations import InnerRelation, Partner, Relation, relation_rules
 from remqa_data.tables.rows import QuestionKind
 
 SOURCE = "questions.yaml"
@@ -60,6 +60,10 @@ class QuestionRules(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     templates: Mapping[QuestionKind, str]
+    inner_template: str
+    inner_share: float = Field(ge=0, le=1)
+    inner_longest_words: int
+    inner_relations: Mapping[InnerRelation, float]
     aim_words: Mapping[QuestionKind, PositiveFloat]
     bare_share: Mapping[QuestionKind, float]
     bare_share_per_word: float = Field(ge=0)
@@ -69,6 +73,7 @@ class QuestionRules(BaseModel):
     rank_factor: float = Field(gt=0, le=1)
     spatial_words: Mapping[Relation, str]
     manipulations: Mapping[QuestionKind, Mapping[Manipulation, float]]
+    type_weights: Mapping[str, PositiveFloat]
     max_groups_per_place: Mapping[QuestionKind, int]
     max_groups_per_type: int
     again_factor: float = Field(ge=1)
@@ -100,16 +105,21 @@ class Candidate(Generic[P]):
         The phrase that picks out the place.
     type : str
         What is asked for.
+    partner : Partner, optional
+        What it is asked to lie on, next to, behind or between. Then both are there, whatever the answer.
     """
 
     kind: QuestionKind
     place: P
     expression: Expression
     type: str
+    partner: Partner | None = None
 
     @property
     def text(self) -> str:
         """The question, such as "Is there a mug in the drawer next to the toaster?"."""
+        if self.partner is not None:
+            return inner_question_text(self.type, self.partner, self.expression.text)
         return question_text(self.kind, self.type, self.place.relation, self.expression.text)
 
     @property
@@ -118,8 +128,15 @@ class Candidate(Generic[P]):
         return len(self.text.split())
 
     @property
+    def types(self) -> frozenset[str]:
+        """What is put in the place for it: what is asked for, and its partner."""
+        return frozenset({self.type} if self.partner is None else {self.type, self.partner.type})
+
+    @property
     def program(self) -> Program:
         """What `remqa_data.language.answers.execute` executes; JSON-able."""
+        if self.partner is not None:
+            return inner_question_program(self.type, self.partner, self.expression.program)
         return question_program(self.kind, self.type, self.place.relation, self.expression.program)
 
 
@@ -145,6 +162,33 @@ def question_program(kind: QuestionKind, type_name: str, relation: Relation, whe
     """
     last = "count" if kind == "COUNTING" else "exist"
     return (("filter_type", type_name), ("relate", relation, where), (last,))
+
+
+def inner_question_text(type_name: str, partner: Partner, expression: str) -> str:
+    """The words of a question about how two things lie to one another in what an expression picks out.
+
+    >>> inner_question_text("Apple", Partner("next to", "Bread"), "the fridge")
+    'Is the apple next to the loaf of bread in the fridge?'
+    >>> inner_question_text("Fork", Partner("between", "Mug"), "the drawer")
+    'Is the fork between the mugs in the drawer?'
+    """
+    other = object_type(partner.type)
+    return question_rules().inner_template.format(
+        obj=object_type(type_name).singular,
+        relation=relation_rules().said(partner.relation),
+        obj2=other.singular if partner.count == 1 else other.plural,
+        re=expression,
+    )
+
+
+def inner_question_program(type_name: str, partner: Partner, where: Program) -> Program:
+    """The program of such a question: what the others are is found in the place first.
+
+    >>> inner_question_program("Apple", Partner("on", "Plate"), (("filter_type", "Fridge"),))[1]
+    ('relate', 'on', (('filter_type', 'Plate'), ('relate', 'in', (('filter_type', 'Fridge'),))))
+    """
+    others = (("filter_type", partner.type), ("relate", "in", where))
+    return (("filter_type", type_name), ("relate", partner.relation, others), ("exist",))
 
 
 def kinds_for(place: QuestionSite) -> tuple[QuestionKind, ...]:

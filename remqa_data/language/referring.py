@@ -3,7 +3,8 @@
 A program is a pipeline over sets of objects, as in CLEVR: it starts with all objects, and each step keeps some of them.
 
 - ``("filter_type", "Cabinet")``, ``("filter_color", "red")``, ``("filter_substance", "wooden")``
-- ``("relate", "above", program)`` keeps what is above at least one of the objects that the inner program gives.
+- ``("relate", "above", program)`` keeps what is above at least one of the objects that the inner program gives; so does
+  ``"behind"``, and ``"between"`` keeps what is between two of them.
 - ``("closest", program)`` keeps what is closest to the objects that the inner program gives.
 - ``("stack", "highest")``, ``"lowest"`` or ``"middle"`` keeps one of a stack.
 - ``("row", "left")``, ``"right"``, ``"leftmost"`` or ``"rightmost"`` keeps one end of a row.
@@ -25,13 +26,14 @@ from remqa_data.catalog import catalog
 from remqa_data.errors import ProgramError, nearest_names
 from remqa_data.language.rules import RowPlace, StackPlace, expression_rules
 from remqa_data.language.semantics import Exactly, Roughly
-from remqa_data.relations import Relation, relation_rules
+from remqa_data.relations import OrderRelation, Relation, relation_rules
 from remqa_data.scene_graph.graph import SceneGraph
 
 Step = tuple[Any, ...]
 Program = tuple[Step, ...]
 AnyProgram = Sequence[Sequence[Any]]
 """A program, or what JSON made of it."""
+_RELATIONS = (*get_args(Relation), *get_args(OrderRelation))
 
 
 def resolve(text_or_program: str | AnyProgram, graph: SceneGraph) -> list[str]:
@@ -162,8 +164,8 @@ def _step(program: Program, found: set[str], graph: SceneGraph, meaning: Exactly
             return {i for i in found if meaning.word(graph.node(i).color, value)}
         case ("filter_substance", str(value)):
             return {i for i in found if meaning.word(graph.node(i).substance, value)}
-        case ("relate", str(value), tuple() as inner) if value in get_args(Relation):
-            relation: Relation = value  # type: ignore[assignment]  # just checked
+        case ("relate", str(value), tuple() as inner) if value in _RELATIONS:
+            relation: Relation | OrderRelation = value  # type: ignore[assignment]  # just checked
             anchors = _execute(inner, graph, meaning)
             return {i for i in found if meaning.related(graph, i, relation, set(anchors - {i}))}
         case ("closest", tuple() as inner):

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import pairwise
 
+from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.language.rules import RowPlace, StackPlace, expression_rules, may_be_called, similar_words
-from remqa_data.relations import Relation
+from remqa_data.relations import OrderRelation, Relation
 from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.scene_graph.order import is_ordered
 from remqa_data.sim.metadata import ObjectMetadata
 
 
@@ -24,8 +26,10 @@ class Exactly:
         """Whether a colour or a material fits."""
         return actual == said
 
-    def related(self, graph: SceneGraph, source: str, relation: Relation, anchors: set[str]) -> bool:
-        """Whether an object is in a relation to one of some others."""
+    def related(self, graph: SceneGraph, source: str, relation: Relation | OrderRelation, anchors: set[str]) -> bool:
+        """Whether an object is in a relation to one of some others, or between two of them."""
+        if relation == "behind" or relation == "between":
+            return is_ordered(graph, source, relation, anchors)
         return any(graph.relation(source, anchor) == relation for anchor in anchors)
 
     def closest(self, graph: SceneGraph, found: set[str], anchors: set[str]) -> set[str]:
@@ -72,8 +76,10 @@ class Roughly(Exactly):
         """Also words that look alike."""
         return actual in similar_words(said)
 
-    def related(self, graph: SceneGraph, source: str, relation: Relation, anchors: set[str]) -> bool:
+    def related(self, graph: SceneGraph, source: str, relation: Relation | OrderRelation, anchors: set[str]) -> bool:
         """Also relations that sound alike, what holds the object's holder, what is near, and stacks of which one is beside."""
+        if relation == "behind" or relation == "between":
+            return super().related(graph, source, relation, anchors)
         if relation in ("in", "on") and anchors.intersection(graph.holders(source)):
             return True
         if relation == "next to" and any(_near(graph, source, anchor) for anchor in anchors):
@@ -141,12 +147,21 @@ _SOUNDS_LIKE: Mapping[Relation, frozenset[Relation]] = {
 
 
 def _near(graph: SceneGraph, a: str, b: str) -> bool:
-    """Whether two objects are so near that either may be called next to the other; not what holds the other."""
+    """Whether two objects are so near that either may be called next to the other; not what holds the other.
+
+    In a fridge all is near: of what a hand puts there, the rules alone decide.
+    """
     rules, one, two = expression_rules(), graph.node(a).box, graph.node(b).box
-    if a in graph.holders(b) or b in graph.holders(a):
+    if a in graph.holders(b) or b in graph.holders(a) or _put_together(graph.node(a), graph.node(b)):
         return False
     over = max(one[2] - two[5], two[2] - one[5])
     return over <= rules.near_height_m and float(geometry.horizontal_gap(one, two).min()) <= rules.near_m
+
+
+def _put_together(one: ObjectMetadata, two: ObjectMetadata) -> bool:
+    """Whether two loose things are inside the same thing."""
+    together = one.support == two.support and one.support_kind == two.support_kind == "in"
+    return together and object_type(one.type).pickupable and object_type(two.type).pickupable
 
 
 def _neighbours_in_column(graph: SceneGraph, object_id: str) -> list[str]:

@@ -137,12 +137,29 @@ def _held(a: _Side, b: _Side, rules: RelationRules, kind: str) -> Table:
     if kind == "on":
         above_floor = geometry.vertical_gap(a.boxes, b.boxes) > rules.floor.max_gap_m
         held &= ~(above_floor & b.are({"Floor"})[None])
+        held |= _piled(a, b, rules)
     if kind == "in":
         shared = geometry.intersection_volume(a.boxes, b.boxes)
         inside = shared >= rules.part.min_share * np.maximum(geometry.volume(a.boxes), _TINY)[:, None]
         for part, wholes in rules.part.parts.items():
             held |= (a.types == part)[:, None] & b.are(wholes)[None] & inside
     return held
+
+
+def _piled(a: _Side, b: _Side, rules: RelationRules) -> Table:
+    """A lies on b, and both are in the same thing."""
+    pile = rules.pile
+    area = np.maximum(np.prod(a.sides()[:, :2], axis=1), _TINY)
+    covered = geometry.overlap_share(a.boxes, b.boxes) * np.minimum(
+        area[:, None], np.prod(b.sides()[:, :2], axis=1)[None]
+    )
+    between = geometry.vertical_gap(a.boxes, b.boxes)
+    over = (
+        (covered >= pile.min_plan_share * area[:, None]) & (between <= pile.max_gap_m) & (between >= -pile.max_sunk_m)
+    )
+    inside = np.array([kind == "in" for kind in a.kind], dtype=np.bool_)[:, None] & a.share_support_with(b)
+    higher = geometry.centres(a.boxes)[:, 2][:, None] > geometry.centres(b.boxes)[:, 2][None]
+    return np.asarray(over & higher & inside & a.liftable()[:, None] & b.liftable()[None])
 
 
 def _holds(a: _Side, b: _Side, rules: RelationRules) -> Table:

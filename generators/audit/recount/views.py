@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from remqa_data.generators.audit.recount.wording import phrase_of
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.opencv import cv2
@@ -38,13 +39,13 @@ def measured_views(root: str | os.PathLike[str]) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        `question_id`, `kind`, `split`, `scene`, `answer`; what a guesser could go by: `revealed` (objects that only the
-        end view shows), `revealed_px`, `start_bytes`, `end_bytes`, `end_depth_bytes`, `scene_objects`; how well things
-        are seen: `evidence_px` (of the least visible counted object, as in 300 x 300), `evidence_de` (its distance to
-        its surroundings in CIELAB, Delta E 1976), `target_px` (short side of the target's box), `landmark_seen`,
-        `front_deg` (goal pose to the target's front, NaN without a front), `start_m` (to the nearest goal pose, straight);
-        and what should not be: `moved` (ids of what moved though it is neither the target nor in or on it), `newly_seen`
-        (objects of the asked type that only the end view shows).
+        `question_id`, `kind`, `split`, `scene`, `answer`, `manipulation`, `relation` (of the first step); what a guesser
+        could go by: `revealed` (objects that only the end view shows), `revealed_px`, `start_bytes`, `end_bytes`,
+        `end_depth_bytes`, `scene_objects`; how well things are seen: `evidence_px` (of the least visible counted object, as
+        in 300 x 300), `evidence_de` (its distance to its surroundings in CIELAB, Delta E 1976), `target_px` (short side of
+        the target's box), `landmark_seen`, `front_deg` (goal pose to the target's front, NaN without a front), `start_m`
+        (to the nearest goal pose, straight); and what should not be: `moved` (ids of what moved though it is neither the
+        target nor in or on it), `newly_seen` (objects of the asked type that only the end view shows).
 
     Raises
     ------
@@ -103,6 +104,7 @@ def _measured(row: Mapping[str, Any], room: _Room) -> dict[str, Any]:
     pixels = [float(np.count_nonzero(end == ids.index(a) + 1) * scale) if a in ids else 0.0 for a in row["answer_ids"]]
     return {
         **{name: row[name] for name in ("question_id", "kind", "split", "scene", "answer", "manipulation")},
+        "relation": next((step[1] for step in json.loads(row["program"]) if step[0] == "relate"), ""),
         "revealed": len(revealed),
         "revealed_px": float(np.isin(end, new[new > 0]).sum() * scale),
         "start_bytes": len(row["start_rgb"]["bytes"]),
@@ -142,8 +144,7 @@ def _short_side(box: list[int] | None) -> float:
 
 def _sees_landmark(row: Mapping[str, Any], start: npt.NDArray[np.uint16], room: _Room) -> bool | None:
     """Whether the start view shows a thing of each type that the referring expression leans on; None if it leans on none."""
-    named = [inner for phrase in _landmarks(json.loads(row["program"])) for inner in _landmarks(phrase)]
-    types = {inner[0][1] for inner in named}
+    types = {inner[0][1] for inner in _landmarks(phrase_of(json.loads(row["program"])))}
     if not types:
         return None
     seen = {room.type_of(row["object_ids"][number - 1]) for number in np.unique(start) if number}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,6 +17,8 @@ QUESTION_COLUMNS = [
     *("question_id", "kind", "split", "scene", "configuration", "group", "question", "expression", "program"),
     *("target_id", "target_type", "answer_type", "manipulation"),
 ]
+BETWEEN_THINGS = ("on", "next to", "behind", "between")
+"""Relations that are asked of two things in one place, both of which are there whatever the answer."""
 EXPRESSION_COLUMNS = ["expression_id", "frame_id", "target_id", "target_type", "anchor_id"]
 
 
@@ -80,11 +83,19 @@ def _words(text: str) -> int:
     return len(text.split())
 
 
-def _has_landmark(program: object) -> bool:
+def phrase_of(program: list[list[Any]]) -> list[list[Any]]:
+    """The program of the phrase for the target: what the thing asked for is in or under, or what holds it and its partner.
+
+    >>> phrase_of([["filter_type", "Egg"], ["relate", "in", [["filter_type", "Fridge"]]], ["exist"]])
+    [['filter_type', 'Fridge']]
+    """
+    relation, phrase = next(((step[1], step[2]) for step in program if step[0] == "relate"), ("", []))
+    return list(phrase[-1][-1] if relation in BETWEEN_THINGS else phrase)
+
+
+def _has_landmark(program: list[list[Any]]) -> bool:
     """Whether the phrase for the target leans on something else."""
-    assert isinstance(program, list)
-    inner: list[list[object]] = next((step[-1] for step in program if step[0] == "relate"), [])
-    return any(step[0] in ("relate", "closest") for step in inner)
+    return any(step[0] in ("relate", "closest") for step in phrase_of(program))
 
 
 def _types_of_rooms(root: str | os.PathLike[str]) -> dict[tuple[str, int], Counter[str]]:

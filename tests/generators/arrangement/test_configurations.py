@@ -15,7 +15,10 @@ from remqa_data.generators.arrangement.configurations import Configuration, arra
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import Hidden, Violation, goal_camera, manipulated
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.inner_packing import inner_fits
 from remqa_data.generators.arrangement.packing import packed
+from remqa_data.generators.questions.questions import confusable
+from remqa_data.relations import Partner
 from remqa_data.scene import Scene
 from remqa_data.sim.metadata import object_metadata
 from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, pixels_per_object
@@ -177,3 +180,51 @@ def test_rows_are_found_where_chance_leaves_no_room() -> None:
     area = Area((0.0, 0.0, 0.0), 0.0, (0.1001, 0.1001), 0.3)
     assert packed([area], [(0.1, 0.1, 0.1)] * 4, 0.0, np.random.default_rng(0)) is not None
     assert packed([area], [(0.1, 0.1, 0.1)] * 5, 0.0, np.random.default_rng(0)) is None
+
+
+def inner_wishes(room: str, holds: bool) -> list[Hidden]:
+    """A wish for each relation, each in the first place left in which two types can lie so."""
+    scene, wishes, taken = load_scene(room), list[Hidden](), set[str]()
+    for relation in ("behind", "on", "between", "next to"):
+        for place in places_of(room):
+            names = [name for name, _ in fitting_types(place, scene.room_type, 1)] if place.relation == "in" else []
+            pairs = [(one, Partner(relation, two)) for one in names for two in names if not confusable(one, two)]
+            found = next((p for p in pairs if place.object_id not in taken and inner_fits(place, *p)), None)
+            if found is not None:
+                one, partner = found
+                wishes += [Hidden(place, partner.type, partner.count), Hidden(place, one, 1, partner, holds)]
+                taken.add(place.object_id)
+                break
+    return wishes
+
+
+@pytest.mark.parametrize("holds", [True, False])
+def test_things_lie_to_one_another_as_wished_when_all_is_at_rest(holds) -> None:
+    wishes = inner_wishes("FloorPlan7", holds)
+    assert {wish.partner.relation for wish in wishes if wish.partner} == {"behind", "on", "between", "next to"}
+    made = arrange(load_scene("FloorPlan7"), places_of("FloorPlan7"), wishes, np.random.default_rng(0))
+    ids = {(wish.place.object_id, wish.type): found for wish, found in made.hidden}
+    with World(made.scene) as world:
+        records = object_metadata(world)
+    for wish in wishes:
+        if wish.partner is None:
+            continue
+        (one,) = ids[wish.place.object_id, wish.type]
+        others = [np.array(records[name].box) for name in ids[wish.place.object_id, wish.partner.type]]
+        sine, cosine = np.sin(np.radians(turn := records[wish.place.object_id].facing_deg)), np.cos(np.radians(turn))
+        box, other = np.array(records[one].box), np.mean(others, axis=0)
+        middle, there = (box[:3] + box[3:]) / 2, (other[:3] + other[3:]) / 2
+        to_back = -(middle - there)[:2] @ [cosine, sine]
+        aside = abs((middle - there)[:2] @ [-sine, cosine])
+        near = np.linalg.norm((middle - there)[:2]) < 0.5 * np.linalg.norm(
+            (box[3:] - box[:3] + other[3:] - other[:3])[:2]
+        )
+        so = {
+            "behind": to_back > 0.02 and to_back > aside,
+            "on": box[2] > other[2] + 0.002 and np.all(middle[:2] > other[:2]) and np.all(middle[:2] < other[3:5]),
+            "between": np.linalg.norm((middle - there)[:2]) < 0.06,
+            "next to": near and aside > to_back,
+        }
+        assert so[wish.partner.relation] or not holds, wish
+        if not holds and wish.partner.relation in ("on", "between"):
+            assert not so[wish.partner.relation], wish

@@ -46,9 +46,13 @@ def check(quotas, totals, rooms) -> None:
     for split in totals:
         of_split = [(q, room) for q, room in zip(quotas, rooms, strict=True) if q.split == split]
         for kind in KINDS:
-            needed = [lots_needed(quota.answers[kind]) for quota, _ in of_split]
-            if any(n > room.lots[kind] for n, (_, room) in zip(needed, of_split, strict=True)):
-                assert all(n >= room.lots[kind] for n, (_, room) in zip(needed, of_split, strict=True))
+            needed = {room.scene: lots_needed(quota.answers[kind]) for quota, room in of_split}
+            if sum(needed.values()) > sum(room.lots[kind] for _, room in of_split):
+                assert all(needed[room.scene] >= room.lots[kind] for _, room in of_split)
+                continue
+            for quota, room in of_split:
+                if needed[room.scene] > room.lots[kind]:
+                    assert sum(lots_needed(answers) for answers in quota.answers.values()) <= FEWEST_LOTS
     for quota, room in zip(quotas, rooms, strict=True):
         assert (quota.scene, quota.room_type) == (room.scene, room.room_type)
         for kind in KINDS:
@@ -108,6 +112,27 @@ def test_rooms_are_asked_about_alike_where_they_have_room() -> None:
     poor = [replace(room_for("FloorPlan3", 4), lots={"EXISTENCE": 4, "COUNTING": 0, "SPATIAL": 0})]
     quotas = allot([*rooms[:2], *poor], {"train": {"EXISTENCE": 60}})
     assert quotas[2].total("EXISTENCE") == 4 * FEWEST_LOTS
+
+
+def test_a_room_with_too_many_lots_passes_one_on_of_another_kind_than_the_last() -> None:
+    only = {"EXISTENCE": 0, "COUNTING": 0, "SPATIAL": 8}
+    rooms = [room_for("FloorPlan1", 8), replace(room_for("FloorPlan2", 8), lots=only, most=only)]
+    quotas = allot(rooms, {"train": {"EXISTENCE": 32, "COUNTING": 16, "SPATIAL": 32}})
+    assert [sum(quota.total(kind) for kind in KINDS) for quota in quotas] == [60, 20]  # and not 64 and 16
+    assert quotas[0].total("EXISTENCE") == 32
+
+
+def test_a_room_with_too_few_lots_takes_more_than_it_takes_easily() -> None:
+    easy, most = ({"EXISTENCE": n, "COUNTING": 0, "SPATIAL": 0} for n in (1, 4))
+    poor = replace(room_for("FloorPlan2", 4), lots=easy, most=most)
+    quotas = allot([room_for("FloorPlan1", 12), poor], {"train": {"EXISTENCE": 44}})
+    assert [quota.total("EXISTENCE") for quota in quotas] == [44 - 4 * FEWEST_LOTS, 4 * FEWEST_LOTS]
+
+
+def test_no_room_of_the_benchmark_is_asked_more_than_60_questions() -> None:
+    asked = [sum(map(quota.total, KINDS)) for quota in allot(capacities(scene_names()), PUBLISHED)]
+    assert max(asked) <= 60
+    assert sum(n < 16 for n in asked) <= 8  # some rooms have one or two small places
 
 
 def test_one_sample_cannot_be_balanced() -> None:

@@ -114,6 +114,50 @@ def test_what_clashes_is_not_asked_for_in_one_place() -> None:
     assert sum(map(len, clashes.values())) >= 6
 
 
+def inner_plan(quota: SceneQuota, fits):
+    places, phrases = phrases_of(quota.scene)
+    types = lambda p, _: stand_in_types(p, quota.room_type)  # noqa: E731
+    return plan_groups(places, phrases, types, quota, rng_for(quota.scene), 4, {}, None, fits)
+
+
+def test_some_spatial_questions_ask_how_two_things_lie_and_both_are_wished_for_whatever_the_answer() -> None:
+    found = 0
+    for quota in quotas()[:6]:
+        groups = inner_plan(quota, lambda place, type_, partner: True)
+        found += sum(group.question.partner is not None for group in groups)
+        for configuration in range(4):
+            _check_inner_wishes(groups, configuration)
+    assert found
+
+
+def _check_inner_wishes(groups, configuration: int) -> None:
+    made, held = wishes(groups, configuration), Counter[StandIn]()
+    for wish in made:
+        held[wish.place] += wish.count
+    assert all(count <= len(place.spots) for place, count in held.items())
+    for group in groups:
+        question, partner = group.question, group.question.partner
+        if partner is None:
+            continue
+        assert question.kind == "SPATIAL"
+        assert question.words <= question_rules().inner_longest_words
+        own = [w for w in made if w.place is question.place and w.type in question.types]
+        assert Counter({w.type: w.count for w in own}) == {question.type: 1, partner.type: partner.count}
+        assert [(w.partner, w.holds) for w in own if w.partner] == [(partner, group.answers[configuration] == "yes")]
+        others = [g.question for g in groups if g is not group and g.question.place is question.place]
+        assert not any(other.partner for other in others)
+        types = [name for other in others for name in other.types]
+        assert not any(confusable(a, b) for a in types for b in question.types)
+        assert not confusable(question.type, partner.type)
+
+
+def test_where_nothing_can_lie_as_asked_other_spatial_questions_step_in() -> None:
+    quota = next(q for q in quotas() if q.total("SPATIAL") >= 16)
+    groups = inner_plan(quota, lambda place, type_, partner: False)
+    assert not any(group.question.partner for group in groups)
+    assert sum(len(g.asked) for g in groups if g.question.kind == "SPATIAL") == quota.total("SPATIAL")
+
+
 def test_the_same_generator_gives_the_same_plan_and_another_one_another() -> None:
     assert plan(quotas()[0]) == plan(quotas()[0])
     assert plan(quotas()[0]) != plan(quotas()[0], seed=1)

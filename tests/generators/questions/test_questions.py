@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -16,6 +17,7 @@ from remqa_data.generators.questions.questions import (
 )
 from remqa_data.language.answers import execute
 from remqa_data.language.referring import resolve
+from remqa_data.relations import Partner
 from tests.helpers.room_records import kitchen_graph
 from tests.helpers.stand_in_places import StandIn
 
@@ -45,6 +47,24 @@ def test_words(kind, where, type_name, text) -> None:
     question = candidate(kind, where, type_name)
     assert question.text == text
     assert question.words == len(text.split())
+
+
+@pytest.mark.parametrize(
+    ("partner", "text"),
+    [
+        (Partner("behind", "Mug"), "Is the egg behind the mug in the fridge?"),
+        (Partner("next to", "Bread"), "Is the egg next to the loaf of bread in the fridge?"),
+        (Partner("on", "Plate"), "Is the egg on the plate in the fridge?"),
+        (Partner("between", "Mug"), "Is the egg between the mugs in the fridge?"),
+    ],
+)
+def test_words_of_how_two_things_lie(partner, text) -> None:
+    question = replace(candidate("SPATIAL", place("Fridge"), "Egg"), partner=partner)
+    assert question.text == text
+    others = [["filter_type", partner.type], ["relate", "in", [["filter_type", "Fridge"]]]]
+    expected = [["filter_type", "Egg"], ["relate", partner.relation, others], ["exist"]]
+    assert json.loads(json.dumps(question.program)) == expected
+    assert question.types == {"Egg", partner.type}
 
 
 def test_every_question_type_makes_a_sentence_without_leftovers() -> None:

@@ -12,6 +12,9 @@ def test_a_landmark_is_what_the_phrase_of_the_place_leans_on() -> None:
     cabinet = [["filter_type", "Cabinet"], ["relate", "next_to", FRIDGE]]
     assert not _has_landmark([["filter_type", "Mug"], ["relate", "in", FRIDGE], ["exist"]])
     assert _has_landmark([["filter_type", "Mug"], ["relate", "in", cabinet], ["exist"]])
+    for where, expected in ((FRIDGE, False), (cabinet, True)):  # the partner is no landmark
+        partner = [["filter_type", "Egg"], ["relate", "in", where]]
+        assert _has_landmark([["filter_type", "Mug"], ["relate", "behind", partner], ["exist"]]) is expected
 
 
 @pytest.mark.slow

@@ -1,0 +1,225 @@
+"""Putting two or three things into a place so that they lie to one another as asked, or clearly do not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from remqa_data.catalog import types_with
+from remqa_data.generators.arrangement.areas import Area
+from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
+from remqa_data.generators.arrangement.packing import Put, outline_of, packed, turned_half
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import Vec3
+from remqa_data.language.inner import clearly_related
+from remqa_data.relations import InnerRelation, Partner
+from remqa_data.sim.metadata import ObjectMetadata
+from remqa_data.sim.navigation.grid import GRID_M
+
+PACKED, TRIES = 4, 40
+FITTED = 3
+"""Things fit as asked if they were put so in each of so many tries."""
+APART_M = (0.01, 0.035)
+"""What is next to, behind or between others is so far from them."""
+MOST_ASKEW_DEG = 40.0
+"""Who acts stands so far off the front at most, where it is asked what is behind what."""
+SKIN_M = 0.001
+FRONT_DEG = -90.0
+"""Where the front of an object looks that is not turned."""
+ON_TOP = frozenset(["Book", "Laptop", "Plate", "Towel", "HandTowel", "CD", "Cloth", "DishSponge"])
+"""Flat things on which others lie."""
+OPENS_FORWARD = types_with("opens_forward")
+
+
+@dataclass(frozen=True)
+class Link:
+    """How a thing is to lie to one or two others, all given by their numbers; `holds` is whether it is to, or not."""
+
+    thing: int
+    others: tuple[int, ...]
+    relation: InnerRelation
+    holds: bool
+
+
+def inner_fits(place: HidingPlace, type_: str, partner: Partner) -> bool:
+    """Whether things of two types can lie in a place as said, and clearly not so, whatever their sizes within the spread."""
+    return _fits(replace(place, spots=()), type_, partner)
+
+
+def packed_with_link(
+    place: HidingPlace, types: Sequence[str], sizes: Sequence[Vec3], link: Link, rng: np.random.Generator
+) -> list[Put] | None:
+    """Where all things of a place go, in their order: first those that are to lie in some way, then the others around them.
+
+    Parameters
+    ----------
+    place : HidingPlace
+        Where.
+    types, sizes : sequence
+        Of all things of the place.
+    link : Link
+        Which of them are to lie in some way, and how.
+    rng : numpy.random.Generator
+        Draws places and turns.
+
+    Returns
+    -------
+    None if no way was found.
+    """
+    for _ in range(PACKED):
+        first = _linked(place, types, sizes, link, rng)
+        if first is None:
+            return None
+        puts = packed(place.areas, sizes, hiding_rules().gap_m, rng, first)
+        if puts is not None:
+            return puts
+    return None
+
+
+def _linked(
+    place: HidingPlace, types: Sequence[str], sizes: Sequence[Vec3], link: Link, rng: np.random.Generator
+) -> dict[int, Put] | None:
+    """Where the things of a link go, by their numbers; None if no way was found."""
+    weights = np.array([area.half[0] * area.half[1] for area in place.areas])
+    for _ in range(TRIES):
+        area = place.areas[int(rng.choice(len(place.areas), p=weights / weights.sum()))]
+        puts = _related(area, sizes, link, rng) if link.holds else _apart(place.areas, area, sizes, link, rng)
+        if puts is not None and _is_clear(place, types, sizes, link, puts):
+            return puts
+    return None
+
+
+@lru_cache(maxsize=4096)
+def _fits(place: HidingPlace, type_: str, partner: Partner) -> bool:
+    if partner.relation == "behind" and not _seen_from_front(place):
+        return False
+    if partner.relation == "on" and partner.type not in ON_TOP:
+        return False
+    grown = 1.0 + hiding_rules().size_spread
+    types = [type_, *[partner.type] * partner.count]
+    sizes = [(grown * w, grown * d, grown * h) for w, d, h in map(hidden_size, types)]
+    links = [Link(0, tuple(range(1, len(types))), partner.relation, holds) for holds in (True, False)]
+    rng = np.random.default_rng(0)
+    return all(_linked(place, types, sizes, link, rng) is not None for link in links for _ in range(FITTED))
+
+
+def _seen_from_front(place: HidingPlace) -> bool:
+    """Whether the agent looks in from the front at all poses of a place."""
+    if place.type not in OPENS_FORWARD:
+        return False
+    facing = place.areas[0].yaw_deg + FRONT_DEG
+    x, y = (float(np.mean([area.centre[axis] for area in place.areas])) for axis in (0, 1))
+    for goal in (place.goal, *place.other_goals):
+        towards = math.degrees(arithmetic.arctan2(goal.cell[1] * GRID_M - y, goal.cell[0] * GRID_M - x))
+        if abs((towards - facing + 180.0) % 360.0 - 180.0) > MOST_ASKEW_DEG:
+            return False
+    return True
+
+
+def _related(area: Area, sizes: Sequence[Vec3], link: Link, rng: np.random.Generator) -> dict[int, Put] | None:
+    """The others at random, the thing on, beside, behind or between them."""
+    if link.relation == "on":
+        under = _free_put(area, sizes[link.others[0]], _turn(rng), rng, [])
+        if under is None:
+            return None
+        x, y, z = under.position
+        on_top = Put(area, (x, y, z + sizes[link.others[0]][2] + SKIN_M), _turn(rng) + area.yaw_deg)
+        return {link.others[0]: under, link.thing: on_top}
+    # In a row, from one side to the other as one looks in, or to the back.
+    row = [link.others[0], link.thing, *link.others[1:]]
+    if rng.random() < 0.5 and link.relation != "behind":
+        row.reverse()
+    axis = 1 if link.relation == "behind" else 0
+    turns = [_turn(rng) for _ in row]
+    halves = [turned_half(sizes[number], turn) for number, turn in zip(row, turns, strict=True)]
+    gaps = rng.uniform(*APART_M, len(row) - 1)
+    length = 2 * sum(half[axis] for half in halves) + float(gaps.sum())
+    across = max(half[1 - axis] for half in halves)
+    if length > 2 * area.half[axis] or across > area.half[1 - axis]:
+        return None
+    at = float(rng.uniform(-1, 1)) * (area.half[axis] - length / 2) - length / 2
+    beside = float(rng.uniform(-1, 1)) * (area.half[1 - axis] - across)
+    puts = {}
+    for place, (number, turn, half) in enumerate(zip(row, turns, halves, strict=True)):
+        middle = at + half[axis]
+        point = (middle, beside) if axis == 0 else (beside, middle)
+        puts[number] = _put(area, point, turn)
+        at = middle + half[axis] + (float(gaps[place]) if place < len(gaps) else 0.0)
+    return puts
+
+
+def _apart(
+    areas: Sequence[Area], area: Area, sizes: Sequence[Vec3], link: Link, rng: np.random.Generator
+) -> dict[int, Put] | None:
+    """All of them anywhere: two others that something could be between on one area, the thing on any."""
+    puts: dict[int, Put] = {}
+    for number in (*link.others, link.thing):
+        on = area if number in link.others else areas[int(rng.integers(len(areas)))]
+        there = [outline_of(put, sizes[n]) for n, put in puts.items() if put.area == on]
+        put = _free_put(on, sizes[number], _turn(rng), rng, there)
+        if put is None:
+            return None
+        puts[number] = put
+    return puts
+
+
+def _free_put(
+    area: Area, size: Vec3, turn: float, rng: np.random.Generator, there: Sequence[tuple[float, float, float, float]]
+) -> Put | None:
+    half, gap = turned_half(size, turn), hiding_rules().gap_m
+    room = (area.half[0] - half[0], area.half[1] - half[1])
+    if min(room) < 0:
+        return None
+    x, y = (float(share) * free for share, free in zip(rng.uniform(-1, 1, 2), room, strict=True))
+    if any(abs(x - ox) < half[0] + hx + gap and abs(y - oy) < half[1] + hy + gap for ox, oy, hx, hy in there):
+        return None
+    return _put(area, (x, y), turn)
+
+
+def _turn(rng: np.random.Generator) -> float:
+    """Square to the place: so gaps are what they seem."""
+    return 90.0 * int(rng.integers(4))
+
+
+def _put(area: Area, point: tuple[float, float], turn: float) -> Put:
+    x, y, z = area.to_room([(*point, 0.0)])[0]
+    return Put(area, (float(x), float(y), float(z)), turn + area.yaw_deg)
+
+
+def _is_clear(
+    place: HidingPlace, types: Sequence[str], sizes: Sequence[Vec3], link: Link, puts: dict[int, Put]
+) -> bool:
+    """Whether the things fit below what is above them, are high enough to be seen, and lie as asked by the rules."""
+    records = [_record(place.object_id, place.type, place.areas[0], None, (0.0, 0.0, 0.0))]
+    for number, put in puts.items():
+        raised = put.position[2] - put.area.centre[2]
+        if not put.area.seen_from_m < raised + sizes[number][2] <= put.area.height_m:
+            return False
+        records.append(_record(str(number), types[number], put.area, put, sizes[number], place.object_id))
+    return clearly_related(records, str(link.thing), link.relation, [str(n) for n in link.others]) is link.holds
+
+
+def _record(
+    name: str, type_: str, area: Area, put: Put | None, size: Vec3, support: str | None = None
+) -> ObjectMetadata:
+    """What metadata would say of a thing that has been put somewhere, or of the place."""
+    x, y, z = area.centre if put is None else put.position
+    half = turned_half(size, 0.0 if put is None else put.yaw_deg)
+    box = (x - half[0], y - half[1], z, x + half[0], y + half[1], z + size[2])
+    return ObjectMetadata(
+        id=name,
+        type=type_,
+        color="",
+        substance="",
+        box=box,
+        openness=0.0,
+        is_picked_up=False,
+        support=support,
+        support_kind=None if support is None else "in",
+        facing_deg=(area.yaw_deg + FRONT_DEG) % 360.0,
+    )
