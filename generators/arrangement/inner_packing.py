@@ -19,7 +19,7 @@ from remqa_data.geometry.types import Vec3
 from remqa_data.language.inner import clearly_related
 from remqa_data.relations import InnerRelation, Partner
 from remqa_data.sim.metadata import ObjectMetadata
-from remqa_data.sim.navigation.grid import GRID_M
+from remqa_data.sim.navigation.embodiment import AGENT
 
 PACKED, TRIES = 4, 40
 FITTED = 3
@@ -115,7 +115,7 @@ def _seen_from_front(place: HidingPlace) -> bool:
     facing = place.areas[0].yaw_deg + FRONT_DEG
     x, y = (float(np.mean([area.centre[axis] for area in place.areas])) for axis in (0, 1))
     for goal in (place.goal, *place.other_goals):
-        towards = math.degrees(arithmetic.arctan2(goal.cell[1] * GRID_M - y, goal.cell[0] * GRID_M - x))
+        towards = math.degrees(arithmetic.arctan2(goal.cell[1] * AGENT.step_m - y, goal.cell[0] * AGENT.step_m - x))
         if abs((towards - facing + 180.0) % 360.0 - 180.0) > MOST_ASKEW_DEG:
             return False
     return True
