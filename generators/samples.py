@@ -40,7 +40,7 @@ from remqa_data.sim.metadata import (
 )
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.paths import path_length_m, shortest_actions
-from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose
+from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose, pixel_counts
 from remqa_data.sim.physics.world import Snapshot
 from remqa_data.sim.render.view import Observation
 from remqa_data.tables.images import RgbFormat, encode_depth, encode_instances, encode_rgb
@@ -260,8 +260,8 @@ def goals_and_starts(grid: ReachableGrid, goals: Sequence[AgentPose]) -> tuple[l
 
 def shown_ids(before: Observation, after: Observation, ids: Sequence[str]) -> tuple[str, ...]:
     """Ids of the objects of which one of two views shows anything, in the order of the room."""
-    seen = np.union1d(before.objects, after.objects)
-    return tuple(ids[index] for index in seen.tolist() if index >= 0)
+    seen = pixel_counts(before.objects, len(ids)) + pixel_counts(after.objects, len(ids))
+    return tuple(object_id for object_id, pixels in zip(ids, seen, strict=True) if pixels)
 
 
 def _goal(room: AuditedRoom, hiding: HidingPlace, manipulation: Action) -> tuple[AgentPose, Views] | Refusal:

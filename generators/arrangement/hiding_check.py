@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.geometry import arithmetic
@@ -43,6 +44,7 @@ class Hidden:
     holds: bool = True
 
 
+Pixels = npt.NDArray[np.int64]
 Wished = Sequence[tuple[Hidden, tuple[str, ...]]]
 """Each wish, and the ids of the things that fulfil it."""
 
@@ -84,7 +86,8 @@ def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[l
 
 def in_sight_violations(world: World, view: WorldView, hidden: Wished) -> list[Violation]:
     """Which wished things are seen before the manipulation, or not after it; at most one violation for each wish."""
-    found = ((wish, _ill_seen(world, view, wish.place, ids)) for wish, ids in hidden)
+    looks = _Looks(world, view)
+    found = ((wish, _ill_seen(looks, wish.place, ids)) for wish, ids in hidden)
     return [Violation(wish.place, wish.type, reason) for wish, reason in found if reason is not None]
 
 
@@ -100,7 +103,7 @@ def violations(world: World, view: WorldView, hidden: Wished, put_at: Mapping[st
     put_at : mapping of str to Vec3
         Where everything was before physics.
     """
-    records = object_metadata(world)
+    records, looks = object_metadata(world), _Looks(world, view)
     found = []
     for wish, ids in hidden:
         place = wish.place
@@ -117,7 +120,7 @@ def violations(world: World, view: WorldView, hidden: Wished, put_at: Mapping[st
             if clearly_related(known, ids[0], wish.partner.relation, partners) is not wish.holds:
                 reason = f"{ids[0]} lies otherwise to {', '.join(partners)}"
         if reason is None:
-            reason = _ill_seen(world, view, place, ids)
+            reason = _ill_seen(looks, place, ids)
         if reason is not None:
             found.append(Violation(place, wish.type, reason))
     return found
@@ -154,16 +157,38 @@ def _unrest(world: World, place: HidingPlace, ids: Sequence[str], put_at: Mappin
     return None
 
 
-def _ill_seen(world: World, view: WorldView, place: HidingPlace, ids: Sequence[str]) -> str | None:
+class _Looks:
+    """How many pixels each object of a world shows at the goals of places; each is looked at once, for all its wishes."""
+
+    def __init__(self, world: World, view: WorldView) -> None:
+        self.world, self.view = world, view
+        self._before: dict[tuple[str, str], Pixels] = {}
+        self._after: dict[tuple[str, str], Pixels] = {}
+
+    def before(self, place: HidingPlace) -> Pixels:
+        """By object, before the manipulation."""
+        key = (place.object_id, place.manipulation)
+        if key not in self._before:
+            self._before[key] = pixels_per_object(self.view, goal_camera(place))
+        return self._before[key]
+
+    def after(self, place: HidingPlace) -> Pixels:
+        """By object, after it."""
+        key = (place.object_id, place.manipulation)
+        if key not in self._after:
+            with manipulated(self.world, self.view, place):
+                self._after[key] = pixels_per_object(self.view, goal_camera(place))
+        return self._after[key]
+
+
+def _ill_seen(looks: _Looks, place: HidingPlace, ids: Sequence[str]) -> str | None:
     if not ids:
         return None
-    camera = goal_camera(place)
-    index = [world.ids.index(object_id) for object_id in ids]
-    before = pixels_per_object(view, camera)[index]
+    index = [looks.world.ids.index(object_id) for object_id in ids]
+    before = looks.before(place)[index]
     if before.any():
         return f"{ids[int(before.argmax())]} shows {before.max()} pixels before the manipulation"
-    with manipulated(world, view, place):
-        after = pixels_per_object(view, camera)[index]
+    after = looks.after(place)[index]
     if after.min() < MIN_PIXELS:
         return f"{ids[int(after.argmin())]} shows only {after.min()} pixels after the manipulation"
     return None

@@ -81,7 +81,8 @@ def best_goals(
     motion : (links, 4, 4) array
         How the manipulation moves what lies on each link.
     """
-    seen = {pose: [_seen(sight, rules, pose, a, before[pose], after[pose], motion) for a in areas] for pose in after}
+    probes = [_probe(rules, area, motion[area.link]) for area in areas]
+    seen = {pose: _seen(sight, pose, probes, before[pose], after[pose]) for pose in after}
     amounts = {pose: sum(int(mask.sum()) for masks in seen[pose] for mask in masks) for pose in after}
     most = max(amounts.values(), default=0)
     good = [pose for pose in after if most and amounts[pose] >= rules.min_share_seen * most]
@@ -109,22 +110,46 @@ def at_height(flat: F64, height_m: float) -> F64:
     return np.column_stack([flat, np.full(len(flat), height_m)])
 
 
-def _seen(
-    sight: Sightlines, rules: HidingRules, pose: AgentPose, area: Area, before: F32, after: F32, motion: F64
-) -> list[Mask]:
-    """For each height of sight: the lattice points of an area that are seen after, and hidden at all heights before."""
+@dataclass(frozen=True, eq=False)
+class _Probe:
+    """The points of an area at which is looked.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Of the area's lattice.
+    closed : (k, n, 3) array
+        Its points in the room at k heights, while everything is closed.
+    opened : (heights, n, 3) array
+        Those at the heights of sight, where the manipulation takes them.
+    """
+
+    shape: tuple[int, ...]
+    closed: F64
+    opened: F64
+
+
+def _probe(rules: HidingRules, area: Area, motion: F64) -> _Probe:
     lattice = area.lattice(rules.pitch_m)
     flat = lattice.reshape(-1, 2)
-    hidden = np.ones(len(flat), dtype=np.bool_)
     heights = [h for h in rules.sight_heights_m if h <= 0.8 * area.height_m] or [0.5 * area.height_m]
-    for height in (*heights, 0.9 * area.height_m):
-        hidden &= sight.hides(pose, before, area.to_room(at_height(flat, height)))
-    turn = motion[area.link]
-    masks = []
-    for height in heights:
-        points = arithmetic.moved(area.to_room(at_height(flat, height)), turn)
-        masks.append((hidden & sight.sees(pose, after, points)).reshape(lattice.shape[:2]))
-    return masks
+    levels = [at_height(flat, height) for height in (*heights, 0.9 * area.height_m)]
+    closed = area.to_room(np.concatenate(levels)).reshape(len(levels), -1, 3)
+    return _Probe(lattice.shape[:2], closed, arithmetic.moved(closed[:-1], motion))
+
+
+def _seen(sight: Sightlines, pose: AgentPose, probes: Sequence[_Probe], before: F32, after: F32) -> list[list[Mask]]:
+    """For each area and height of sight: the lattice points that are seen after, and hidden at all heights before."""
+    hidden = sight.hides(pose, before, np.concatenate([probe.closed.reshape(-1, 3) for probe in probes]))
+    seen = sight.sees(pose, after, np.concatenate([probe.opened.reshape(-1, 3) for probe in probes]))
+    found = []
+    for probe in probes:
+        levels, points = probe.closed.shape[:2]
+        is_hidden = hidden[: levels * points].reshape(levels, points).all(axis=0)
+        is_seen = seen[: (levels - 1) * points].reshape(levels - 1, points)
+        found.append([mask.reshape(probe.shape) for mask in is_hidden & is_seen])
+        hidden, seen = hidden[levels * points :], seen[(levels - 1) * points :]
+    return found
 
 
 def _parts(rules: HidingRules, areas: Sequence[Area], seen: Sequence[Sequence[Mask]]) -> list[Area]:

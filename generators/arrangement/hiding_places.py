@@ -8,6 +8,7 @@ out of sight before the manipulation and in sight after it.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Literal
@@ -27,7 +28,7 @@ from remqa_data.generators.arrangement.hiding_rules import HidingRules, hiding_r
 from remqa_data.generators.arrangement.push_targets import push_targets
 from remqa_data.generators.arrangement.sightlines import Sightlines
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import Outline, object_outlines, reachable_grid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, front_points
@@ -175,7 +176,7 @@ class _Finder:
         area = self._area_beneath(object_id, self.rules.min_pickup_side_m, math.inf)
         if area is None or self._contents(object_id) or self._holds_what_is_beneath(object_id, area):
             return None
-        return self._taken_away(object_id, area, "Pickup", None)
+        return next(iter(self._taken_away(object_id, area, "Pickup", [None])), None)
 
     def under_moveable(self, object_id: str) -> HidingPlace | None:
         type_ = self.world.type_of(object_id)
@@ -186,9 +187,8 @@ class _Finder:
             return None
         shifts = push_targets(self.world, object_id, self.rules.shifts_m)
         best: HidingPlace | None = None
-        for move_to in shifts:
-            place = self._taken_away(object_id, area, "Move", move_to)
-            if place is not None and (best is None or _area_of(place) > 1.1 * _area_of(best)):
+        for place in self._taken_away(object_id, area, "Move", shifts):
+            if best is None or _area_of(place) > 1.1 * _area_of(best):
                 best = place
         return best
 
@@ -247,36 +247,38 @@ class _Finder:
         return stand_in in held_by and held_by[stand_in].id == object_id
 
     def _taken_away(
-        self, object_id: str, area: Area, manipulation: Manipulation, move_to: Vec3 | None
-    ) -> HidingPlace | None:
-        """The place under an object, which lies a little higher because of what is under it."""
+        self, object_id: str, area: Area, manipulation: Manipulation, targets: Sequence[Vec3 | None]
+    ) -> list[HidingPlace]:
+        """The places under an object, which lies a little higher because of what is under it, for where it can go."""
         world, rules, view = self.world, self.rules, self.sight.view
         snapshot = world.save()
         x, y, z = world.state(object_id).position
+        raised, before = (x, y, z + RAISED_M), dict[AgentPose, F32]()
+        found: list[tuple[GoalPoses, Vec3 | None]] = []
         with _Shown(view, world, object_id):
-            world.move_alone(object_id, (x, y, z + RAISED_M))
+            world.move_alone(object_id, raised)
             hidden = out_of_sight(self.sight, rules, replace(area, height_m=RAISED_M))
             if hidden is None:
                 world.restore(snapshot)
-                return None
-            points, outlines = surface_points(world, object_id), list[Outline]()
-            if move_to is not None:
-                world.move_alone(object_id, move_to)
-                outlines = object_outlines(world, object_id)
-                world.move_alone(object_id, (x, y, z + RAISED_M))
-            poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines)
-            before = {pose: self.sight.depth(pose) for pose in poses}
-            if move_to is None:
-                view.hide(object_id)
-            else:
-                world.move_alone(object_id, move_to)
-            after = {pose: self.sight.depth(pose) for pose in poses}
+                return []
+            points = surface_points(world, object_id)
+            for move_to in targets:
+                outlines: list[Outline] = []
+                if move_to is not None:
+                    world.move_alone(object_id, move_to)
+                    outlines = object_outlines(world, object_id)
+                    world.move_alone(object_id, raised)
+                poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines)
+                before |= {pose: self.sight.depth(pose) for pose in poses if pose not in before}
+                if move_to is None:
+                    view.hide(object_id)
+                else:
+                    world.move_alone(object_id, move_to)
+                after = {pose: self.sight.depth(pose) for pose in poses}
+                found.append((best_goals(self.sight, rules, [hidden], before, after, np.eye(4)[None]), move_to))
             world.restore(snapshot)
-        goals = best_goals(self.sight, rules, [hidden], before, after, np.eye(4)[None])
-        # The higher the thing, the higher it raises what lies on it.
-        parts = tuple(tuple(replace(a, height_m=area.height_m) for a in areas) for areas in goals.parts)
-        goals = replace(goals, parts=parts)
-        return self._place(object_id, manipulation, "under", goals, move_to)
+        places = (self._place(object_id, manipulation, "under", _as_high_as(area, g), to) for g, to in found)
+        return [place for place in places if place is not None]
 
     # ---- goals
 
@@ -317,6 +319,12 @@ class _Finder:
             floor_z=self.world.scene.floor_z,
             move_to=move_to,
         )
+
+
+def _as_high_as(area: Area, goals: GoalPoses) -> GoalPoses:
+    """The same with an area's height: the higher the thing, the higher it raises what lies on it."""
+    parts = tuple(tuple(replace(part, height_m=area.height_m) for part in parts) for parts in goals.parts)
+    return replace(goals, parts=parts)
 
 
 def _area_of(place: HidingPlace) -> float:

@@ -23,6 +23,9 @@ F64 = npt.NDArray[np.float64]
 LENGTH_STEP_M = 2.0**-20
 """Lengths that others computed are snapped to a micrometre: far more than their error, far less than a pixel shows."""
 
+FEW = 600
+"""Of so few numbers, it is the number of steps that takes time."""
+
 
 def product(a: F64, b: F64) -> F64:
     """(..., n, m) matrix products of (..., n, k) and (..., k, m); for a few small matrices or many."""
@@ -38,6 +41,11 @@ def turned(vectors: npt.ArrayLike, rotation: F64) -> F64:
     v = np.asarray(vectors)
     if v.ndim == 1 and rotation.ndim == 2:
         return np.array(_turned(v.tolist(), rotation.tolist()))
+    if v.size <= FEW:
+        columns = np.swapaxes(rotation, -1, -2)
+        total = v[..., 0, None] * columns[..., 0, :]
+        total = total + v[..., 1, None] * columns[..., 1, :]
+        return np.asarray(total + v[..., 2, None] * columns[..., 2, :])
     x, y, z = v[..., 0], v[..., 1], v[..., 2]
     rows = [rotation[..., i, 0] * x + rotation[..., i, 1] * y + rotation[..., i, 2] * z for i in range(3)]
     return np.stack(rows, axis=-1)

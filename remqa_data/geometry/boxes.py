@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, Box
 
 PRECISION_SLACK = 1e-9
 """Prec@X counts a hit when IoU >= X - 1e-9, so that an IoU that is X but for rounding is a hit."""
@@ -91,6 +91,13 @@ def overlap_share(a: npt.ArrayLike, b: npt.ArrayLike, axes: tuple[int, ...] = (0
     first, second = _boxes(a, 3)[:, columns], _boxes(b, 3)[:, columns]
     smaller = np.minimum(_content(first)[:, None], _content(second)[None])
     return _ratio(_shared(first, second), smaller)
+
+
+def side_share(a: Box, b: Box, axis: int) -> float:
+    """`overlap_share` of two boxes along one axis, many times as fast: for who asks of pairs, one after the other."""
+    low, high = max(a[axis], b[axis]), min(a[axis + 3], b[axis + 3])
+    smaller = min(a[axis + 3] - a[axis], b[axis + 3] - b[axis])
+    return min((high - low) / smaller, 1.0) if smaller > 0 and high > low else 0.0
 
 
 def _boxes(boxes: npt.ArrayLike, dimensions: int) -> F64:

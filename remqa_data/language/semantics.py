@@ -133,7 +133,7 @@ def _height(graph: SceneGraph, object_id: str) -> float:
 def _in_column(graph: SceneGraph, a: str, b: str) -> bool:
     """Whether one of two objects is over the other, or they are the same."""
     one, two, least = graph.node(a).box, graph.node(b).box, expression_rules().column_min_share
-    return all(float(geometry.overlap_share(one, two, axes=(axis,))[0, 0]) >= least for axis in (0, 1))
+    return all(geometry.side_share(one, two, axis) >= least for axis in (0, 1))
 
 
 _SOUNDS_LIKE: Mapping[Relation, frozenset[Relation]] = {
@@ -189,8 +189,8 @@ def _same_way(graph: SceneGraph, a: str, b: str) -> bool:
 
 def _same_level(graph: SceneGraph, a: str, b: str) -> bool:
     """Whether two objects are side by side rather than one over the other."""
-    share = geometry.overlap_share(graph.node(a).box, graph.node(b).box, axes=(2,))
-    return float(share[0, 0]) >= expression_rules().row_min_height_share
+    share = geometry.side_share(graph.node(a).box, graph.node(b).box, 2)
+    return share >= expression_rules().row_min_height_share
 
 
 def _row_end(graph: SceneGraph, row: set[str], place: RowPlace) -> set[str]:

@@ -6,7 +6,7 @@ World frame: right-handed, z up, metres; yaw in degrees counter-clockwise from +
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
@@ -15,13 +15,15 @@ import numpy.typing as npt
 from scipy.ndimage import find_objects
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F32, F64, Box, Flags, Vec3
+from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry.types import F32, Box, Flags, Vec3
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, pixel_counts
 from remqa_data.sim.physics.support import SupportKind, supports
 
 if TYPE_CHECKING:
+    from remqa_data.sim.physics.state import ObjectState
     from remqa_data.sim.physics.world import World
     from remqa_data.sim.render.camera import Camera
     from remqa_data.sim.render.view import Observation
@@ -133,8 +135,9 @@ def object_metadata(world: World) -> dict[str, ObjectMetadata]:
     """The ground truth of a whole world as it is now, by id, in the scene's order."""
     boxes = {object_id: world.box(object_id) for object_id in world.ids}
     held_by = supports(world, boxes)
+    facing_deg = _facing_deg([world.state(object_id) for object_id in world.ids])
     records = {}
-    for object_id in world.ids:
+    for object_id, facing in zip(world.ids, facing_deg, strict=True):
         asset = world.assets[object_id]
         support = held_by.get(object_id)
         low, high = boxes[object_id]
@@ -148,7 +151,7 @@ def object_metadata(world: World) -> dict[str, ObjectMetadata]:
             is_picked_up=object_id == world.held,
             support=support.id if support else None,
             support_kind=support.kind if support else None,
-            facing_deg=_facing_deg(world.state(object_id).matrix()),
+            facing_deg=facing,
         )
     return records
 
@@ -238,9 +241,11 @@ def changed_pixels(before: FrameImages, after: FrameImages, tolerance_m: float =
 _SHARED = tuple(f.name for f in fields(ObjectMetadata))
 
 
-def _facing_deg(pose: F64) -> float:
-    """Where the front, which is at -y of the asset, looks in the world."""
-    return round(math.degrees(arithmetic.arctan2(-pose[1, 1], -pose[0, 1])), 6) % 360.0
+def _facing_deg(states: Sequence[ObjectState]) -> list[float]:
+    """Where the front of each object, which is at -y of its asset, looks in the world."""
+    fronts = np.array([rotation_of(state.quaternion)[:, 1] for state in states]).reshape(-1, 3)
+    angles = arithmetic.arctan2(-fronts[:, 1], -fronts[:, 0])
+    return [round(math.degrees(angle), 6) % 360.0 for angle in angles.tolist()]
 
 
 def _box_2d(rows: slice, columns: slice) -> Box2D:

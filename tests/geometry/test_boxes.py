@@ -137,3 +137,10 @@ def test_measures_are_symmetric_and_do_not_depend_on_where_the_room_is(a, b, shi
     assert np.all(iou <= g.overlap_share(a, b) + 1e-12)
     assert np.all(iou[g.gap(a, b) > 0] == 0)
     np.testing.assert_allclose(np.diag(g.iou_3d(a, a)), 1.0)
+
+
+@given(box, box, st.sampled_from([0, 1, 2]))
+def test_the_share_of_one_pair_along_an_axis_is_that_of_the_table(a, b, axis: int) -> None:
+    flat = (*a[:3], *a[:3])
+    for one, two in ((a, b), (a, a), (flat, b)):
+        assert g.side_share(one, two, axis) == g.overlap_share(one, two, axes=(axis,))[0, 0]

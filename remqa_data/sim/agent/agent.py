@@ -253,7 +253,7 @@ class Agent(Body):
         for k in range(1, steps + 1):
             share = goal if k == steps else was + k / steps * (goal - was)
             links = arithmetic.product(frame, asset.link_poses(share))
-            if self.ground.meets_agent(object_id, links, (self.x, self.y)):
+            if self.ground.meets_agent(object_id, links, (self.x, self.y), first_link=1):
                 break
             reached = share
         return reached

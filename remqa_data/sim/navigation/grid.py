@@ -67,9 +67,12 @@ class ReachableGrid:
         return np.array(self.cells, dtype=np.float64).reshape(-1, 2) * self.body.step_m
 
 
-def reachable_grid(world: World, body: Embodiment = AGENT) -> ReachableGrid:
-    """The grid of a world as it is now; everything between ankle and head height blocks, but for what is held."""
-    clearance, step_m = clearance_map(world), body.step_m
+def reachable_grid(world: World, body: Embodiment = AGENT, clearance: Clearance | None = None) -> ReachableGrid:
+    """The grid of a world as it is now; everything between ankle and head height blocks, but for what is held.
+
+    `clearance` is `clearance_map(world)`, if the caller has it already.
+    """
+    clearance, step_m = clearance or clearance_map(world), body.step_m
     x0, y0, x1, y1 = world.scene.bounds
     free: set[Cell] = set()
     for i in range(math.ceil(x0 / step_m), math.floor(x1 / step_m) + 1):

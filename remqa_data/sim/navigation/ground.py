@@ -16,6 +16,7 @@ from remqa_data.geometry.types import F64
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import (
     FINE_M,
+    Clearance,
     Outline,
     ReachableGrid,
     body_outlines,
@@ -52,14 +53,14 @@ class Ground:
         self._states: dict[str, ObjectState] = {}
         self._outlines: dict[str, list[Outline]] = {}
         self._building = building_outlines(world.scene)
+        self._clearance: Clearance | None = None
         self._grid: ReachableGrid | None = None
         self._revision, self._held = world.revision, world.held
         self._follow(world.ids)
 
     def blocker_at(self, x: float, y: float) -> str | None:
         """What keeps the agent from standing at a point, by object id or "structure"; None if nothing does."""
-        self._sync()
-        return None if self._clearance.at(x, y) > self.radius_m else self._nearest(x, y)
+        return None if self._clear().at(x, y) > self.radius_m else self._nearest(x, y)
 
     def blocker(self, start: Point, end: Point) -> str | None:
         """What keeps the agent from a straight step; see `blocker_at`.
@@ -74,28 +75,31 @@ class Ground:
         """Whether nothing keeps the agent from a straight step; cheaper than to ask what does."""
         return self._first_blocked(start, end) is None
 
-    def meets_agent(self, object_id: str, link_poses: F64, agent: Point) -> bool:
-        """Whether an object would touch the agent with its links at (n, 4, 4) poses; not if it does so already."""
+    def meets_agent(self, object_id: str, link_poses: F64, agent: Point, first_link: int = 0) -> bool:
+        """Whether an object would touch the agent with its links at (n, 4, 4) poses; not if it does so already.
+
+        With `first_link` 1, which is enough where the rest stays, only what moves when it opens is looked at.
+        """
         self._sync()
         now = outline_distance(self._outlines[object_id], agent)
-        then = body_outlines(self.world.assets[object_id], link_poses, self.world.scene.floor_z)
+        then = body_outlines(self.world.assets[object_id], link_poses, self.world.scene.floor_z, first_link)
         return outline_distance(then, agent) <= min(self.radius_m, now - 1e-6)
 
     def grid(self) -> ReachableGrid:
         """The navigation grid as it is now."""
         self._sync()
         if self._grid is None:
-            self._grid = reachable_grid(self.world)
+            self._grid = reachable_grid(self.world, clearance=self._clear())
         return self._grid
 
     def _first_blocked(self, start: Point, end: Point) -> Point | None:
-        self._sync()
+        clearance = self._clear()
         count = max(1, math.ceil(math.dist(start, end) / SAMPLE_M - 1e-9))
-        limit = min(self.radius_m, np.nextafter(self._clearance.at(*start), 0.0))
+        limit = min(self.radius_m, np.nextafter(clearance.at(*start), 0.0))
         for k in range(1, count + 1):
             x = start[0] + k / count * (end[0] - start[0])
             y = start[1] + k / count * (end[1] - start[1])
-            if self._clearance.at(x, y) <= limit:
+            if clearance.at(x, y) <= limit:
                 return x, y
         return None
 
@@ -114,9 +118,15 @@ class Ground:
         for name in moved:
             self._states[name] = world.state(name)
             self._outlines[name] = object_outlines(world, name)
-        in_the_way = (self._outlines[name] for name in solid_ids(world))
-        self._clearance = clearance_from(world.scene.bounds, chain(self._building, *in_the_way))
-        self._grid = None
+        self._clearance = self._grid = None
+
+    def _clear(self) -> Clearance:
+        """The clearance as it is now; found when somebody walks, and not for every thing that moves."""
+        self._sync()
+        if self._clearance is None:
+            in_the_way = (self._outlines[name] for name in solid_ids(self.world))
+            self._clearance = clearance_from(self.world.scene.bounds, chain(self._building, *in_the_way))
+        return self._clearance
 
     def _nearest(self, x: float, y: float) -> str:
         """The object nearest to a point, or the building if nothing is within the agent's radius."""

@@ -54,25 +54,28 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
     # The space of what things hang on reaches below it.
     undersides = np.minimum([boxes[owner][0, 2] for owner in spaces.owners], spaces.floor_z)
     held_by: dict[str, Support] = {}
-    for object_id, (low, high) in boxes.items():
-        if object_id == world.held or not len(spaces.owners):
-            continue
-        centre, bottom = (low + high) / 2, float(low[2])
-        local = arithmetic.moved_back(centre, spaces.poses)
-        beside = np.abs(local[:, :2] - spaces.middle[:, :2]) <= spaces.half[:, :2] + rules.side_margin_m
-        fits = beside.all(axis=1) & (bottom >= spaces.floor_z - rules.sunk_m)
-        fits &= local[:, 2] <= spaces.middle[:, 2] + spaces.half[:, 2] + rules.overhang_m
-        fits &= (spaces.owners != object_id) & (centre[2] >= undersides)  # what lies beneath is not in it
-        kind = object_type(world.type_of(object_id))
-        if kind.pickupable or kind.moveable:
-            fits &= spaces.enclosed | (bottom - spaces.floor_z <= rules.pile_m)
-        else:
-            fits &= spaces.is_floor & (bottom - spaces.floor_z <= rules.contact_m)
-        rows = np.flatnonzero(fits)
-        if len(rows):
-            best = min(rows, key=lambda row: (-spaces.floor_z[row], spaces.volume[row]))
+    names = [object_id for object_id in boxes if object_id != world.held and len(spaces.owners)]
+    if not names:
+        return held_by
+    low, high = np.moveaxis(np.array([boxes[object_id] for object_id in names]), 1, 0)
+    kinds = [object_type(world.type_of(object_id)) for object_id in names]
+    is_loose = np.array([kind.pickupable or kind.moveable for kind in kinds])[:, None]
+    centre, bottom = (low + high) / 2, low[:, 2, None]
+    local = arithmetic.moved_back(centre[:, None], spaces.poses)
+    beside = np.abs(local[..., :2] - spaces.middle[:, :2]) <= spaces.half[:, :2] + rules.side_margin_m
+    fits = beside.all(axis=-1) & (bottom >= spaces.floor_z - rules.sunk_m)
+    fits &= local[..., 2] <= spaces.middle[:, 2] + spaces.half[:, 2] + rules.overhang_m
+    fits &= np.array(names, dtype=np.object_)[:, None] != spaces.owners
+    fits &= centre[:, 2, None] >= undersides  # what lies beneath is not in it
+    above = bottom - spaces.floor_z
+    lies_there = spaces.enclosed | (above <= rules.pile_m)
+    fits &= np.where(is_loose, lies_there, spaces.is_floor & (above <= rules.contact_m))
+    order = np.lexsort((spaces.volume, -spaces.floor_z))
+    first = order[np.argmax(fits[:, order], axis=1)]
+    for object_id, best, fits_anywhere, height in zip(names, first, fits.any(axis=1), bottom[:, 0], strict=True):
+        if fits_anywhere:
             held_by[object_id] = Support(str(spaces.owners[best]), "in" if spaces.surrounds[best] else "on")
-        elif floor not in (None, object_id) and abs(bottom - world.scene.floor_z) <= rules.contact_m:
+        elif floor not in (None, object_id) and abs(height - world.scene.floor_z) <= rules.contact_m:
             held_by[object_id] = Support(str(floor), "on")  # in an alcove, beside the floor's own box
     return held_by
 

@@ -254,6 +254,10 @@ def _draw_faces(
     faces, key, slot, image = geometry.faces, buffers.key, buffers.slot, buffers.image
     height, width = key.shape
     half_width, half_height = 0.5 * width, 0.5 * height
+    centres = np.arange(width) + 0.5 - half_width
+    nearest = np.float32(near_key)
+    if nearest > near_key:
+        nearest = np.nextafter(nearest, np.float32(0.0))
     for face in buffers.candidates[:candidates]:
         a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
         skip_back = cull and geometry.face_of_solid[face]
@@ -268,7 +272,7 @@ def _draw_faces(
         scale, ax, ay, ac, bx, by, bc, cx, cy, cc, kx, ky, kc = edge_functions(image, a, b, c, pinhole)
         if scale == 0.0:
             continue
-        won = False
+        won, number = False, np.int32(count)
         if (x_high - x_low + 1) * (y_high - y_low + 1) <= _SMALL_PX:
             for row in range(y_low, y_high + 1):
                 y = row + 0.5 - half_height
@@ -304,13 +308,13 @@ def _draw_faces(
                 last = math.floor(high + half_width - 0.5)
                 if first > last:
                     continue
-                # Views that start at the run, and no branches, let the compiler vectorise.
-                keys, slots = key[row, first : last + 1], slot[row, first : last + 1]
+                # Views that start at the run, numbers of one width, and no branches, let the compiler vectorise.
+                keys, slots, across = key[row, first : last + 1], slot[row, first : last + 1], centres[first : last + 1]
                 for i in range(keys.shape[0]):
-                    value = np.float32(kx * (first + i + 0.5 - half_width) + rk)
-                    wins = (value > keys[i]) & (value <= near_key)
+                    value = np.float32(kx * across[i] + rk)
+                    wins = (value > keys[i]) & (value <= nearest)
                     keys[i] = value if wins else keys[i]
-                    slots[i] = count if wins else slots[i]
+                    slots[i] = number if wins else slots[i]
                     won |= wins
         if won:
             record = buffers.records[count]
