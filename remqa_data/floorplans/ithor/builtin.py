@@ -39,6 +39,7 @@ FRONT_M = 0.03
 WAY_OUT_M = 0.6
 
 BASE_TYPES = types_with("kitchen_base")
+PLACELESS = types_with("takes_no_place")
 
 
 def counter_plan(
@@ -316,8 +317,8 @@ def _groups(objects: Sequence[RecordedObject], reach: float = 0.75) -> list[list
 
 def _places(objects: Sequence[RecordedObject], skip: set[str], below: float) -> list[Box]:
     """Boxes that built-in furniture must leave to recorded objects, a little larger than recorded."""
-    flat = {"Floor", "StoveKnob", "Window", "Curtains", "Blinds", "CounterTop"}
-    kept = [o for o in objects if o.type not in flat and o.id not in skip and not o.pickupable and o.low[2] < below]
+    placed = [o for o in objects if o.type not in PLACELESS and not o.pickupable]
+    kept = [o for o in placed if o.id not in skip and o.low[2] < below]
     return [_with_way_out(o) for o in kept]
 
 

@@ -48,7 +48,7 @@ SUITE_OF = {
 """Types whose looks go together: what is let into what, and furniture with the drawers in it."""
 ONE_FINISH = types_with("one_finish")
 """Types that share one seed in a room, and with it one wood or paint."""
-HOLDERS = ("ToiletPaperHanger|", "HandTowelHolder|", "TowelHolder|")
+HOLDERS = tuple(f"{name}|" for name in sorted(types_with("holder")))
 """What these hold hangs, too."""
 LEAN_DEG = 8.0
 """What is recorded more tilted than this leans on something; it stays put until something acts on it."""

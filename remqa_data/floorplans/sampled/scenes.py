@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from remqa_data.catalog import object_type
+from remqa_data.catalog import object_type, types_with
 from remqa_data.errors import ArrangementError
 from remqa_data.floorplans.ithor.plan import RoomShell
 from remqa_data.floorplans.ithor.scenes import furnished
@@ -61,7 +61,7 @@ LARGER = 0.08
 MOST_LEFT = 0.1
 """A room is drawn anew when more than this share of its pieces found no place, or one with any of the following; seats do
 not count, as there can be fewer."""
-NEVER_LEFT = BUILT | {"Bed", "Sofa", "Toilet"}
+NEVER_LEFT = BUILT | types_with("makes_the_room")
 KITCHEN_UNITS = BUILT - {"Shelf"} | {"StoveBurner", "StoveKnob", "Fridge", "Washstand", "Cupboard"}
 
 

@@ -33,7 +33,7 @@ LID_M = {"Fridge": 0.02, "Cabinet": 0.02, "Drawer": 0.02, "Shelf": 0.005}
 SUNK, OVER_SUNK_M = types_with("kept_clear_above"), 0.1
 """Nothing stands over these that is not in or on them."""
 NO_PLACES = types_with("never_laid_on")
-NOT_ON = {"Television": frozenset({"CoffeeTable", "DiningTable"})}
+NOT_ON = {"Television": types_with("amid_room")}
 """Tables amid the room, where one would see the back of it."""
 FLAT = types_with("flat_top")
 """Where things lie for which there is no room where such things were recorded."""

@@ -19,13 +19,9 @@ from remqa_data.floorplans.sampled.naming import ROOM_TYPES
 from remqa_data.geometry.types import F64
 
 ROOMS_OF_A_TYPE = 30
-AT_WALLS = frozenset(
-    {"Bathtub", "Bed", "Cupboard", "Curtains", "Dresser", "Fridge", "LightSwitch", "Mirror", "Painting", "Poster"}
-    | {"HandTowelHolder", "ShelvingUnit", "Television", "Toilet", "ToiletPaperHanger", "TowelHolder", "TVStand"}
-    | {"Washstand", "Window", "Blinds", "Shower", "ShelfOnWall"}
-)
+AT_WALLS = types_with("at_wall") | {"Cupboard", "ShelfOnWall", "Shower", "Washstand"}
 """Pieces of these kinds serve as patterns only where their back was at a wall."""
-BACKED = frozenset({"Bed", "Cupboard", "Desk", "Dresser", "ShelvingUnit", "Toilet", "TVStand", "Washstand"})
+BACKED = types_with("recorded_at_wall") | {"Cupboard", "Washstand"}
 """Of these it is sure that their back was at some wall."""
 BACK_GAP_M = 0.01
 WINDOW_DEPTH_M = 0.35
