@@ -45,6 +45,8 @@ ATTEMPTS = 12
 """Draws of a whole room before its quota counts as impossible."""
 SHUFFLES = 8
 """Orders of a group's answers that are tried before the one that leaves most room."""
+MOST_WORDS = 99
+"""More than any question has."""
 INNER_DRAWS = 24
 """Draws of a place and two types before it has no room for a question about whether they lie to one another in some way."""
 
@@ -197,10 +199,14 @@ class Planner(Generic[P]):
         """Ask for so many samples of each answer; False if there is no room.
 
         A new question is asked, or one that is asked already is asked in more configurations. With `crowd`, a place takes
-        more groups than it should once all have as many as they should.
+        more groups than it should once all have as many as they should, and questions are longer: by one word, or, where
+        nothing else does, by any number.
         """
-        asked = self._ask(kind, shape, strict=True) or (crowd and self._ask(kind, shape, strict=False))
-        return asked or self._widen(kind, shape)
+        longest = self.rules.longest_words[kind]
+        asked = self._ask(kind, shape, longest, strict=True) or (
+            crowd and self._ask(kind, shape, longest + 1, strict=False)
+        )
+        return asked or self._widen(kind, shape) or (crowd and self._ask(kind, shape, MOST_WORDS, strict=False))
 
     def inner_groups(self, count: int) -> int:
         """How many of so many SPATIAL groups are to ask how two things lie to one another."""
@@ -247,10 +253,10 @@ class Planner(Generic[P]):
             and not self._clash(key, set(question.types).union(*(other.types for other in here)))
         )
 
-    def _ask(self, kind: QuestionKind, shape: Mapping[str, int], strict: bool) -> bool:
-        """Add a group, if there is room for it."""
+    def _ask(self, kind: QuestionKind, shape: Mapping[str, int], longest: int, strict: bool) -> bool:
+        """Add a group of questions with so many words at most, if there is room for it."""
         size = sum(shape.values()) or self.configurations
-        for pool in self._pools(kind, size, self._free_options(kind, strict)):
+        for pool in self._pools(kind, size, self._free_options(kind, longest, strict)):
             while pool:
                 chosen = self._draw(kind, size, pool)
                 answers = self._answers(kind, chosen.site, shape)
@@ -310,7 +316,7 @@ class Planner(Generic[P]):
                     worth *= self.rules.type_weights.get(name, 1.0)
                     yield _Option(site, question, worth, question.text, mentioned_types(expression.program))
 
-    def _free_options(self, kind: QuestionKind, strict: bool) -> list[_Option[P]]:
+    def _free_options(self, kind: QuestionKind, longest: int, strict: bool) -> list[_Option[P]]:
         """The questions that go with those that have been chosen."""
         limit = self.rules.max_groups_per_place[kind] if strict else len(self.texts) + 1
         full = {site.key for site in self.sites if self.at_site[kind, site.key] >= limit}
@@ -328,7 +334,7 @@ class Planner(Generic[P]):
             for option in self.options[kind]
             if option.site.key not in full
             and asked.get(option.site.place.object_id, option.site.place.relation) == option.site.place.relation
-            and not (strict and option.words > self.rules.longest_words[kind])
+            and option.words <= longest
             and not (strict and self.asked_for[option.question.type] >= self.rules.max_groups_per_type)
             and option.text not in self.texts
             and not _any_confusable({option.question.type}, at_object[option.site.place.object_id] | option.named)
