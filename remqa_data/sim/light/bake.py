@@ -9,7 +9,7 @@ import numpy as np
 from remqa_data.compiled import exact
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, Vec3
-from remqa_data.sim.light.volume import Volume, gather, light_at, smooth
+from remqa_data.sim.light.volume import Volume, fill_beyond, gather, light_at, mean_in_air, places_of, smooth
 from remqa_data.sim.light.voxels import Faces, Points, Voxels, cube_of, lit_by, looks_back, surface_points, voxelise
 
 SETS, FEW_RAYS, RAYS = 8, 32, 128
@@ -19,7 +19,7 @@ GLOW = 3.0
 """What glows, such as the sky in a window, lights the room by so many times what a picture shows of it."""
 LEAST = 0.3
 """Share of the mean light that the darkest corner gets."""
-PROBE_M, VOXEL = 0.125, 0.4
+PROBE_M, VOXEL = 0.125, 0.32
 """Probes are so far apart, and cubes are so many times smaller."""
 MOST_PROBES = 200_000
 BORDER_M = 0.15
@@ -47,7 +47,7 @@ def bake(faces: Faces, lamps: Lamps, low: Vec3, high: Vec3, level: float) -> Vol
     low, high : tuple of float
         Corners of the room, metres.
     level : float
-        Mean light that the surfaces in the room are to receive: the exposure.
+        Mean light in the air of the room is to be this: the exposure.
     """
     volume = _empty(low, high, LEAST * level)
     voxel_m = volume.spacing_m * VOXEL
@@ -57,12 +57,16 @@ def bake(faces: Faces, lamps: Lamps, low: Vec3, high: Vec3, level: float) -> Vol
     direct = np.zeros(len(points.face), dtype=np.float32)
     for position, strength in zip(lamps.positions, lamps.strength, strict=True):
         direct += _from_lamp(faces, points, lit_by(voxels, faces, points, position), position, strength, lamps.reach_m)
-    _send(faces, points, voxels, direct, volume, level, GLOW)
-    gather(voxels, volume, _directions(FEW_RAYS), SKY)
-    _send(faces, points, voxels, direct, volume, level, GLOW)
-    gather(voxels, volume, _directions(RAYS), SKY)
+    guess = _even_light(faces, points, direct, GLOW)
+    _send(faces, points, voxels, direct, volume, guess, GLOW)
+    places = places_of(voxels, volume, np.array(low), np.array(high))
+    few = _directions(FEW_RAYS)
+    gather(voxels, volume, few, few, SKY, places)
+    _send(faces, points, voxels, direct, volume, guess, GLOW)
+    gather(voxels, volume, _directions(RAYS), few, SKY, places)
     volume = smooth(volume)
-    volume.light[:] *= np.float32(level / _mean(faces, points, volume))
+    volume.light[:] *= np.float32(level / max(mean_in_air(volume, places), 1e-9))
+    fill_beyond(volume, places)
     return volume
 
 
@@ -77,13 +81,12 @@ def _empty(low: Vec3, high: Vec3, least: float) -> Volume:
 
 
 def _directions(count: int) -> F64:
-    """(SETS, count, 3) unit vectors, each set evenly spread (a Fibonacci lattice), the sets interleaved."""
-    index = np.arange(SETS * count) + 0.5
-    z = 1.0 - 2.0 * index / len(index)
-    sine, cosine = arithmetic.sin_cos(2.0 * np.pi * ((index * _GOLDEN) % 1.0))
+    """(SETS, count, 3) unit vectors: sets that are each a Fibonacci lattice, turned and shifted against the others."""
+    ray, number = np.arange(count)[None], np.arange(SETS)[:, None]
+    z = 1.0 - 2.0 * (ray + (number + 0.5) / SETS) / count
+    sine, cosine = arithmetic.sin_cos(2.0 * np.pi * ((ray * _GOLDEN + number / SETS) % 1.0))
     radius = np.sqrt(1.0 - z * z)
-    spread = np.column_stack([radius * cosine, radius * sine, z])
-    return np.ascontiguousarray(spread.reshape(count, SETS, 3).transpose(1, 0, 2))
+    return np.ascontiguousarray(np.stack([radius * cosine, radius * sine, z], axis=-1))
 
 
 @exact
@@ -101,8 +104,29 @@ def _from_lamp(faces: Faces, points: Points, lit: F32, lamp: F64, strength: floa
 
 
 @exact
-def _send(faces: Faces, points: Points, voxels: Voxels, direct: F32, volume: Volume, guess: float, glow: float) -> None:
-    """Work out anew what each cube sends out: of what lamps and the volume give, and of its own."""
+def _even_light(faces: Faces, points: Points, direct: F32, glow: float) -> F32:
+    """(3,) light that surfaces would receive if all sent the mean of them all: e / (1 - a), of means over their area."""
+    sent, albedo = np.zeros(3), np.zeros(3)
+    area = 0.0
+    for k in range(len(points.face)):
+        f = points.face[k]
+        area += points.area[k]
+        for channel in range(3):
+            light = (1.0 - faces.glow[f]) * direct[k] + glow * faces.glow[f]
+            sent[channel] += points.area[k] * faces.albedo[f, channel] * light
+            albedo[channel] += points.area[k] * faces.albedo[f, channel] * (1.0 - faces.glow[f])
+    even = np.zeros(3, dtype=np.float32)
+    for channel in range(3):
+        even[channel] = sent[channel] / max(area - albedo[channel], 1e-9)
+    return even
+
+
+@exact
+def _send(faces: Faces, points: Points, voxels: Voxels, direct: F32, volume: Volume, guess: F32, glow: float) -> None:
+    """Work out anew what each cube sends out: of what lamps and the volume give, and of its own.
+
+    Where the volume has no light yet, `guess` is taken.
+    """
     voxels.sent[:] = 0.0
     received = np.zeros(3, dtype=np.float32)
     for k in range(len(points.face)):
@@ -112,7 +136,7 @@ def _send(faces: Faces, points: Points, voxels: Voxels, direct: F32, volume: Vol
             continue
         cube, p, normal = voxels.number[i, j, m], points.position[k], faces.normals[f]
         if not light_at(volume, p[0], p[1], p[2], normal[0], normal[1], normal[2], received):
-            received[:] = guess
+            received[0], received[1], received[2] = guess[0], guess[1], guess[2]
         for axis in range(3):
             n = normal[axis]
             for side in range(2):
@@ -125,16 +149,3 @@ def _send(faces: Faces, points: Points, voxels: Voxels, direct: F32, volume: Vol
                             voxels.sent[cube, 2 * axis + side, channel] += (
                                 share / whole * faces.albedo[f, channel] * light
                             )
-
-
-@exact
-def _mean(faces: Faces, points: Points, volume: Volume) -> float:
-    """Mean light that the surfaces receive, over their area, as far as there are probes."""
-    received = np.zeros(3, dtype=np.float32)
-    total = area = 0.0
-    for k in range(len(points.face)):
-        p, normal = points.position[k], faces.normals[points.face[k]]
-        if light_at(volume, p[0], p[1], p[2], normal[0], normal[1], normal[2], received):
-            total += points.area[k] * (received[0] + received[1] + received[2]) / 3.0
-            area += points.area[k]
-    return total / max(area, 1e-9)

@@ -14,13 +14,16 @@ from typing import NamedTuple
 import numpy as np
 
 from remqa_data.compiled import exact
-from remqa_data.geometry.types import F32, F64, Flags
+from remqa_data.geometry.types import F32, F64, U8, Flags
 from remqa_data.sim.light.voxels import SIDES, Voxels, cast
 
-AHEAD_M = 0.08
+AHEAD_M = 0.06
 """A surface looks up its light so far before itself."""
 BACKS = 0.25
 """A probe of which more rays meet backs lies inside something."""
+BEYOND, NEAR_SURFACE, IN_AIR = 0, 1, 2
+NEAR = 2.0
+"""Surfaces take their light from probes that are at most so many steps of the lattice away."""
 _FAR = 1e6
 
 
@@ -40,7 +43,7 @@ class Volume(NamedTuple):
 
 
 @exact
-def gather(voxels: Voxels, volume: Volume, directions: F64, sky: float) -> None:
+def gather(voxels: Voxels, volume: Volume, directions: F64, in_air: F64, sky: float, places: U8) -> None:
     """Fill a volume with the light that the cubes send out.
 
     Parameters
@@ -49,9 +52,13 @@ def gather(voxels: Voxels, volume: Volume, directions: F64, sky: float) -> None:
         Unit vectors, spread evenly; neighbouring probes use different sets, so that what interpolates them averages.
     sky : float
         What comes from outside of the room.
+    in_air : (sets, m, 3) array
+        Those of probes in free air, where light changes slowly.
+    places : (nx, ny, nz) array
+        Where each probe is, see `places_of`.
     """
     nx, ny, nz = volume.is_valid.shape
-    sets, rays = directions.shape[0], directions.shape[1]
+    sets = directions.shape[0]
     total = np.zeros((SIDES, 3))
     weight = np.zeros(SIDES)
     for i in range(nx):
@@ -61,13 +68,16 @@ def gather(voxels: Voxels, volume: Volume, directions: F64, sky: float) -> None:
                 py = (volume.origin[1] + j * volume.spacing_m - voxels.origin[1]) / voxels.size_m
                 pz = (volume.origin[2] + m * volume.spacing_m - voxels.origin[2]) / voxels.size_m
                 volume.is_valid[i, j, m] = False
+                if places[i, j, m] == BEYOND:
+                    continue
                 if voxels.number[math.floor(px), math.floor(py), math.floor(pz)] >= 0:
                     continue
                 total[:] = 0.0
                 weight[:] = 0.0
                 backs = 0
-                chosen = directions[(i % 2 + 2 * (j % 2) + 4 * (m % 2)) % sets]
-                for ray in range(rays):
+                one = (i % 2 + 2 * (j % 2) + 4 * (m % 2)) % sets
+                chosen = in_air[one] if places[i, j, m] == IN_AIR else directions[one]
+                for ray in range(len(chosen)):
                     dx, dy, dz = chosen[ray, 0], chosen[ray, 1], chosen[ray, 2]
                     cube, facing = cast(voxels, px, py, pz, dx, dy, dz, _FAR, 0.0)
                     red = green = blue = 0.0
@@ -92,12 +102,90 @@ def gather(voxels: Voxels, volume: Volume, directions: F64, sky: float) -> None:
                         total[side, 0] += w * red
                         total[side, 1] += w * green
                         total[side, 2] += w * blue
-                if backs > BACKS * rays:
+                if backs > BACKS * len(chosen):
                     continue
                 volume.is_valid[i, j, m] = True
                 for side in range(SIDES):
                     for channel in range(3):
                         volume.light[i, j, m, side, channel] = total[side, channel] / max(weight[side], 1e-9)
+
+
+@exact
+def places_of(voxels: Voxels, volume: Volume, low: F64, high: F64) -> U8:
+    """(nx, ny, nz) where each probe is: near a surface, in free air, or beyond the walls between two corners of the room.
+
+    Those beyond are left out: between the wall and the pane of a window it is brighter than anything that is seen.
+    """
+    nx, ny, nz = volume.is_valid.shape
+    places = np.full((nx, ny, nz), IN_AIR, dtype=np.uint8)
+    share = voxels.size_m / volume.spacing_m
+    shift = (voxels.origin - volume.origin) / volume.spacing_m
+    mx, my, mz = voxels.number.shape
+    for i in range(mx):
+        for j in range(my):
+            for m in range(mz):
+                if voxels.number[i, j, m] < 0:
+                    continue
+                x, y, z = (i + 0.5) * share + shift[0], (j + 0.5) * share + shift[1], (m + 0.5) * share + shift[2]
+                for a in range(max(math.ceil(x - NEAR), 0), min(math.floor(x + NEAR) + 1, nx)):
+                    for b in range(max(math.ceil(y - NEAR), 0), min(math.floor(y + NEAR) + 1, ny)):
+                        for c in range(max(math.ceil(z - NEAR), 0), min(math.floor(z + NEAR) + 1, nz)):
+                            places[a, b, c] = NEAR_SURFACE
+    for i in range(nx):
+        for j in range(ny):
+            for m in range(nz):
+                x, y, z = i * volume.spacing_m, j * volume.spacing_m, m * volume.spacing_m
+                x, y, z = x + volume.origin[0], y + volume.origin[1], z + volume.origin[2]
+                is_in = low[0] <= x <= high[0] and low[1] <= y <= high[1] and low[2] <= z <= high[2]
+                if not is_in:
+                    places[i, j, m] = BEYOND
+    return places
+
+
+@exact
+def fill_beyond(volume: Volume, places: U8) -> None:
+    """Give the probes beyond the walls the mean light of those beside them, so that edges and niches find some, too."""
+    nx, ny, nz = volume.is_valid.shape
+    for _ in range(2):
+        was = volume.is_valid.copy()
+        for i in range(nx):
+            for j in range(ny):
+                for m in range(nz):
+                    if was[i, j, m] or places[i, j, m] != BEYOND:
+                        continue
+                    total, count = np.zeros((SIDES, 3)), 0
+                    for a in range(max(i - 1, 0), min(i + 2, nx)):
+                        for b in range(max(j - 1, 0), min(j + 2, ny)):
+                            for c in range(max(m - 1, 0), min(m + 2, nz)):
+                                if was[a, b, c]:
+                                    count += 1
+                                    for side in range(SIDES):
+                                        for channel in range(3):
+                                            total[side, channel] += volume.light[a, b, c, side, channel]
+                    if count > 0:
+                        volume.is_valid[i, j, m] = True
+                        for side in range(SIDES):
+                            for channel in range(3):
+                                volume.light[i, j, m, side, channel] = total[side, channel] / count
+
+
+@exact
+def mean_in_air(volume: Volume, places: U8) -> float:
+    """Mean light of the probes in free air, and of all where there are few such."""
+    nx, ny, nz = volume.is_valid.shape
+    total, count = np.zeros(2), np.zeros(2)
+    for i in range(nx):
+        for j in range(ny):
+            for m in range(nz):
+                if volume.is_valid[i, j, m] and places[i, j, m] != BEYOND:
+                    which = 0 if places[i, j, m] == IN_AIR else 1
+                    count[which] += 3 * SIDES
+                    for side in range(SIDES):
+                        for channel in range(3):
+                            total[which] += volume.light[i, j, m, side, channel]
+    if count[0] > 0.1 * count[1]:
+        return float(total[0] / count[0])
+    return float((total[0] + total[1]) / max(count[0] + count[1], 1.0))
 
 
 @exact

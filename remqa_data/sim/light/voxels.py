@@ -16,7 +16,7 @@ import numpy.typing as npt
 from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, F64, I32, U8, Flags
 
-SPACING_M = 0.025
+SPACING_M = 0.02
 """Surfaces are looked at in points about so far apart."""
 SIDES = 6
 """+x, -x, +y, -y, +z, -z."""

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from remqa_data.assets import build
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F32, F64
 from remqa_data.scene import Scene, SceneObject
@@ -21,8 +22,10 @@ from remqa_data.sim.render.scene_arrays import build_geometry, build_materials, 
 
 LEAST_GLOW = 0.5
 """What glows less is only drawn brighter than it is, such as the liner of a fridge, and lights nothing."""
-LEVEL = 1.1 * AMBIENT
+LEVEL = AMBIENT
 """Mean indirect light; what a room without baked light has, which is brighter from above and below."""
+BALANCE = 0.75
+"""Share of the common colour of a room's light that is taken away."""
 
 
 def room_light(scene: Scene) -> Volume:
@@ -36,11 +39,27 @@ def room_light(scene: Scene) -> Volume:
 
 @lru_cache(maxsize=4)
 def _baked(scene: Scene) -> Volume:
+    return _balanced(indirect_light(scene))
+
+
+def indirect_light(scene: Scene) -> Volume:
+    """The indirect light of a room as it is, before the camera balances its white."""
     x0, y0, x1, y1 = scene.bounds
     low, high = (x0, y0, scene.floor_z), (x1, y1, scene.floor_z + scene.height)
     lights = room_lights(scene.lights)
     lamps = Lamps(lights.positions, lights.strength, lights.reach_m)
     return bake(static_faces(scene), lamps, low, high, LEVEL)
+
+
+def _balanced(volume: Volume) -> Volume:
+    """The same with most of the colour that all light in the room has taken away, as a camera does and an eye.
+
+    A blue fridge stays blue among yellow walls; what one wall throws on another stays coloured.
+    """
+    means = volume.light[volume.is_valid].mean(axis=(0, 1), dtype=np.float64)
+    share = arithmetic.snapped(means.mean() / np.maximum(means, 1e-9))
+    volume.light[:] *= (1.0 + BALANCE * (share - 1.0)).astype(np.float32)
+    return volume
 
 
 def static_faces(scene: Scene) -> Faces:

@@ -21,6 +21,8 @@ from remqa_data.sim.render.raster import FAR_M, Buffers, Geometry, Placed
 from remqa_data.sim.render.shadow import Shadows, find_shadows
 
 _F = np.float32
+KNEE = 0.7
+"""Linear light up to this is shown as it is where light is baked."""
 
 
 class Materials(NamedTuple):
@@ -100,6 +102,8 @@ def shade(
             if len(patches.light) == 0:
                 _ambient(lights, sheet, count)
             _light(view, lights, sheet, count)
+            if len(patches.light) > 0:
+                _roll_off(sheet, count)
             _encode(sheet, fetches, count)
             for i in range(min(count, px.BLOCK_PX)):
                 for channel in range(3):
@@ -316,6 +320,18 @@ def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
             sheet[px.LIGHT_RED + i] += diffuse * sheet[px.RED + i] + shine
             sheet[px.LIGHT_GREEN + i] += diffuse * sheet[px.GREEN + i] + shine
             sheet[px.LIGHT_BLUE + i] += diffuse * sheet[px.BLUE + i] + shine
+
+
+@exact
+def _roll_off(sheet: F32, count: int) -> None:
+    """Bring what is brighter than `KNEE` below white, ever more slowly, so that what is lit strongly keeps its shape."""
+    knee, span = np.float32(KNEE), np.float32(1.0 - KNEE)
+    zero = np.float32(0.0)
+    for i in range(min(count, px.BLOCK_PX)):
+        for channel in range(3):
+            light = sheet[px.LIGHT_RED + channel * px.BLOCK_PX + i]
+            over = max(light - knee, zero)
+            sheet[px.LIGHT_RED + channel * px.BLOCK_PX + i] = light - over + over * span / (over + span)
 
 
 @exact

@@ -5,14 +5,14 @@ import pytest
 import trimesh
 
 from remqa_data.floorplans.ithor.scenes import load_scene
-from remqa_data.sim.light.bake import GLOW, SKY, Lamps, bake
+from remqa_data.sim.light.bake import GLOW, SKY, VOXEL, Lamps, _directions, _empty, bake
 from remqa_data.sim.light.patches import light_faces, patches, sample_of
-from remqa_data.sim.light.volume import Volume, light_at
-from remqa_data.sim.light.voxels import Faces, surface_points
+from remqa_data.sim.light.volume import BEYOND, Volume, gather, light_at, places_of
+from remqa_data.sim.light.voxels import Faces, surface_points, voxelise
 from remqa_data.sim.navigation.grid import reachable_grid
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.renderer import room_lights
-from remqa_data.sim.render.room_light import room_light, static_faces
+from remqa_data.sim.render.room_light import _balanced, indirect_light, static_faces
 
 NO_LAMPS = Lamps(np.zeros((0, 3)), np.zeros(0, np.float32), 4.0)
 
@@ -72,6 +72,33 @@ def _above(height_m: float) -> float:
     return float(4 * part / (2 * np.pi))
 
 
+def test_no_light_comes_through_the_walls_of_a_closed_room() -> None:
+    """Cubes are so large that the points on a face leave no hole: nothing sends light, and nothing of the sky comes in."""
+    faces, low, high = room(albedo=0.5), np.array((-2.0, -1.5, -1.25)), np.array((2.0, 1.5, 1.25))
+    volume = _empty((-2.0, -1.5, -1.25), (2.0, 1.5, 1.25), 0.0)
+    voxels = voxelise(faces, surface_points(faces), low - 0.3, high + 0.3, volume.spacing_m * VOXEL)
+    places = places_of(voxels, volume, low, high)
+    gather(voxels, volume, _directions(128), _directions(32), SKY, places)
+    assert volume.is_valid.sum() > 0.8 * (places != BEYOND).sum()
+    assert volume.light.max() == 0.0
+
+
+def test_each_set_of_directions_looks_everywhere_alike() -> None:
+    """Means over the sphere: 0 of a coordinate, and 1/3 of its square."""
+    for chosen in _directions(32):
+        assert np.linalg.norm(chosen, axis=1) == pytest.approx(np.ones(32))
+        assert chosen.mean(axis=0) == pytest.approx(np.zeros(3), abs=0.05)
+        assert np.square(chosen).mean(axis=0) == pytest.approx(np.full(3, 1 / 3), abs=0.03)
+
+
+def test_the_colour_that_all_light_has_is_mostly_taken_away() -> None:
+    """By hand: three quarters of the way from (2, 1, 1) times the mean 4/3 over each to grey."""
+    light = np.tile(np.array((2.0, 1.0, 1.0), np.float32), (2, 2, 2, 6, 1))
+    volume = Volume(np.zeros(3), light, 1.0, np.ones((2, 2, 2), np.bool_), 0.1)
+    balanced = _balanced(volume).light[0, 0, 0, 0]
+    assert balanced == pytest.approx((2 * (1 - 0.75 / 3), 1 + 0.75 / 3, 1 + 0.75 / 3), rel=1e-5)
+
+
 def test_baking_twice_gives_the_same_bits() -> None:
     faces = room(albedo=0.6)
     lamps = Lamps(np.array([(0.5, 0.2, 1.0)]), np.ones(1, np.float32), 4.0)
@@ -95,11 +122,11 @@ def test_samples_of_a_face_lie_in_rows_from_its_third_corner() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["FloorPlan2", "FloorPlan412"])
+@pytest.mark.parametrize("name", ["FloorPlan1", "FloorPlan2", "FloorPlan10", "FloorPlan412"])
 def test_a_room_is_lit_as_traced_paths_say(name: str) -> None:
     """Relative RMS error below 12 % of paths of four reflections, traced by Embree, where one sees when one walks about."""
     scene = load_scene(name)
-    faces, volume = static_faces(scene), room_light(scene)
+    faces, volume = static_faces(scene), indirect_light(scene)
     rng = np.random.default_rng(0)
     tracer = tracer_of(faces)
     points, normals = seen_points(faces, tracer, scene, rng)
