@@ -83,8 +83,11 @@ def _random_place(
     if not usable:
         return None
     weights = np.array([4 * areas[i].half[0] * areas[i].half[1] for i in usable])
+    # As `rng.choice` does it, which reckons the same sums anew for every draw.
+    up_to = np.cumsum(weights / weights.sum())
+    up_to /= up_to[-1]
     for _ in range(TRIES):
-        which = usable[int(rng.choice(len(usable), p=weights / weights.sum()))]
+        which = usable[int(up_to.searchsorted(rng.random(), side="right"))]
         yaw = 90.0 * int(rng.integers(4)) + float(rng.uniform(-JITTER_DEG, JITTER_DEG))
         u, v = (float(value) for value in rng.uniform(-1, 1, 2))
         half = turned_half(size, yaw)

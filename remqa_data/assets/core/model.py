@@ -8,6 +8,7 @@ a joint moves the link about or along the joint's axis.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -179,14 +180,23 @@ class Asset:
 
     def bounds(self, openness: float = 0.0) -> F64:
         """(2, 3) least and greatest corner of the visible mesh in the asset frame at an openness."""
-        poses = self.link_poses(openness)
+        return self.box_at(self.link_poses(openness))
+
+    def box_at(self, link_poses: F64) -> F64:
+        """(2, 3) least and greatest corner of the visible mesh with the links at (links, 4, 4) poses."""
         points = [
-            arithmetic.moved(surface.vertices, poses[i])
-            for i, link in enumerate(self.links)
-            for surface in link.surfaces
+            arithmetic.moved(vertices, pose)
+            for vertices, pose in zip(self._link_vertices, link_poses, strict=True)
+            if len(vertices)
         ]
-        stacked = np.vstack(points)
-        return np.stack([stacked.min(axis=0), stacked.max(axis=0)])
+        low, high = [p.min(axis=0) for p in points], [p.max(axis=0) for p in points]
+        return np.stack([np.min(low, axis=0), np.max(high, axis=0)])
+
+    @cached_property
+    def _link_vertices(self) -> list[F32]:
+        """(n, 3) vertices of all surfaces of each link: what is asked for most often is where they are."""
+        empty = np.empty((0, 3), dtype=np.float32)
+        return [np.concatenate([empty, *(surface.vertices for surface in link.surfaces)]) for link in self.links]
 
     @property
     def triangle_count(self) -> int:

@@ -320,11 +320,7 @@ class World:
         return arithmetic.product(state.matrix(), self.assets[object_id].link_poses(state.openness))
 
     def _find_box(self, object_id: str) -> F64:
-        points = []
-        for link, pose in zip(self.assets[object_id].links, self.link_poses(object_id), strict=True):
-            points += [arithmetic.moved(s.vertices, pose) for s in link.surfaces]
-        stacked = np.vstack(points)
-        return np.stack([stacked.min(axis=0), stacked.max(axis=0)])
+        return self.assets[object_id].box_at(self.link_poses(object_id))
 
     # ---- PyBullet
 
