@@ -110,8 +110,8 @@ def _passed(plan: RoomPlan, samples: Samples) -> dict[str, list[int]]:
 
 
 def _is_due(group: GroupPlan[HidingPlace], number: int) -> bool:
-    """Whether a group asks about a configuration; spare ones ask about all."""
-    return not group.asked or number in group.asked
+    """Whether a group asks about a configuration; spare ones ask about none until samples are refused."""
+    return number in group.asked
 
 
 def _audited_room(job: Job, number: int, scene: Scene) -> AuditedRoom:

@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 
 from remqa_data.errors import ArrangementError, QuotaError
-from remqa_data.generators.arrangement.configurations import Configuration, arrange, check_room
+from remqa_data.generators.arrangement.configurations import Configuration, arrange, check_room, has_room
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import Hidden
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places
@@ -89,6 +89,7 @@ class RoomPlanner:
         self.failures: Counter[tuple[str, str]] = Counter()
         self.refused: Counter[str] = Counter()
         self._fitting_at_first = cache(lambda place, count: fitting_types(place, job.quota.room_type, count))
+        self._has_room = cache(has_room)
         self.groups: list[GroupPlan[HidingPlace]] = []
         self._start_over()
 
@@ -166,6 +167,7 @@ class RoomPlanner:
                 spare,
                 self.clashes,
                 inner_fits,
+                self._has_room,
             )
         except QuotaError:
             if not self.has_learnt or self.plans_left <= 0:

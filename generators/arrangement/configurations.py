@@ -157,6 +157,12 @@ def check_room(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator)
         _packed(scene, place, [types[name] for name in names], sizes, links.get(key), rng)
 
 
+def has_room(place: HidingPlace, types: Sequence[str]) -> bool:
+    """Whether things of some types, each named as often as there are, fit a place at the same time, however large they come."""
+    sizes = [_largest_size(name) for name in types]
+    return packed(place.areas, sizes, hiding_rules().gap_m, np.random.default_rng(0)) is not None
+
+
 Key = tuple[str, str]
 
 

@@ -9,18 +9,20 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
 from remqa_data.files import atomic_path
 from remqa_data.floorplans.ithor.scenes import load_scene, scene_names
+from remqa_data.generators.arrangement.configurations import has_room
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_places import hiding_places
 from remqa_data.generators.questions.allotment import LOT_SIZE, SOURCE, SceneCapacity
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import group_shapes
-from remqa_data.generators.questions.planning import FittingTypes, Planner, sites_of
+from remqa_data.generators.questions.planning import FittingTypes, HasRoom, Planner, any_room, sites_of
 from remqa_data.generators.questions.questions import KINDS, P, question_rules
 from remqa_data.published import QUESTIONS
 from remqa_data.scene_graph.graph import SceneGraph
@@ -47,7 +49,12 @@ def measured_capacity(scene_name: str) -> SceneCapacity:
         room = Expressions(SceneGraph.from_objects(object_metadata(world).values()))
     phrases = {place.object_id: room.of(place.object_id) for place in places}
     return room_capacity(
-        places, phrases, lambda place, count: fitting_types(place, scene.room_type, count), scene.name, scene.room_type
+        places,
+        phrases,
+        lambda place, count: fitting_types(place, scene.room_type, count),
+        scene.name,
+        scene.room_type,
+        cache(has_room),
     )
 
 
@@ -57,13 +64,20 @@ def room_capacity(
     fitting_types: FittingTypes[P],
     scene: str,
     room_type: str,
+    has_room: HasRoom[P] | None = None,
 ) -> SceneCapacity:
     """How many lots of each kind a room can take at once: a line of `capacities.csv`.
 
     Lots are added in the proportion in which the published benchmark has questions, until no more fit: first without
     crowding places and without long questions, then with them.
     """
-    planner = Planner(sites_of(places, expressions, fitting_types), scene, LOT_SIZE, np.random.default_rng(0))
+    planner = Planner(
+        sites_of(places, expressions, fitting_types),
+        scene,
+        LOT_SIZE,
+        np.random.default_rng(0),
+        has_room=has_room or any_room,
+    )
     easy = _fill_up(planner, dict.fromkeys(KINDS, 0), crowd=False)
     return SceneCapacity(scene, room_type, easy, _fill_up(planner, easy, crowd=True))
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import product
 from typing import Literal
 
 from remqa_data.catalog import object_type, types_with
@@ -226,14 +227,22 @@ def _placed(target: ObjectMetadata, plain: Expression, *, doubly: bool) -> Itera
         places += [(word, (("row", place),)) for word, place in row.items()]
     for words, steps in places:
         yield replace(plain, text=_with_word(plain, words), kind="superlative", program=(*plain.program, *steps))
+    levels: dict[str, Program] = {"": ()}
+    if doubly:
+        levels = {high: (("stack", place),) for high, place in stack.items() if place != "middle"}
+    for ordinal, side in product(rules.row_ordinals if row else (), rules.row_sides):
+        for word, above in levels.items():
+            text = _with_word(plain, f"{ordinal} {word}".strip(), f" {side}")
+            steps = (*plain.program, *above, ("row", f"{ordinal} {side}"))
+            yield replace(plain, text=text, kind="superlative", program=steps)
 
 
-def _with_word(plain: Expression, word: str) -> str:
-    """The phrase with a word before its first noun, as the patterns have it."""
+def _with_word(plain: Expression, word: str, behind: str = "") -> str:
+    """The phrase with a word before its first noun, as the patterns have it, and words behind it."""
     noun = object_type(plain.target_type).singular
     head = expression_rules().patterns["bare"].format(noun=noun)
     described = expression_rules().patterns["attribute"].format(attribute=word, noun=noun)
-    return plain.text.replace(head, described, 1)
+    return plain.text.replace(head, described + behind, 1)
 
 
 def _suits(anchor: ObjectMetadata, target: ObjectMetadata) -> bool:

@@ -43,6 +43,10 @@ class GroupPlan(Generic[P]):
         """How many things are in the place for this question, in each configuration."""
         return tuple(things_to_answer(answer, self.question.partner) for answer in self.answers)
 
+    def things(self, configuration: int) -> tuple[str, ...]:
+        """Types of the things that are in the place for this question, each named as often as there are."""
+        return things_of(self.question, self.answers[configuration])
+
 
 @dataclass(frozen=True)
 class Wish(Generic[P]):
@@ -83,6 +87,14 @@ def _wishes(group: GroupPlan[P], configuration: int) -> list[Wish[P]]:
         Wish(question.place, partner.type, partner.count),
         Wish(question.place, question.type, 1, partner, answer == YES),
     ]
+
+
+def things_of(question: Candidate[P], answer: str) -> tuple[str, ...]:
+    """Types of the things that are to be in a place for an answer, each named as often as there are."""
+    partner = question.partner
+    if partner is None:
+        return (question.type,) * things_for(answer)
+    return (question.type, *(partner.type,) * partner.count)
 
 
 def things_to_answer(answer: str, partner: Partner | None) -> int:

@@ -16,7 +16,7 @@ from remqa_data.catalog import Manipulation
 from remqa_data.errors import QuotaError
 from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.expressions import Expression
-from remqa_data.generators.questions.groups import GroupPlan, group_shapes, things_for, things_to_answer
+from remqa_data.generators.questions.groups import GroupPlan, group_shapes, things_for, things_of, things_to_answer
 from remqa_data.generators.questions.questions import (
     Candidate,
     P,
@@ -36,6 +36,8 @@ FittingTypes = Callable[[P, int], Sequence[tuple[str, float]]]
 """Gives the types of which so many things fit a place at the same time, with weights."""
 InnerFits = Callable[[P, str, Partner], bool]
 """Whether a thing of a type can lie in a place as said to its partner, and clearly not so."""
+HasRoom = Callable[[P, tuple[str, ...]], bool]
+"""Whether a place has room for things of some types at the same time, each named as often as there are things, sorted."""
 SiteKey = tuple[str, str]
 """Object id and relation: in a microwave and under it are two places."""
 Clashes = Mapping[SiteKey, Collection[frozenset[str]]]
@@ -61,6 +63,7 @@ def plan_groups(
     spare_groups: Mapping[QuestionKind, int] | None = None,
     clashes: Clashes | None = None,
     inner_fits: InnerFits[P] | None = None,
+    has_room: HasRoom[P] | None = None,
 ) -> list[GroupPlan[P]]:
     """The questions of one room.
 
@@ -85,6 +88,8 @@ def plan_groups(
     inner_fits : callable, optional
         Given a place, a type and its partner, whether they can lie there so, and clearly not so. Without it, no question
         asks how two things lie to one another.
+    has_room : callable, optional
+        See `HasRoom`; by default spots are counted only.
 
     Returns
     -------
@@ -99,7 +104,7 @@ def plan_groups(
     sites = sites_of(places, expressions, fitting_types)
     order, refusal, hardest = PLAN_ORDER, "", PLAN_ORDER[0]
     for attempt in range(ATTEMPTS):
-        planner = Planner(sites, quota.scene, configurations, rng, clashes or {}, inner_fits)
+        planner = Planner(sites, quota.scene, configurations, rng, clashes or {}, inner_fits, has_room or any_room)
         failed = _fill(planner, order, quota, with_inner=attempt < ATTEMPTS // 2)
         if failed is None:
             for kind in PLAN_ORDER:
@@ -181,6 +186,7 @@ class Planner(Generic[P]):
     rng: np.random.Generator
     clashes: Clashes = field(default_factory=dict)
     inner_fits: InnerFits[P] | None = None
+    has_room: HasRoom[P] = field(default_factory=lambda: any_room)
     groups: list[GroupPlan[P]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -225,7 +231,7 @@ class Planner(Generic[P]):
                 assert question.partner is not None
                 if self._is_free(option) and self.inner_fits(question.place, question.type, question.partner):
                     answers = self._answers("SPATIAL", option.site, shape, question.partner)
-                    if answers is not None:
+                    if answers is not None and self._has_room(question, answers):
                         self._take("SPATIAL", option, answers, shape)
                         return True
         return False
@@ -260,11 +266,23 @@ class Planner(Generic[P]):
             while pool:
                 chosen = self._draw(kind, size, pool)
                 answers = self._answers(kind, chosen.site, shape)
-                if answers is not None:
+                if answers is None:
+                    pool = [option for option in pool if option.site is not chosen.site]
+                elif self._has_room(chosen.question, answers):
                     self._take(kind, chosen, answers, shape)
                     return True
-                pool = [option for option in pool if option.site is not chosen.site]
+                else:
+                    pool = [o for o in pool if o.site is not chosen.site or o.question.type != chosen.question.type]
         return False
+
+    def _has_room(self, question: Candidate[P], answers: Sequence[str]) -> bool:
+        """Whether the things of a question find room beside those of the other questions about its place."""
+        own = [group for group in self.groups if group.question.place == question.place and group.question != question]
+        for number, answer in enumerate(answers):
+            types = (*things_of(question, answer), *(name for group in own for name in group.things(number)))
+            if types and not self.has_room(question.place, tuple(sorted(types))):
+                return False
+        return True
 
     def _widen(self, kind: QuestionKind, shape: Mapping[str, int]) -> bool:
         """Let a group ask in configurations in which it does not ask yet, if one has room for what is to be found there."""
@@ -281,7 +299,7 @@ class Planner(Generic[P]):
                 answers = tuple(given.get(c, answer) for c, answer in enumerate(group.answers))
                 wider = replace(group, answers=answers, asked=tuple(sorted((*group.asked, *chosen))))
                 filled = self.filled[key] + wider.counts - np.array(group.counts)
-                if np.all(filled <= len(group.question.place.spots)):
+                if np.all(filled <= len(group.question.place.spots)) and self._has_room(group.question, answers):
                     self.groups[place], self.filled[key] = wider, filled
                     self._count(group.question, len(more))
                     return True
@@ -414,6 +432,11 @@ class Planner(Generic[P]):
         kind = question.kind
         self.samples[kind, question.place.manipulation] += size
         self.excess_words[kind] += size * (question.words - self.rules.aim_words[kind])  # type: ignore[assignment]
+
+
+def any_room(place: P, types: tuple[str, ...]) -> bool:
+    """That spots are counted is enough."""
+    return True
 
 
 def _any_confusable(some: Iterable[str], others: Iterable[str]) -> bool:

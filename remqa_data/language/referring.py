@@ -7,7 +7,8 @@ A program is a pipeline over sets of objects, as in CLEVR: it starts with all ob
   ``"behind"``, and ``"between"`` keeps what is between two of them.
 - ``("closest", program)`` keeps what is closest to the objects that the inner program gives.
 - ``("stack", "highest")``, ``"lowest"`` or ``"middle"`` keeps one of a stack.
-- ``("row", "left")``, ``"right"``, ``"leftmost"`` or ``"rightmost"`` keeps one end of a row.
+- ``("row", "left")``, ``"right"``, ``"leftmost"`` or ``"rightmost"`` keeps one end of a row; so do
+  ``"second from the left"`` and the like with what is nearly there.
 
 Programs are tuples of strings and tuples, so they can be compared and hashed; JSON turns them into lists, which are
 understood as well.
@@ -96,22 +97,28 @@ def _noun_program(words: str, text: str, relation: Step | None) -> Program:
     """Type, colours and materials, then the relation, then the place in a stack or a row of what is left."""
     article, _, rest = words.partition(" ")
     names = _types_by_word()
+    side = next((side for side in expression_rules().row_sides if rest.endswith(f" {side}")), "")
+    rest = rest.removesuffix(f" {side}") if side else rest
     parts = rest.split(" ")
     if article.lower() != "the" or not rest:
         raise ProgramError(f"{text!r}: expected a phrase that starts with 'the', found {words!r}")
     for start in range(len(parts)):
         noun = " ".join(parts[start:])
         if noun in names:
-            attributes = [_attribute_step(word, text) for word in parts[:start]]
+            attributes = [_attribute_step(word, side, text) for word in parts[:start]]
             filters = [step for step in attributes if step[0].startswith("filter")]
-            places = [step for step in attributes if step[0] in ("stack", "row")]
+            places = [step for name in ("stack", "row") for step in attributes if step[0] == name]
+            if side and not any(side in step[1] for step in places):
+                break
             return (("filter_type", names[noun]), *filters, *([relation] if relation else []), *places)
     hint = "".join(f"; did you mean {near!r}?" for near in nearest_names(rest, names, 1))
     raise ProgramError(f"{text!r}: no object type is called {rest!r}{hint}")
 
 
-def _attribute_step(word: str, text: str) -> Step:
+def _attribute_step(word: str, side: str, text: str) -> Step:
     rules = expression_rules()
+    if word in rules.row_ordinals and side:
+        return ("row", f"{word} {side}")
     if word in rules.stack_words:
         return ("stack", rules.stack_words[word])
     if word in rules.row_words:

@@ -17,7 +17,16 @@ SOURCE = "expressions.yaml"
 SEEN_AS_ONE = types_with("seen_as_one")
 """Types of which several are one landmark."""
 StackPlace = Literal["highest", "lowest", "middle"]
-RowPlace = Literal["left", "right", "leftmost", "rightmost"]
+RowPlace = Literal[
+    "left",
+    "right",
+    "leftmost",
+    "rightmost",
+    "second from the left",
+    "second from the right",
+    "third from the left",
+    "third from the right",
+]
 
 
 class ExpressionRules(BaseModel):
@@ -33,6 +42,8 @@ class ExpressionRules(BaseModel):
     same_height_m: float
     column_min_share: float
     row_words: dict[str, RowPlace]
+    row_ordinals: tuple[str, ...]
+    row_sides: dict[str, str]
     row_min_step_m: float
     row_max_turn_deg: float
     row_min_height_share: float

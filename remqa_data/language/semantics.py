@@ -57,8 +57,8 @@ class Exactly:
         return {i for i in found if abs(heights[i] - end) < same}
 
     def in_row(self, graph: SceneGraph, found: set[str], place: RowPlace) -> set[str]:
-        """The one at an end of a row that faces one way: left or right of two, leftmost or rightmost of more."""
-        if not (len(found) == 2 if place in ("left", "right") else len(found) > 2):
+        """The one at an end of a row that faces one way: left or right of two, leftmost or rightmost of more; or near it."""
+        if not (len(found) == 2 if place in ("left", "right") else len(found) > 2 * _steps_in(place) + 1):
             return set()
         if not all(_same_way(graph, a, b) for a in found for b in found):
             return set()
@@ -194,13 +194,23 @@ def _same_level(graph: SceneGraph, a: str, b: str) -> bool:
 
 
 def _row_end(graph: SceneGraph, row: set[str], place: RowPlace) -> set[str]:
-    """Those at one end of a row, as who stands before it sees it; several if they are not clearly apart."""
+    """Those at or near one end of a row, as who stands before it sees it; several if they are not clearly apart."""
     places: dict[str, float] = {}
     for i in sorted(row):
         sine, cosine = arithmetic.sin_cos_deg(graph.node(i).facing_deg or 0.0)
         centre = geometry.centres(graph.node(i).box)[0]
         # The viewer looks against the facing; its right is the facing turned counter-clockwise by 90 degrees.
         places[i] = float(-sine * centre[0] + cosine * centre[1])
-    sign = -1.0 if place in ("left", "leftmost") else 1.0
-    end = max((sign * x for x in places.values()), default=0.0)
-    return {i for i, x in places.items() if sign * x > end - expression_rules().row_min_step_m}
+    sign = -1.0 if place.endswith("left") or place == "leftmost" else 1.0
+    end: set[str] = set()
+    for _ in range(_steps_in(place) + 1):
+        places = {i: x for i, x in places.items() if i not in end}
+        furthest = max((sign * x for x in places.values()), default=0.0)
+        end = {i for i, x in places.items() if sign * x > furthest - expression_rules().row_min_step_m}
+    return end
+
+
+def _steps_in(place: RowPlace) -> int:
+    """How many steps a place is from the end of its row."""
+    ordinals = expression_rules().row_ordinals
+    return next((number for number, word in enumerate(ordinals, 1) if place.startswith(word)), 0)

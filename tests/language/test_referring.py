@@ -57,6 +57,19 @@ def test_the_middle_of_three_in_a_row() -> None:
     assert resolve("the rightmost cabinet", SceneGraph.from_objects(row)) == ["Cabinet|2"]
 
 
+def test_places_in_a_long_row_are_counted_from_its_ends() -> None:
+    grid = [thing(f"Drawer|{i}{k}", (0.5 * i, 0, 0.4 * k), (0.5, 0.5, 0.35)) for i in range(4) for k in range(2)]
+    graph = SceneGraph.from_objects(grid)
+    assert resolve("the second top drawer from the left", graph) == ["Drawer|11"]
+    assert resolve("the second bottom drawer from the right", graph) == ["Drawer|20"]
+    assert resolve("the second drawer from the left", graph) == ["Drawer|10", "Drawer|11"]
+    assert resolve("the third top drawer from the left", graph) == []  # nobody counts past the middle
+    of_three = SceneGraph.from_objects(grid[:6])
+    assert resolve("the second top drawer from the left", of_three) == []  # it is the middle one
+    with pytest.raises(ProgramError, match="from the left"):
+        program_of("the top drawer from the left")
+
+
 @pytest.mark.parametrize(
     ("text", "also"),
     [

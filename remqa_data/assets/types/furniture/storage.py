@@ -28,10 +28,15 @@ from remqa_data.assets.parts.fronts import (
 from remqa_data.geometry.types import Box
 
 DOOR_OPEN_DEG = 105.0
+HOOD = 0.002
+"""Thickness of the hood over a drawer, metres."""
 
 
 def drawer(b: Builder) -> None:
-    """A drawer without a carcass: slab with a bar, raised panel with knobs, shaker with a cup, slab with a lip."""
+    """A drawer without a carcass: slab with a bar, raised panel with knobs, shaker with a cup, slab with a lip.
+
+    A thin hood stays behind when it opens: nobody looks in from above or from the side where the furniture around has gaps.
+    """
     wood, metal = finish(b), hardware(b)
     style: Style = b.by_variant(("slab", "raised", "shaker", "slab"))
     pull: Pull = b.by_variant(("bar", "knob", "cup", "lip"))
@@ -48,11 +53,19 @@ def drawer(b: Builder) -> None:
         for side in (-1, 1):
             outer, inner = side * x, side * (x - wall)
             slab(b, (min(outer, inner), y, low, max(outer, inner), back, high), materials.PINE)
-        slab(b, (wall - x, back - wall, low, x - wall, back, high), materials.PINE)
+        slab(b, (wall - x, back - wall, low, x - wall, back, b.h - 2 * HOOD), materials.PINE)
         slab(b, (wall - x, y, max(low, floor - 0.012), x - wall, back - wall, floor), materials.PINE)
+        behind = b.w / 2 - HOOD  # a front with a lip for its pull is not as high as the drawer
+        slab(b, (-behind, y, low, behind, y + HOOD, b.h - 2 * HOOD), materials.PINE)
+        y += HOOD
         width, depth = 2 * (x - wall), back - wall - y
-        at = (0.0, y + depth / 2, (b.h + floor) / 2)
-        b.space("inside", (width, depth, b.h - floor), at, enclosed=True)
+        room = b.h - 2 * HOOD - floor
+        b.space("inside", (width, depth, room), (0.0, y + depth / 2, floor + room / 2), enclosed=True)
+    hooded, middle = back - face - thick / 2, (back + face + thick / 2) / 2
+    b.box((b.w - 0.002, hooded, HOOD), (0.0, middle, b.h - HOOD / 2), materials.PINE, solid=False)
+    for side in (-1, 1):
+        at = (side * (b.w / 2 - HOOD / 2 - 0.001), middle, (b.h + 0.6 * high) / 2)
+        b.box((HOOD, hooded, b.h - 0.6 * high), at, materials.PINE, solid=False)
     b.looks_like(wood)
 
 

@@ -121,6 +121,8 @@ def _fridge_door(
         soft = 0.028 if b.variant == 3 else 0.008
         b.box((width, thick, height), (x, y, z), body, radius=soft, segments=2)
         b.box((width - 0.085, 0.016, height - 0.085), (x, back + 0.008, z), enamel.LINER, solid=False)
+        if side < 0 and x1 < b.w / 2:  # a seal behind the gap between two doors, through which one would look in
+            b.box((0.036, 0.004, height), (x1 - 0.002, back + 0.003, z), materials.BLACK_PLASTIC, solid=False)
         for rack in np.arange(z0 + 0.12, z1 - 0.2, max(0.3, height / 4)):
             b.shell(
                 (width - 0.12, 0.085, 0.08),
