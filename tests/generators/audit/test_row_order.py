@@ -1,0 +1,35 @@
+"""How many questions a room may have."""
+
+import pytest
+
+from remqa_data.generators.audit.row_order import Key, _question_rows
+from remqa_data.generators.config import paper_config
+from remqa_data.generators.questions.allotment import SceneQuota
+
+QUOTA = SceneQuota("FloorPlan1", "kitchen", "train", {"EXISTENCE": {"yes": 2, "no": 2}})
+
+
+def rows(*answers: str) -> list[Key]:
+    """Questions of one room, each about another place, with these answers in configurations 0 and 1."""
+    return [
+        {
+            **{"question_id": f"FloorPlan1-EXISTENCE-{index // 2:02d}-c{index % 2}", "scene": "FloorPlan1"},
+            **{"room_type": "kitchen", "configuration": index % 2, "split": "train", "file_split": "train"},
+            **{"group": f"FloorPlan1-EXISTENCE-{index // 2:02d}", "kind": "EXISTENCE", "answer": answer},
+        }
+        for index, answer in enumerate(answers)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("answers", "may_fall_short", "wrong"),
+    [
+        (("yes", "no", "no", "yes"), False, 0),
+        (("yes", "no"), False, 2),  # one yes and one no are missing
+        (("yes", "no"), True, 0),  # others stepped in
+        (("yes", "no", "yes", "no", "yes", "no"), True, 2),  # nobody has more than was asked for
+    ],
+)
+def test_a_room_has_what_it_was_asked_for(answers: tuple[str, ...], may_fall_short: bool, wrong: int) -> None:
+    failures = list(_question_rows(rows(*answers), [QUOTA], paper_config(), may_fall_short=may_fall_short))
+    assert [failure.truth for failure in failures] == ["unbiased"] * wrong
