@@ -56,14 +56,16 @@ def expressions_in_frames(root: str | os.PathLike[str]) -> pd.DataFrame:
         The columns `EXPRESSION_COLUMNS`, and `rivals` (objects of the target's type that the frame shows, without the
         target), `shows_anchor` (whether the frame shows the landmark; None where there is none).
     """
+    shown: dict[str, list[tuple[str, str]]] = {}
+    for split in load_manifest(root).splits(
+        "frames"
+    ):  # not those of the expressions: a frame goes by its room's questions
+        frames = read_table(root, "frames", split, ["frame_id", "objects"])
+        lists = frames["objects"].combine_chunks().to_pylist()
+        for frame, objects in zip(frames["frame_id"].to_pylist(), lists, strict=True):
+            shown[frame] = [(record["id"], record["type"]) for record in objects]
     parts: list[pd.DataFrame] = []
     for split in load_manifest(root).splits("expressions"):
-        frames = read_table(root, "frames", split, ["frame_id", "objects"])
-        ids = frames["objects"].combine_chunks()
-        shown = {
-            frame: [(record["id"], record["type"]) for record in objects]
-            for frame, objects in zip(frames["frame_id"].to_pylist(), ids.to_pylist(), strict=True)
-        }
         rows = read_table(root, "expressions", split, EXPRESSION_COLUMNS).to_pandas()
         seen = [shown[frame] for frame in rows["frame_id"]]
         rows["rivals"] = [
