@@ -1,6 +1,7 @@
 import os
 import zlib
 from collections import Counter
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -192,7 +193,9 @@ def test_shapes_add_up_to_as_many_groups_as_can_be_or_are_refused(quota, most) -
 
 
 def test_a_question_is_asked_twice_unless_there_is_no_other_to_ask() -> None:
-    quota = next(q for q in quotas() if q.room_type == "kitchen" and all(q.total(kind) % 4 == 0 for kind in KINDS))
+    owed = next(q for q in quotas() if q.room_type == "kitchen" and all(q.total(kind) >= 4 for kind in KINDS))
+    whole = {kind: dict.fromkeys(n, owed.total(kind) // 4 * 4 // len(n)) for kind, n in owed.answers.items()}
+    quota = replace(owed, answers=whole)
     sizes = Counter(len(group.asked) for group in plan(quota, spare={}))
     assert sizes[2] > 0.9 * sum(sizes.values())
     places, phrases = phrases_of(quota.scene)

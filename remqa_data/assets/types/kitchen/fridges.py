@@ -52,6 +52,10 @@ def fridge(b: Builder) -> None:
             if b.variant == 2 or b.w >= TWO_DOORS_M
             else ((1 if b.spec.seed % 2 else -1, -b.w / 2, b.w / 2),)
         )
+        if len(sides) == 2:  # a mullion behind the gap between the doors, through which one would look in
+            b.box(
+                (0.014, 0.004, high - low), (0, front - 0.003, (low + high) / 2), materials.BLACK_PLASTIC, solid=False
+            )
         for side, x0, x1 in sides:
             _fridge_door(
                 b, f"{name} door {side}", body, metal, side, (x0, x1, low + 0.003, high - 0.003), door_y, thick
@@ -121,8 +125,6 @@ def _fridge_door(
         soft = 0.028 if b.variant == 3 else 0.008
         b.box((width, thick, height), (x, y, z), body, radius=soft, segments=2)
         b.box((width - 0.085, 0.016, height - 0.085), (x, back + 0.008, z), enamel.LINER, solid=False)
-        if side < 0 and x1 < b.w / 2:  # a seal behind the gap between two doors, through which one would look in
-            b.box((0.036, 0.004, height), (x1 - 0.002, back + 0.003, z), materials.BLACK_PLASTIC, solid=False)
         for rack in np.arange(z0 + 0.12, z1 - 0.2, max(0.3, height / 4)):
             b.shell(
                 (width - 0.12, 0.085, 0.08),
