@@ -184,7 +184,8 @@ def _dealt(rooms: Sequence[SceneCapacity], split: str, totals: Totals) -> Lots:
         even = {scene: max(0, min(lots, MOST_LOTS - had[scene])) for scene, lots in easy.items()}
         dealt[kind] = _deal_lots((even, easy, most), count, first)
         had = {scene: lots + dealt[kind][scene] for scene, lots in had.items()}
-    _even_out(dealt, rooms)
+    if not all(is_sampled(room.scene) for room in rooms):  # those are alike, and may be a million
+        _even_out(dealt, rooms)
     return {kind: dealt[kind] for kind in KINDS}
 
 

@@ -55,11 +55,12 @@ def test_a_wall_goes_on_to_a_near_corner_unless_something_is_there() -> None:
     assert behind_walls([mirror, BED, lamp], BOUNDS)[0][2] == pytest.approx(5.35)
 
 
-@pytest.mark.parametrize("name", ["FloorPlan311", "FloorPlan325", "FloorPlan218", "FloorPlan204", "FloorPlan10"])
+@pytest.mark.parametrize("name", ["FloorPlan311", "FloorPlan325", "FloorPlan218", "FloorPlan204"])
 def test_what_is_behind_walls_is_no_floor_and_nothing_recorded_stands_there(name: str) -> None:
     rows = recorded_objects(name)
     floor = next(o for o in rows if o.type == "Floor")
     _, notches = recorded_extent(rows, floor)
+    assert notches
     for x0, y0, x1, y1 in notches:
         middles = {o.id: (o.low + o.high)[:2] / 2 for o in rows if o is not floor}
         assert [i for i, m in middles.items() if np.all(m > [x0, y0]) and np.all(m < [x1, y1])] == []

@@ -85,7 +85,9 @@ def test_no_light_comes_through_the_walls_of_a_closed_room() -> None:
 
 def test_each_set_of_directions_looks_everywhere_alike() -> None:
     """Means over the sphere: 0 of a coordinate, and 1/3 of its square."""
-    for chosen in _directions(32):
+    sets = _directions(32)
+    assert len(sets) > 1
+    for chosen in sets:
         assert np.linalg.norm(chosen, axis=1) == pytest.approx(np.ones(32))
         assert chosen.mean(axis=0) == pytest.approx(np.zeros(3), abs=0.05)
         assert np.square(chosen).mean(axis=0) == pytest.approx(np.full(3, 1 / 3), abs=0.03)
