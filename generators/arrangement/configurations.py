@@ -28,7 +28,7 @@ from remqa_data.generators.arrangement.hiding_check import (
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
 from remqa_data.generators.arrangement.inner_packing import Link, packed_with_link
-from remqa_data.generators.arrangement.loose_objects import open_surfaces, put_anew
+from remqa_data.generators.arrangement.loose_objects import SKIN_M, open_surfaces, put_anew
 from remqa_data.generators.arrangement.packing import Put, packed
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Box, Vec3
@@ -39,7 +39,6 @@ from remqa_data.sim.render.view import WorldView
 
 PACKED, SETTLED = 10, 6
 """What a place hides is put there in so many ways, and physics is asked so often, before it counts as impossible."""
-SKIN_M = 0.001
 LOOKS = 6
 """So many looks are tried for one that stands out from what the thing lies in."""
 BESIDE_M = 0.4

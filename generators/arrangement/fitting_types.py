@@ -6,12 +6,12 @@ import numpy as np
 
 from remqa_data.floorplans.ithor.placements import probability
 from remqa_data.generators.arrangement.fill_ratios import fill_ratios
+from remqa_data.generators.arrangement.hiding_check import goal_camera
 from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
 from remqa_data.generators.arrangement.plausible import plausible_types
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
-from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
 
 
@@ -51,10 +51,8 @@ def visible_pixels(place: HidingPlace, area: Area, type_: str, size: Vec3) -> fl
     shows A cos(a) f^2 r / d^3 pixels; the thing is taken for the top and the narrower side of its box, as far as its
     shape fills them, and only as far as it reaches above the height from which on the area is seen.
     """
-    x, y = place.goal.cell[0] * AGENT.step_m, place.goal.cell[1] * AGENT.step_m
-    eye = np.array([x, y, place.floor_z + AGENT.camera_height_m])
-    (sin_yaw, sin_down), (cos_yaw, cos_down) = arithmetic.sin_cos_deg([place.goal.yaw_deg, place.goal.horizon_deg])
-    forward = np.array([cos_yaw * cos_down, sin_yaw * cos_down, -sin_down])
+    camera = goal_camera(place)
+    eye, forward = np.array(camera.position), camera.rotation()[2]
     flat = area.lattice(max(area.half)).reshape(-1, 2)
     away = area.to_room(np.column_stack([flat, np.full(len(flat), size[2] / 2)])) - eye
     r = arithmetic.length(away)

@@ -60,8 +60,7 @@ class Violation:
 
 def goal_camera(place: HidingPlace) -> Camera:
     """The agent's camera at the goal of a place, 300 x 300."""
-    x, y = place.goal.cell[0] * AGENT.step_m, place.goal.cell[1] * AGENT.step_m
-    eye = (x, y, place.floor_z + AGENT.camera_height_m)
+    eye = (*AGENT.centre_of(place.goal.cell), place.floor_z + AGENT.camera_height_m)
     return Camera(eye, float(place.goal.yaw_deg), float(place.goal.horizon_deg), width=FRAME_PX, height=FRAME_PX)
 
 

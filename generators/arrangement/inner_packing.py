@@ -13,8 +13,10 @@ from remqa_data.catalog import types_with
 from remqa_data.generators.arrangement.areas import Area
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
-from remqa_data.generators.arrangement.packing import Put, outline_of, packed, turned_half
+from remqa_data.generators.arrangement.loose_objects import SKIN_M
+from remqa_data.generators.arrangement.packing import Outline, Put, free_put, outline_of, packed, put_at, turned_half
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import Vec3
 from remqa_data.language.inner import clearly_related
 from remqa_data.relations import InnerRelation, Partner
@@ -28,11 +30,9 @@ APART_M = (0.01, 0.035)
 """What is next to, behind or between others is so far from them."""
 MOST_ASKEW_DEG = 40.0
 """Who acts stands so far off the front at most, where it is asked what is behind what."""
-SKIN_M = 0.001
 FRONT_DEG = -90.0
 """Where the front of an object looks that is not turned."""
-ON_TOP = frozenset(["Book", "Laptop", "Plate", "Towel", "HandTowel", "CD", "Cloth", "DishSponge"])
-"""Flat things on which others lie."""
+LAID_ON = types_with("laid_on")
 OPENS_FORWARD = types_with("opens_forward")
 
 
@@ -98,7 +98,7 @@ def _linked(
 def _fits(place: HidingPlace, type_: str, partner: Partner) -> bool:
     if partner.relation == "behind" and not _seen_from_front(place):
         return False
-    if partner.relation == "on" and partner.type not in ON_TOP:
+    if partner.relation == "on" and partner.type not in LAID_ON:
         return False
     grown = 1.0 + hiding_rules().size_spread
     types = [type_, *[partner.type] * partner.count]
@@ -115,8 +115,9 @@ def _seen_from_front(place: HidingPlace) -> bool:
     facing = place.areas[0].yaw_deg + FRONT_DEG
     x, y = (float(np.mean([area.centre[axis] for area in place.areas])) for axis in (0, 1))
     for goal in (place.goal, *place.other_goals):
-        towards = math.degrees(arithmetic.arctan2(goal.cell[1] * AGENT.step_m - y, goal.cell[0] * AGENT.step_m - x))
-        if abs((towards - facing + 180.0) % 360.0 - 180.0) > MOST_ASKEW_DEG:
+        px, py = AGENT.centre_of(goal.cell)
+        towards = math.degrees(arithmetic.arctan2(py - y, px - x))
+        if degrees_apart(towards, facing) > MOST_ASKEW_DEG:
             return False
     return True
 
@@ -124,7 +125,7 @@ def _seen_from_front(place: HidingPlace) -> bool:
 def _related(area: Area, sizes: Sequence[Vec3], link: Link, rng: np.random.Generator) -> dict[int, Put] | None:
     """The others at random, the thing on, beside, behind or between them."""
     if link.relation == "on":
-        under = _free_put(area, sizes[link.others[0]], _turn(rng), rng, [])
+        under = _free_put(area, sizes[link.others[0]], rng, [])
         if under is None:
             return None
         x, y, z = under.position
@@ -147,8 +148,8 @@ def _related(area: Area, sizes: Sequence[Vec3], link: Link, rng: np.random.Gener
     puts = {}
     for place, (number, turn, half) in enumerate(zip(row, turns, halves, strict=True)):
         middle = at + half[axis]
-        point = (middle, beside) if axis == 0 else (beside, middle)
-        puts[number] = _put(area, point, turn)
+        x, y = (middle, beside) if axis == 0 else (beside, middle)
+        puts[number] = put_at(area, x, y, turn)
         at = middle + half[axis] + (float(gaps[place]) if place < len(gaps) else 0.0)
     return puts
 
@@ -161,34 +162,27 @@ def _apart(
     for number in (*link.others, link.thing):
         on = area if number in link.others else areas[int(rng.integers(len(areas)))]
         there = [outline_of(put, sizes[n]) for n, put in puts.items() if put.area == on]
-        put = _free_put(on, sizes[number], _turn(rng), rng, there)
+        put = _free_put(on, sizes[number], rng, there)
         if put is None:
             return None
         puts[number] = put
     return puts
 
 
-def _free_put(
-    area: Area, size: Vec3, turn: float, rng: np.random.Generator, there: Sequence[tuple[float, float, float, float]]
-) -> Put | None:
-    half, gap = turned_half(size, turn), hiding_rules().gap_m
+def _free_put(area: Area, size: Vec3, rng: np.random.Generator, there: list[Outline]) -> Put | None:
+    """A thing anywhere on an area, turned at random, if it is free there."""
+    turn = _turn(rng)
+    half = turned_half(size, turn)
     room = (area.half[0] - half[0], area.half[1] - half[1])
     if min(room) < 0:
         return None
     x, y = (float(share) * free for share, free in zip(rng.uniform(-1, 1, 2), room, strict=True))
-    if any(abs(x - ox) < half[0] + hx + gap and abs(y - oy) < half[1] + hy + gap for ox, oy, hx, hy in there):
-        return None
-    return _put(area, (x, y), turn)
+    return free_put(area, x, y, half, turn, hiding_rules().gap_m, there)
 
 
 def _turn(rng: np.random.Generator) -> float:
     """Square to the place: so gaps are what they seem."""
     return 90.0 * int(rng.integers(4))
-
-
-def _put(area: Area, point: tuple[float, float], turn: float) -> Put:
-    x, y, z = area.to_room([(*point, 0.0)])[0]
-    return Put(area, (float(x), float(y), float(z)), turn + area.yaw_deg)
 
 
 def _is_clear(

@@ -94,7 +94,7 @@ def _random_place(
         room = (areas[which].half[0] - half[0], areas[which].half[1] - half[1])
         if min(room) < 0:
             continue
-        put = _free(areas[which], u * room[0], v * room[1], half, yaw, gap_m, taken[which])
+        put = free_put(areas[which], u * room[0], v * room[1], half, yaw, gap_m, taken[which])
         if put is not None:
             return put
     return None
@@ -118,13 +118,13 @@ def _tidy_place(
                 continue
             for y in np.arange(-room[1], room[1] + 1e-9, 0.01):
                 for x in np.arange(-room[0], room[0] + 1e-9, 0.01):
-                    put = _free(area, corner[0] * float(x), corner[1] * float(y), half, yaw, gap_m, taken[which])
+                    put = free_put(area, corner[0] * float(x), corner[1] * float(y), half, yaw, gap_m, taken[which])
                     if put is not None:
                         return put
     return None
 
 
-def _free(
+def free_put(
     area: Area,
     x: float,
     y: float,
@@ -138,6 +138,11 @@ def _free(
         if abs(x - ox) < half[0] + hx + gap_m and abs(y - oy) < half[1] + hy + gap_m:
             return None
     taken.append((x, y, *half))
+    return put_at(area, x, y, yaw)
+
+
+def put_at(area: Area, x: float, y: float, yaw: float) -> Put:
+    """A thing at a place of the area and turned, both in the area's frame."""
     px, py, pz = area.to_room([(x, y, 0.0)])[0]
     return Put(area, (float(px), float(py), float(pz)), yaw + area.yaw_deg)
 

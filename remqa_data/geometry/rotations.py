@@ -37,6 +37,15 @@ def snapped_quaternion(quaternion: tuple[float, float, float, float]) -> tuple[f
     return x, y, z, w
 
 
+def degrees_apart(one: float, other: float) -> float:
+    """The angle between two headings in degrees, 0 to 180.
+
+    >>> degrees_apart(350.0, 20.0)
+    30.0
+    """
+    return abs((one - other + 180.0) % 360.0 - 180.0)
+
+
 def rotation_of(quaternion: tuple[float, float, float, float]) -> F64:
     """3x3 rotation matrix of a unit quaternion (x, y, z, w)."""
     x, y, z, w = quaternion

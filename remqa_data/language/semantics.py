@@ -8,6 +8,7 @@ from itertools import pairwise
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
+from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.language.rules import RowPlace, StackPlace, expression_rules, may_be_called, similar_words
 from remqa_data.relations import OrderRelation, Relation
 from remqa_data.scene_graph.graph import SceneGraph
@@ -184,7 +185,7 @@ def _same_way(graph: SceneGraph, a: str, b: str) -> bool:
     one, two = graph.node(a).facing_deg, graph.node(b).facing_deg
     if one is None or two is None:
         return False
-    return abs((one - two + 180.0) % 360.0 - 180.0) <= expression_rules().row_max_turn_deg
+    return degrees_apart(one, two) <= expression_rules().row_max_turn_deg
 
 
 def _same_level(graph: SceneGraph, a: str, b: str) -> bool:

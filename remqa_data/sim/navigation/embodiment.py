@@ -67,6 +67,10 @@ class Embodiment:
             reach_m=reach_m,
         )
 
+    def centre_of(self, cell: tuple[int, int]) -> tuple[float, float]:
+        """Centre of a cell of a grid of its steps, metres."""
+        return cell[0] * self.step_m, cell[1] * self.step_m
+
 
 AGENT = Embodiment()
 """The body that datasets are made with."""

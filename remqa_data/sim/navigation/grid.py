@@ -60,7 +60,7 @@ class ReachableGrid:
 
     def position(self, cell: Cell) -> tuple[float, float]:
         """Centre of a cell in the room, metres."""
-        return cell[0] * self.body.step_m, cell[1] * self.body.step_m
+        return self.body.centre_of(cell)
 
     def positions(self) -> F64:
         """(n, 2) centres of all cells."""

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from remqa_data.catalog import types_with
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64, I32
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.render.camera import Camera
@@ -64,7 +65,7 @@ def facing_poses(
         px, py = grid.position(cell)
         yaw = math.degrees(arithmetic.arctan2(y - py, x - px)) % 360
         down = math.degrees(arithmetic.arctan2(grid.floor_z + height - z, max(math.dist((px, py), (x, y)), 1e-6)))
-        headings = sorted(HEADINGS_DEG, key=lambda h: (abs((h - yaw + 180) % 360 - 180), h))[:2]
+        headings = sorted(HEADINGS_DEG, key=lambda h: (degrees_apart(h, yaw), h))[:2]
         for horizon in sorted(HORIZONS_DEG, key=lambda h: (abs(h - down), h))[:2]:
             for heading in headings:
                 yield AgentPose(cell, heading, horizon, is_standing)
