@@ -107,7 +107,8 @@ class _progress:
     def __init__(self, total: int) -> None:
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-        self.total, self.done, self.questions, self.frames = total, 0, 0, 0
+        self.total, self.questions, self.frames = total, 0, 0
+        self.reports: dict[str, Mapping[str, Any]] = {}
         self.console = output().console()
         columns = (
             TextColumn("{task.description}"),
@@ -127,13 +128,14 @@ class _progress:
         self.bar.stop()
 
     def on_scene(self, scene: str, report: Mapping[str, Any]) -> None:
-        self.done += 1
-        self.questions += report["questions"]
-        self.frames += report["frames"]
-        counts = f"{self.questions} questions, {self.frames} frames"
-        self.bar.update(self.task, advance=1, description=counts)
+        before = self.reports.get(scene, {"questions": 0, "frames": 0})  # a room that is made again counts once
+        self.reports[scene] = report
+        self.questions += report["questions"] - before["questions"]
+        self.frames += report["frames"] - before["frames"]
+        done, counts = len(self.reports), f"{self.questions} questions, {self.frames} frames"
+        self.bar.update(self.task, completed=done, description=counts)
         if not self.console.is_terminal:
-            output().note(f"{self.done}/{self.total} {scene}: {counts} so far")
+            output().note(f"{done}/{self.total} {scene}: {counts} so far")
 
 
 def _summary(out: str, settings: Config, questions: Mapping[str, Mapping[str, int]], seconds: float) -> None:

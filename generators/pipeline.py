@@ -70,7 +70,7 @@ def generate(
     """
     executor = executor or LocalExecutor()
     storage = storage_at(out)
-    allot(capacities(config.scene_names), config.totals)  # what cannot be is told before anything is done
+    first = allot(capacities(config.scene_names), config.totals)  # what cannot be is told before anything is done
     place = look(storage)
     if not overwrite and place.is_finished and not place.has_parts:
         return _finished(storage, config)  # it can be read even if nothing can be written there
@@ -84,10 +84,11 @@ def generate(
         if overwrite:
             clear(storage)
         parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "version": __version__})
-        made, quotas = _made_rooms(parts, config, executor, progress)
+        made, quotas = _made_rooms(parts, config, first, executor, progress)
         shards = shards_per_split((file.table, file.split) for part in made for file in part.files)
         files = assemble(parts, made, shards, executor)
-        manifest = _manifest(config, made, quotas, files)
+        anew = {new.scene: _plain(new.answers) for old, new in zip(first, quotas, strict=True) if new != old}
+        manifest = _manifest(config, made, anew, files)
         look(storage)  # once more, hours later: a README.md may be somebody else's
         write_card(storage.root, manifest)
         lock.confirm()
@@ -149,7 +150,7 @@ def _finished(storage: Storage, config: Config) -> Manifest:
 
 
 def _made_rooms(
-    parts: Parts, config: Config, executor: Executor, progress: Progress | None
+    parts: Parts, config: Config, first: Sequence[SceneQuota], executor: Executor, progress: Progress | None
 ) -> tuple[list[Part], tuple[SceneQuota, ...]]:
     """Parts of all rooms, in the order of the configuration, and what they were asked for in the end.
 
@@ -157,7 +158,7 @@ def _made_rooms(
     """
     tell = progress or (lambda scene, report: None)
     rooms = capacities(config.scene_names)
-    deal = _deal_so_far(parts) or Deal(tuple(allot(rooms, config.totals)))
+    deal = _deal_so_far(parts) or Deal(tuple(first))
     told: set[str] = set()
     while True:
         asked = {quota.scene: _plain(quota.answers) for quota in deal.quotas}
@@ -202,9 +203,11 @@ def shards_per_split(rooms: Iterable[tuple[str, str]]) -> dict[str, int]:
 
 
 def _manifest(
-    config: Config, made: Sequence[Part], quotas: Sequence[SceneQuota], files: tuple[FileInfo, ...]
+    config: Config,
+    made: Sequence[Part],
+    anew: Mapping[str, Mapping[str, Mapping[str, int]]],
+    files: tuple[FileInfo, ...],
 ) -> Manifest:
-    first = allot(capacities(config.scene_names), config.totals)
     refused: Counter[str] = Counter()
     for part in made:
         refused.update(part.report["refused"])
@@ -214,7 +217,7 @@ def _manifest(
         config=config.model_dump(mode="json"),
         questions=count_questions(made),
         refused=refused,
-        asked_anew={new.scene: _plain(new.answers) for old, new in zip(first, quotas, strict=True) if new != old},
+        asked_anew=anew,
     )
 
 

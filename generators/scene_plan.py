@@ -20,8 +20,9 @@ from remqa_data.generators.config import Config
 from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import GroupPlan, wishes
-from remqa_data.generators.questions.planning import SiteKey, plan_groups
+from remqa_data.generators.questions.planning import plan_groups
 from remqa_data.generators.questions.shortfalls import with_a_lot_less
+from remqa_data.generators.questions.sites import SiteKey
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata
@@ -85,7 +86,7 @@ class RoomPlanner:
         self.job, self.base, self.quota, self.may_fall_short = job, base, job.quota, may_fall_short
         self.places = hiding_places(base)
         self.expressions = expressions_of_places(base, self.places)
-        self.plans_made = self.plans_left = self.arrangements_left = 0
+        self.plans_made = 0
         self.failures: Counter[tuple[str, str]] = Counter()
         self.refused: Counter[str] = Counter()
         self._fitting_at_first = cache(lambda place, count: fitting_types(place, job.quota.room_type, count))

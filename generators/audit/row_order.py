@@ -12,8 +12,8 @@ from typing import Any
 
 from remqa_data.generators.audit.failures import Failure
 from remqa_data.generators.config import Config
-from remqa_data.generators.questions.allotment import SceneQuota, allot, capacities
-from remqa_data.generators.questions.shortfalls import asked_anew
+from remqa_data.generators.questions.allotment import SceneQuota
+from remqa_data.generators.questions.shortfalls import asked_in_the_end
 from remqa_data.generators.scene_job import expression_split
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.storage.manifest import Manifest
@@ -47,7 +47,7 @@ def row_failures(root: str | os.PathLike[str], manifest: Manifest, config: Confi
     if manifest.rows("scenes") != wanted:
         yield Failure("scenes", "complete", f"{manifest.rows('scenes')} rows; the configuration asks for {wanted}")
         return
-    quotas = asked_anew(allot(capacities(config.scene_names), config.totals), manifest.asked_anew)
+    quotas = asked_in_the_end(config.scene_names, config.totals, manifest.asked_anew)
     keys = {table: _keys(root, manifest, table) for table in _COLUMNS}
     yield from _scene_rows(keys["scenes"], quotas, config)
     yield from _frame_rows(keys["frames"], quotas, config)

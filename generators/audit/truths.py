@@ -328,17 +328,22 @@ def _asked(question: QuestionRow) -> Program:
     ProgramError
         If the question says something else than its expression, kind and type make it say.
     """
-    where = understood(question.expression)
-    if question.answer_type not in catalog():
-        raise UnknownNameError("object type", question.answer_type, catalog())
-    if question.kind == "SPATIAL":
+    return _program_of(question.kind, question.answer_type, question.expression, question.question)
+
+
+@lru_cache(maxsize=64)
+def _program_of(kind: QuestionKind, answer_type: str, expression: str, text: str) -> Program:
+    where = understood(expression)
+    if answer_type not in catalog():
+        raise UnknownNameError("object type", answer_type, catalog())
+    if kind == "SPATIAL":
         for partner in _partners():
-            if question.question == inner_question_text(question.answer_type, partner, question.expression):
-                return inner_question_program(question.answer_type, partner, where)
-    for relation in RELATIONS_OF[question.kind]:
-        if question.question == question_text(question.kind, question.answer_type, relation, question.expression):
-            return question_program(question.kind, question.answer_type, relation, where)
-    raise ProgramError(f"the words of the question do not ask for a {question.answer_type} by {question.expression!r}")
+            if text == inner_question_text(answer_type, partner, expression):
+                return inner_question_program(answer_type, partner, where)
+    for relation in RELATIONS_OF[kind]:
+        if text == question_text(kind, answer_type, relation, expression):
+            return question_program(kind, answer_type, relation, where)
+    raise ProgramError(f"the words of the question do not ask for a {answer_type} by {expression!r}")
 
 
 @lru_cache(maxsize=1)

@@ -16,8 +16,7 @@ from remqa_data.generators.audit.manifest_check import folder_failures, manifest
 from remqa_data.generators.audit.room_check import Found, Piece, RoomCheck, check_room
 from remqa_data.generators.audit.row_order import row_failures, short_walks
 from remqa_data.generators.config import Config, stored_config
-from remqa_data.generators.questions.allotment import allot, capacities
-from remqa_data.generators.questions.shortfalls import asked_anew
+from remqa_data.generators.questions.shortfalls import asked_in_the_end
 from remqa_data.generators.scene_plan import Job
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.storage.manifest import MANIFEST, Manifest, load_manifest
@@ -135,7 +134,7 @@ def _room_checks(
     for question in asked:
         wanted[question.scene].add(question.question_id)
     pieces = {table: _pieces(root, manifest, table) for table in TABLES}
-    quotas = asked_anew(allot(capacities(config.scene_names), config.totals), manifest.asked_anew)
+    quotas = asked_in_the_end(config.scene_names, config.totals, manifest.asked_anew)
     checks = []
     for quota in quotas:
         scene = quota.scene

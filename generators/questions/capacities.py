@@ -22,8 +22,9 @@ from remqa_data.generators.arrangement.hiding_places import hiding_places
 from remqa_data.generators.questions.allotment import LOT_SIZE, SOURCE, SceneCapacity
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import group_shapes
-from remqa_data.generators.questions.planning import FittingTypes, HasRoom, Planner, any_room, sites_of
+from remqa_data.generators.questions.planning import Planner
 from remqa_data.generators.questions.questions import KINDS, P, question_rules
+from remqa_data.generators.questions.sites import FittingTypes, HasRoom, any_room, sites_of
 from remqa_data.published import QUESTIONS
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata

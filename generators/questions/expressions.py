@@ -217,19 +217,15 @@ def _placed(target: ObjectMetadata, plain: Expression, *, doubly: bool) -> Itera
     rules = expression_rules()
     stack = rules.stack_words if target.type in STACKED else {}
     row = rules.row_words if target.type in IN_ROWS else {}
-    places: list[tuple[str, Program]]
+    levels: dict[str, Program] = {"": ()}
     if doubly:
-        ends = [high for high, place in stack.items() if place != "middle"]
-        sides = list(row)
-        places = [(f"{h} {w}", (("stack", stack[h]), ("row", row[w]))) for h in ends for w in sides]
+        levels = {high: (("stack", place),) for high, place in stack.items() if place != "middle"}
+        places = [(f"{h} {w}", (*level, ("row", end))) for h, level in levels.items() for w, end in row.items()]
     else:
         places = [(word, (("stack", place),)) for word, place in stack.items()]
         places += [(word, (("row", place),)) for word, place in row.items()]
     for words, steps in places:
         yield replace(plain, text=_with_word(plain, words), kind="superlative", program=(*plain.program, *steps))
-    levels: dict[str, Program] = {"": ()}
-    if doubly:
-        levels = {high: (("stack", place),) for high, place in stack.items() if place != "middle"}
     for ordinal, side in product(rules.row_ordinals if row else (), rules.row_sides):
         for word, above in levels.items():
             text = _with_word(plain, f"{ordinal} {word}".strip(), f" {side}")

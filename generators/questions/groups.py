@@ -41,7 +41,7 @@ class GroupPlan(Generic[P]):
     @property
     def counts(self) -> tuple[int, ...]:
         """How many things are in the place for this question, in each configuration."""
-        return tuple(things_to_answer(answer, self.question.partner) for answer in self.answers)
+        return tuple(len(things_of(self.question, answer)) for answer in self.answers)
 
     def things(self, configuration: int) -> tuple[str, ...]:
         """Types of the things that are in the place for this question, each named as often as there are."""
@@ -90,16 +90,14 @@ def _wishes(group: GroupPlan[P], configuration: int) -> list[Wish[P]]:
 
 
 def things_of(question: Candidate[P], answer: str) -> tuple[str, ...]:
-    """Types of the things that are to be in a place for an answer, each named as often as there are."""
+    """Types of the things that are to be in a place for an answer, each named as often as there are.
+
+    Of two that lie to one another in some way, both are there for each answer.
+    """
     partner = question.partner
     if partner is None:
         return (question.type,) * things_for(answer)
     return (question.type, *(partner.type,) * partner.count)
-
-
-def things_to_answer(answer: str, partner: Partner | None) -> int:
-    """How many things a place holds for an answer: of two that lie to one another in some way, both are there for each."""
-    return things_for(answer) if partner is None else 1 + partner.count
 
 
 def things_for(answer: str) -> int:

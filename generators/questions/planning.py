@@ -6,7 +6,7 @@ What is drawn more often, and how long questions become, is in `templates/questi
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Generic
 
@@ -16,30 +16,30 @@ from remqa_data.catalog import Manipulation
 from remqa_data.errors import QuotaError
 from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.expressions import Expression
-from remqa_data.generators.questions.groups import GroupPlan, group_shapes, things_for, things_of, things_to_answer
+from remqa_data.generators.questions.groups import GroupPlan, group_shapes, things_for, things_of
 from remqa_data.generators.questions.questions import (
     Candidate,
     P,
     QuestionRules,
     confusable,
-    kinds_for,
     mentioned_types,
     question_rules,
-    usable_expressions,
+)
+from remqa_data.generators.questions.sites import (
+    FittingTypes,
+    HasRoom,
+    InnerFits,
+    Option,
+    Site,
+    SiteKey,
+    any_room,
+    sites_of,
 )
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.relations import InnerRelation, Partner
 from remqa_data.tables.rows import QuestionKind
 
-FittingTypes = Callable[[P, int], Sequence[tuple[str, float]]]
-"""Gives the types of which so many things fit a place at the same time, with weights."""
-InnerFits = Callable[[P, str, Partner], bool]
-"""Whether a thing of a type can lie in a place as said to its partner, and clearly not so."""
-HasRoom = Callable[[P, tuple[str, ...]], bool]
-"""Whether a place has room for things of some types at the same time, each named as often as there are things, sorted."""
-SiteKey = tuple[str, str]
-"""Object id and relation: in a microwave and under it are two places."""
 Clashes = Mapping[SiteKey, Collection[frozenset[str]]]
 """By place, sets of types of which each fits, but not all at the same time."""
 PLAN_ORDER: tuple[QuestionKind, ...] = ("COUNTING", "SPATIAL", "EXISTENCE")
@@ -134,53 +134,10 @@ def _fill(
 
 
 @dataclass(eq=False)
-class _Site(Generic[P]):
-    """A place with what can be said and asked about it."""
-
-    place: P
-    expressions: list[tuple[Expression, float]]
-    types: Mapping[QuestionKind, Sequence[tuple[str, float]]]
-
-    @property
-    def key(self) -> SiteKey:
-        return self.place.object_id, self.place.relation
-
-
-def sites_of(
-    places: Sequence[P], expressions: Mapping[str, Sequence[Expression]], fitting_types: FittingTypes[P]
-) -> list[_Site[P]]:
-    """The places that can be named and hide something."""
-    sites = []
-    for place in places:
-        usable = usable_expressions(expressions.get(place.object_id, ()))
-        types: dict[QuestionKind, Sequence[tuple[str, float]]] = {}
-        for kind in kinds_for(place) if usable else ():
-            things = max(map(things_for, question_rules().answers(kind)))
-            if things <= len(place.spots):
-                types[kind] = [(name, weight) for name, weight in fitting_types(place, things) if weight > 0]
-        if any(types.values()):
-            sites.append(_Site(place, usable, types))
-    return sites
-
-
-@dataclass
-class _Option(Generic[P]):
-    site: _Site[P]
-    question: Candidate[P]
-    weight: float
-    text: str
-    named: frozenset[str]
-
-    @property
-    def words(self) -> int:
-        return len(self.text.split())
-
-
-@dataclass(eq=False)
 class Planner(Generic[P]):
     """The groups so far, and what they leave room for."""
 
-    sites: list[_Site[P]]
+    sites: list[Site[P]]
     scene: str
     configurations: int
     rng: np.random.Generator
@@ -230,21 +187,21 @@ class Planner(Generic[P]):
                 question = option.question
                 assert question.partner is not None
                 if self._is_free(option) and self.inner_fits(question.place, question.type, question.partner):
-                    answers = self._answers("SPATIAL", option.site, shape, question.partner)
+                    answers = self._answers(option, shape)
                     if answers is not None and self._has_room(question, answers):
                         self._take("SPATIAL", option, answers, shape)
                         return True
         return False
 
-    def _inner_option(self, site: _Site[P], relation: InnerRelation) -> _Option[P]:
+    def _inner_option(self, site: Site[P], relation: InnerRelation) -> Option[P]:
         """A question about two types that fit a place."""
         types = site.types["EXISTENCE"]
         one, two = (types[i][0] for i in self.rng.permutation(len(types))[:2])
         expression = min((spoken for spoken, _ in site.expressions), key=lambda spoken: len(spoken.text.split()))
         question = Candidate("SPATIAL", site.place, expression, one, Partner(relation, two))
-        return _Option(site, question, 1.0, question.text, mentioned_types(expression.program))
+        return Option(site, question, 1.0, question.text, mentioned_types(expression.program))
 
-    def _is_free(self, option: _Option[P]) -> bool:
+    def _is_free(self, option: Option[P]) -> bool:
         """Whether a question about how two things lie to one another goes with those that have been chosen."""
         question, key = option.question, option.site.key
         here = [g.question for g in self.groups if g.question.place.object_id == option.site.place.object_id]
@@ -265,7 +222,7 @@ class Planner(Generic[P]):
         for pool in self._pools(kind, size, self._free_options(kind, longest, strict)):
             while pool:
                 chosen = self._draw(kind, size, pool)
-                answers = self._answers(kind, chosen.site, shape)
+                answers = self._answers(chosen, shape)
                 if answers is None:
                     pool = [option for option in pool if option.site is not chosen.site]
                 elif self._has_room(chosen.question, answers):
@@ -317,7 +274,7 @@ class Planner(Generic[P]):
 
     # ---- choosing
 
-    def _options(self, kind: QuestionKind) -> Iterator[_Option[P]]:
+    def _options(self, kind: QuestionKind) -> Iterator[Option[P]]:
         """All questions of a kind that could be asked of the room."""
         fits = Counter(name for site in self.sites for name, _ in site.types.get(kind, ()))
         for site in self.sites:
@@ -332,9 +289,9 @@ class Planner(Generic[P]):
                     # A type counts for the same in however many places it fits, and a place for as much as its best phrase.
                     worth = weight * max(others) / sum(others) * likely / fits[name]
                     worth *= self.rules.type_weights.get(name, 1.0)
-                    yield _Option(site, question, worth, question.text, mentioned_types(expression.program))
+                    yield Option(site, question, worth, question.text, mentioned_types(expression.program))
 
-    def _free_options(self, kind: QuestionKind, longest: int, strict: bool) -> list[_Option[P]]:
+    def _free_options(self, kind: QuestionKind, longest: int, strict: bool) -> list[Option[P]]:
         """The questions that go with those that have been chosen."""
         limit = self.rules.max_groups_per_place[kind] if strict else len(self.texts) + 1
         full = {site.key for site in self.sites if self.at_site[kind, site.key] >= limit}
@@ -363,7 +320,7 @@ class Planner(Generic[P]):
     def _clash(self, key: SiteKey, types: set[str]) -> bool:
         return any(clash <= types for clash in self.clashes.get(key, ()))
 
-    def _pools(self, kind: QuestionKind, size: int, options: list[_Option[P]]) -> Iterator[list[_Option[P]]]:
+    def _pools(self, kind: QuestionKind, size: int, options: list[Option[P]]) -> Iterator[list[Option[P]]]:
         """The options in lots, of which the first that has room is drawn from: bare nouns or not, then by manipulation."""
         shares = self.rules.manipulations[kind]
         total = sum(self.samples[kind, m] for m in shares) + size
@@ -379,7 +336,7 @@ class Planner(Generic[P]):
         excess = self.excess_words[kind] / asked if asked else 0.0
         return self.rules.bare_share[kind] + self.rules.bare_share_per_word * excess
 
-    def _draw(self, kind: QuestionKind, size: int, pool: list[_Option[P]]) -> _Option[P]:
+    def _draw(self, kind: QuestionKind, size: int, pool: list[Option[P]]) -> Option[P]:
         weights = np.array([option.weight for option in pool])
         at_site = {key: sum(self.at_site[k, key] for k in PLAN_ORDER) for key in self.filled}
         again = [at_site[o.site.key] + self.asked_for[o.question.type] for o in pool]
@@ -389,18 +346,16 @@ class Planner(Generic[P]):
         weights *= arithmetic.exp((off.min() - off) / self.rules.tolerance_words[kind])
         return pool[int(self.rng.choice(len(pool), p=weights / weights.sum()))]
 
-    def _answers(
-        self, kind: QuestionKind, site: _Site[P], shape: Mapping[str, int], partner: Partner | None = None
-    ) -> tuple[str, ...] | None:
+    def _answers(self, option: Option[P], shape: Mapping[str, int]) -> tuple[str, ...] | None:
         """One answer for each configuration such that the place has room for all things, if there are such.
 
         Configurations about which nobody asks have none of the things, and so room for others.
         """
-        possible = sorted(self.rules.answers(kind), key=things_for)
+        possible = sorted(self.rules.answers(option.question.kind), key=things_for)
         asked = [answer for answer, count in shape.items() for _ in range(count)] or possible
         pattern = asked + possible[:1] * (self.configurations - len(asked))
-        things = np.array([things_to_answer(answer, partner) for answer in pattern])
-        free = len(site.place.spots) - self.filled[site.key]
+        things = np.array([len(things_of(option.question, answer)) for answer in pattern])
+        free = len(option.site.place.spots) - self.filled[option.site.key]
         for _ in range(SHUFFLES):
             order = self.rng.permutation(self.configurations)
             if np.all(things[order] <= free):
@@ -411,7 +366,7 @@ class Planner(Generic[P]):
         answers = dict(zip(by_room.tolist(), (pattern[i] for i in by_things), strict=True))
         return tuple(answers[c] for c in range(self.configurations))
 
-    def _take(self, kind: QuestionKind, chosen: _Option[P], answers: tuple[str, ...], shape: Mapping[str, int]) -> None:
+    def _take(self, kind: QuestionKind, chosen: Option[P], answers: tuple[str, ...], shape: Mapping[str, int]) -> None:
         asked: list[int] = []
         for answer, count in shape.items():
             with_it = [c for c, given in enumerate(answers) if given == answer]
@@ -432,11 +387,6 @@ class Planner(Generic[P]):
         kind = question.kind
         self.samples[kind, question.place.manipulation] += size
         self.excess_words[kind] += size * (question.words - self.rules.aim_words[kind])  # type: ignore[assignment]
-
-
-def any_room(place: P, types: tuple[str, ...]) -> bool:
-    """That spots are counted is enough."""
-    return True
 
 
 def _any_confusable(some: Iterable[str], others: Iterable[str]) -> bool:

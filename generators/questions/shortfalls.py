@@ -12,7 +12,16 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from remqa_data.errors import QuotaError
-from remqa_data.generators.questions.allotment import LOT_SIZE, MOST_LOTS, SceneCapacity, SceneQuota
+from remqa_data.generators.questions.allotment import (
+    LOT_SIZE,
+    MOST_LOTS,
+    QuestionSplit,
+    SceneCapacity,
+    SceneQuota,
+    Totals,
+    allot,
+    capacities,
+)
 from remqa_data.generators.questions.questions import KINDS, question_rules
 from remqa_data.tables.rows import QuestionKind
 
@@ -109,8 +118,13 @@ def dealt_anew(rooms: Sequence[SceneCapacity], deal: Deal, short: Mapping[str, A
     return Deal(tuple(asked.values()), full, excused) if owing else None
 
 
-def asked_anew(quotas: Sequence[SceneQuota], anew: Mapping[str, Mapping[str, Mapping[str, int]]]) -> list[SceneQuota]:
-    """Quotas with what a manifest says that some rooms were asked for instead."""
+def asked_in_the_end(
+    scenes: Sequence[str],
+    totals: Mapping[QuestionSplit, Totals],
+    anew: Mapping[str, Mapping[str, Mapping[str, int]]],
+) -> list[SceneQuota]:
+    """What rooms were asked for by a configuration, and some of them instead by what a manifest says in `asked_anew`."""
+    quotas = allot(capacities(scenes), totals)
     new = {q.scene: {kind: anew[q.scene][kind] for kind in q.answers} for q in quotas if q.scene in anew}
     return [replace(quota, answers=new.get(quota.scene, quota.answers)) for quota in quotas]
 
