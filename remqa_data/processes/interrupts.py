@@ -19,7 +19,7 @@ from contextlib import contextmanager, suppress
 from types import FrameType, TracebackType
 from typing import Any
 
-GRACE_S = 0.8
+GRACE_S = 1.2
 """What a command has to clean up."""
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _NO_SIGNAL = b"\0"
