@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -99,7 +100,7 @@ class Bodies:
             self.client.resetBaseVelocity(
                 body, arithmetic.snapped(velocity).tolist(), arithmetic.snapped(turning).tolist()
             )
-            for joint in range(len(self._assets[object_id].links) - 1):
+            for joint in _joints(self._assets[object_id]):
                 angle, speed = self.client.getJointState(body, joint)[:2]
                 angle, speed = arithmetic.snapped([angle, speed]).tolist()
                 self.client.resetJointState(body, joint, angle, speed)
@@ -124,9 +125,10 @@ class Bodies:
         self.client.resetBasePositionAndOrientation(body, state.position, state.quaternion)
         if not state.is_fixed:
             self.client.resetBaseVelocity(body, (0, 0, 0), (0, 0, 0))
-        for i, link in enumerate(self._assets[object_id].links[1:]):
+        asset = self._assets[object_id]
+        for number, link in zip(_joints(asset), asset.links[1:], strict=True):
             assert link.joint is not None
-            self.client.resetJointState(body, i, link.joint.upper * state.openness)
+            self.client.resetJointState(body, number, link.joint.upper * state.openness)
 
     def set_collisions(self, object_id: str, enabled: bool) -> None:
         """Let other bodies and rays meet an object, or pass through it."""
@@ -163,7 +165,8 @@ class Bodies:
 
     def depths_when_open(self, object_id: str, state: ObjectState) -> dict[str, float]:
         """How deep the moving parts of an object would be in other things if it were in a state, metres, by name."""
-        now = [float(self.client.getJointState(self._of[object_id], i)[0]) for i in self._joints(object_id)]
+        joints = _joints(self._assets[object_id])
+        now = [float(self.client.getJointState(self._of[object_id], number)[0]) for number in joints]
         self.place(object_id, state)
         body, found = self._of[object_id], dict[str, float]()
         for number in range(self.client.getNumJoints(body)):
@@ -175,16 +178,13 @@ class Bodies:
                 depth = max((-float(point[8]) for point in points), default=0.0)
                 name = self._names[other]
                 found[name] = max(float(arithmetic.snapped(depth, DISTANCE_STEP_M)), found.get(name, 0.0))
-        for joint, amount in zip(self._joints(object_id), now, strict=True):
+        for joint, amount in zip(joints, now, strict=True):
             self.client.resetJointState(body, joint, amount)
         return found
 
     def close(self) -> None:
         """Give PyBullet's memory back."""
         self.client.close()
-
-    def _joints(self, object_id: str) -> range:
-        return range(len(self._assets[object_id].links) - 1)
 
     def _around(self, box: F64, margin_m: float, without: int = -1) -> list[int]:
         low, high = box[0] - margin_m - 0.02, box[1] + margin_m + 0.02
@@ -193,10 +193,7 @@ class Bodies:
 
     def _link_of(self, object_id: str, number: int) -> int:
         """The asset's link to which a link of PyBullet's body belongs; its base is number -1."""
-        links = self._assets[object_id].links
-        return (
-            number + 1 if number < len(links) - 1 else _further_boxes(self._assets[object_id])[number + 1 - len(links)]
-        )
+        return _compounds(self._assets[object_id])[number + 1].link
 
     def _static_boxes(self, boxes: Sequence[Box]) -> list[int]:
         bodies = []
@@ -222,30 +219,25 @@ class Bodies:
     def _create(self, asset: Asset, state: ObjectState) -> int:
         mass = 0.0 if state.is_fixed else max(object_type(asset.spec.type).mass_kg or 0.0, MIN_MASS_KG)
         origins = [np.zeros(3) if link.joint is None else np.asarray(link.joint.origin) for link in asset.links]
-        first, rest = [-1] * len(asset.links), []
-        for i, link in enumerate(asset.links):
-            for start in range(0, len(link.boxes), MAX_COMPOUND):
-                chunk = link.boxes[start : start + MAX_COMPOUND]
+        compounds, links = _compounds(asset), []
+        for i, start in compounds:
+            chunk, link = asset.links[i].boxes[start : start + MAX_COMPOUND], asset.links[i]
+            shape = -1
+            if chunk:
                 halves = np.array([box.size for box in chunk]) / 2
                 centres = np.array([box.centre for box in chunk]) - origins[i]
                 shape = self._compound(halves, centres, np.array([box.quaternion for box in chunk]))
-                if start == 0:
-                    first[i] = shape
-                else:
-                    rest.append((i, shape))
-        # Joints come first, in the asset's order; then what did not fit into one compound, fixed to its link.
-        links = [
-            _BodyLink(first[i], link.parent, origins[i] - origins[link.parent], link.joint)
-            for i, link in enumerate(asset.links)
-            if link.joint is not None
-        ]
-        moving = range(len(links))
-        links += [_BodyLink(shape, parent, np.zeros(3), None) for parent, shape in rest]
+            if start == 0:
+                parent = compounds.index(_Compound(link.parent, 0))
+                links.append(_BodyLink(shape, parent, origins[i] - origins[link.parent], link.joint))
+            else:
+                links.append(_BodyLink(shape, compounds.index(_Compound(i, 0)), np.zeros(3), None))
+        base, *links = links
         link_mass = mass / (4 * len(links)) if mass and links else 0.1
         zeros, identities = [[0.0] * 3 for _ in links], [[0.0, 0.0, 0.0, 1.0] for _ in links]
         body = self.client.createMultiBody(
             baseMass=mass,
-            baseCollisionShapeIndex=first[0],
+            baseCollisionShapeIndex=base.shape,
             basePosition=state.position,
             baseOrientation=state.quaternion,
             linkMasses=[link_mass for _ in links],
@@ -272,14 +264,42 @@ class Bodies:
                 angularDamping=ANGULAR_DAMPING,
                 restitution=0.0,
             )
-        for joint in moving:  # hold every joint where it is told to be
+        for joint in _joints(asset):  # hold every joint where it is told to be
             self.client.setJointMotorControl2(body, joint, pybullet.VELOCITY_CONTROL, targetVelocity=0.0, force=1000.0)
         return int(body)
 
 
-def _further_boxes(asset: Asset) -> list[int]:
-    """The asset's link of each compound that did not fit into its link's own one, in the order in which they follow."""
-    return [i for i, link in enumerate(asset.links) for _ in range(MAX_COMPOUND, len(link.boxes), MAX_COMPOUND)]
+class _Compound(NamedTuple):
+    """Some of the boxes of an asset's link: those from one on, as many as PyBullet takes."""
+
+    link: int
+    start: int
+
+
+@lru_cache(maxsize=1024)
+def _compounds(asset: Asset) -> tuple[_Compound, ...]:
+    """The compounds of which PyBullet's body consists, the base first; what it calls link n is number n + 1 here.
+
+    They are in PyBullet's own order, which is depth first, whatever order they are given in: each link, then the links that
+    hang on it, then those of its boxes that did not fit into its own compound, fixed to it.
+    """
+
+    def of(link: int) -> list[_Compound]:
+        found = [_Compound(link, 0)]
+        for child, other in enumerate(asset.links):
+            if other.joint is not None and other.parent == link:
+                found += of(child)
+        return found + [
+            _Compound(link, start) for start in range(MAX_COMPOUND, len(asset.links[link].boxes), MAX_COMPOUND)
+        ]
+
+    return tuple(of(0))
+
+
+def _joints(asset: Asset) -> list[int]:
+    """PyBullet's number of the joint of each link but the base."""
+    compounds = _compounds(asset)
+    return [compounds.index(_Compound(link, 0)) - 1 for link in range(1, len(asset.links))]
 
 
 _JOINT_TYPES = {"revolute": pybullet.JOINT_REVOLUTE, "prismatic": pybullet.JOINT_PRISMATIC}

@@ -6,6 +6,7 @@ import numpy as np
 import psutil
 import pytest
 
+from remqa_data.assets import build
 from remqa_data.assets.core.model import AssetSpec
 from remqa_data.assets.looks.materials import OAK
 from remqa_data.errors import ActionError, UnknownNameError
@@ -176,3 +177,34 @@ def test_500_loads_keep_memory_flat(kitchen: Scene) -> None:
     for _ in range(500):
         World(kitchen).close()
     assert process.memory_info().rss - before < 100e6
+
+
+@pytest.mark.parametrize("variant", range(4))
+def test_each_door_of_a_wide_fridge_opens_and_leaves_what_stands_on_the_shelves(variant: int) -> None:
+    """Its doors and its body have more boxes than one of PyBullet's links takes."""
+    fridge = SceneObject("Fridge|1", AssetSpec("Fridge", (1.1, 0.8, 1.9), variant=variant, seed=1), (0.0, 0.0, 0.95))
+    spaces = [space for space in build(fridge.asset).spaces if space.enclosed and space.link == 0]
+    things = [
+        mug(f"Mug|{n}|{side}", (side * 0.2, (space.box[1] + space.box[4]) / 2, 0.95 + space.box[2] + 0.06))
+        for n, space in enumerate(spaces)
+        for side in (-1, 1)
+    ]
+    with World(room(fridge, *things)) as world:
+        world.settle()
+        links = world.assets["Fridge|1"].links
+        assert len(links) >= 3
+        assert max(len(link.boxes) for link in links) > 16
+        before, closed = world.save(), world.link_poses("Fridge|1")
+        assert set(world.open("Fridge|1")).isdisjoint(thing.id for thing in things)
+        for thing in things:
+            assert world.state(thing.id).position == before.states[thing.id].position
+        opened = world.link_poses("Fridge|1")
+        for number, link in enumerate(links[1:], 1):
+            size, middle = np.array(link.boxes[0].size), np.array(link.boxes[0].centre)
+            ends = [
+                [pose[:3, :3] @ (middle + np.array([0, y, 0])) + pose[:3, 3] for y in (-1.5 * size[1], 1.5 * size[1])]
+                for pose in (closed[number], opened[number])
+            ]
+            hits = [world.client.rayTest(start, end)[0][0] for start, end in ends]
+            assert hits[0] == -1, f"{link.name} is still where it was"
+            assert hits[1] >= 0, f"{link.name} is not where it went"

@@ -52,15 +52,22 @@ def fridge(b: Builder) -> None:
             if b.variant == 2 or b.w >= TWO_DOORS_M
             else ((1 if b.spec.seed % 2 else -1, -b.w / 2, b.w / 2),)
         )
-        if len(sides) == 2:  # a mullion behind the gap between the doors, through which one would look in
-            b.box(
-                (0.014, 0.004, high - low), (0, front - 0.003, (low + high) / 2), materials.BLACK_PLASTIC, solid=False
-            )
+        if (
+            len(sides) == 2
+        ):  # a mullion behind the gap between the doors and their rounded edges, where one would look in
+            wide = 0.014 + 2 * _edge_radius(b)
+            at = (0.0, front - 0.003, (low + high) / 2)
+            b.box((wide, 0.004, high - low), at, materials.BLACK_PLASTIC, solid=False)
         for side, x0, x1 in sides:
             _fridge_door(
                 b, f"{name} door {side}", body, metal, side, (x0, x1, low + 0.003, high - 0.003), door_y, thick
             )
     b.looks_like(body)
+
+
+def _edge_radius(b: Builder) -> float:
+    """Of the edges of doors, metres."""
+    return 0.028 if b.variant == 3 else 0.008
 
 
 def _fridge_split(b: Builder, kick: float) -> float:
@@ -122,8 +129,7 @@ def _fridge_door(
     back, front = y + thick / 2, y - thick / 2
     origin = (x + side * width / 2, front, z)
     with b.link(name, "revolute", axis="z" if side > 0 else "-z", upper=float(np.radians(105)), origin=origin):
-        soft = 0.028 if b.variant == 3 else 0.008
-        b.box((width, thick, height), (x, y, z), body, radius=soft, segments=2)
+        b.box((width, thick, height), (x, y, z), body, radius=_edge_radius(b), segments=2)
         b.box((width - 0.085, 0.016, height - 0.085), (x, back + 0.008, z), enamel.LINER, solid=False)
         for rack in np.arange(z0 + 0.12, z1 - 0.2, max(0.3, height / 4)):
             b.shell(
