@@ -7,21 +7,24 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from remqa_data.errors import ActionError
-from remqa_data.generators.arrangement.hiding_goals import at_height
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_rules import hiding_rules
+from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, looks_about, share_in_view
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.questions.groups import GroupPlan
+from remqa_data.generators.questions.questions import Candidate, mentioned_types
+from remqa_data.generators.revealed import Looks, Views
+from remqa_data.generators.seen_anywhere import MOST_PIXELS, most_pixels_anywhere
 from remqa_data.generators.undisturbed import counted_again, disturbed
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.inner import inner_of, is_sure, needed
 from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M
@@ -31,23 +34,33 @@ from remqa_data.sim.agent.actions import DONE, Action, move_action, open_action,
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import (
     AgentState,
-    ObjectMetadata,
     changed_pixels,
-    is_visible,
     object_metadata,
     scaled_min_pixels,
     tight_box,
 )
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.paths import path_length_m, shortest_actions
-from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose, pixel_counts
+from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, AgentPose, pixel_counts, pixels_per_object
 from remqa_data.sim.physics.world import Snapshot
+from remqa_data.sim.render.contrast import contrast_de
 from remqa_data.sim.render.view import Observation
 from remqa_data.tables.images import RgbFormat, encode_depth, encode_instances, encode_rgb
 from remqa_data.tables.rows import QuestionRow
 
 Truth = Literal[
-    "answer", "unique", "clear", "reachable", "away", "visible", "necessary", "sufficient", "undisturbed", "replayable"
+    "answer",
+    "unique",
+    "clear",
+    "reachable",
+    "away",
+    "visible",
+    "necessary",
+    "sufficient",
+    "distinct",
+    "provable",
+    "undisturbed",
+    "replayable",
 ]
 """What a refused sample would have broken: `answer` is that the room holds what was planned, `visible` that the target
 is seen from the goal pose, `clear` that no other object nearly fits the question, `undisturbed` that acting moves nothing
@@ -57,10 +70,8 @@ AWAY_M = SUCCESS_DISTANCE_M + DISTANCE_SLACK_M
 """Who starts nearer to a goal pose than this, and looks at the target, has arrived without a step."""
 LEAST_STARTS = 12
 """A further goal pose counts if it leaves so many cells to start from."""
-LEAST_SHARE = 0.5
-"""Of the space that a manipulation reveals, so much is in view where nothing is found in it."""
-LOOK_M, ABOVE_M, SURFACE_M = 0.03, 0.01, 0.02
-"""It is looked for at points so far apart, so high above its bottom, and so near to what the picture shows."""
+LEAST_CONTRAST_DE = 9.0
+"""Of evidence and its surroundings, before the picture is stored as JPEG; 8 are asked for."""
 
 
 class Refusal(NamedTuple):
@@ -68,19 +79,6 @@ class Refusal(NamedTuple):
 
     truth: Truth
     what: str
-
-
-class Views(NamedTuple):
-    """What is seen from a goal pose before and after a manipulation, and what the manipulation does.
-
-    `motion` holds the (4, 4) motions of the object's links, `state` the room afterwards, `records` what is known of it.
-    """
-
-    before: Observation
-    after: Observation
-    motion: F64
-    state: Snapshot
-    records: Mapping[str, ObjectMetadata]
 
 
 @dataclass(eq=False)
@@ -108,7 +106,14 @@ class AuditedRoom:
         self.loose_graph = SceneGraph.from_objects(self.graph.objects.values(), self.graph.rules.loosened())
         self.expressions = Expressions(self.graph)
         self._views: dict[tuple[AgentPose, Action], Views] = {}
+        self._types_in_view: dict[AgentPose, frozenset[str]] = {}
+        self._looks: dict[tuple[AgentPose, Action], Looks] = {}
         self._repeated: dict[tuple[AgentPose, Action], bool] = {}
+        self._hides: dict[tuple[str, ...], bool] = {}
+        self._inside: dict[str, list[str]] = {}
+        for name, record in self.graph.objects.items():
+            if record.support_kind == "in" and record.support is not None:
+                self._inside.setdefault(record.support, []).append(name)
 
     @property
     def grid(self) -> ReachableGrid:
@@ -132,9 +137,33 @@ class AuditedRoom:
                 self.replay.observe(),
                 arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed)),
             )
-            self._views[key] = Views(before, after, motion, world.save(), object_metadata(world))
+            new = [world.ids[i] for i in np.setdiff1d(after.objects, before.objects).tolist() if i >= 0]
+            boxes = tuple(world.box(name) for name in new)
+            self._views[key] = Views(before, after, motion, boxes, world.save(), object_metadata(world))
             self.start_over(goal)
         return self._views[key]
+
+    def types_in_view(self, goal: AgentPose) -> frozenset[str]:
+        """The types of which something shows from a pose while nothing is manipulated."""
+        if goal not in self._types_in_view:
+            self.start_over(goal)
+            world = self.replay.world
+            pixels = pixels_per_object(self.replay.view, goal.camera(self.grid))
+            shown = frozenset(world.type_of(name) for name, n in zip(world.ids, pixels, strict=False) if n)
+            self._types_in_view[goal] = shown
+        return self._types_in_view[goal]
+
+    def looks(self, goal: AgentPose, manipulation: Action) -> Looks:
+        """What who looks about after a manipulation sees, drawn once."""
+        key = (goal, manipulation)
+        if key not in self._looks:
+            self.start_over(goal)
+            self.replay.world.restore(self.views(goal, manipulation).state)
+            cameras = [pose.camera(self.grid) for pose in looks_about(goal)]
+            view = self.replay.view
+            self._looks[key] = tuple((camera, view.depth_and_instances(camera)[0]) for camera in cameras)
+            self.start_over(goal)
+        return self._looks[key]
 
     def repeats(self, goal: AgentPose, manipulation: Action) -> bool:
         """Whether a manipulation, done once more, ends in the state of the room that its views show."""
@@ -145,6 +174,15 @@ class AuditedRoom:
             self._repeated[key] = is_done and (self.replay.pose, self.replay.world.save()) == (goal, known.state)
             self.start_over(goal)
         return self._repeated[key]
+
+    def hides(self, hiding: HidingPlace, object_ids: Sequence[str]) -> bool:
+        """Whether some objects in or under a place, and all else that lies in it, are seen from nowhere before it is opened."""
+        inside = self._inside.get(hiding.object_id, ()) if hiding.relation == "in" else ()
+        together = tuple(sorted({*inside, *object_ids}))
+        if together not in self._hides:
+            self.start_over(self.replay.pose)
+            self._hides[together] = most_pixels_anywhere(self.replay.view, self.grid, together) <= MOST_PIXELS
+        return self._hides[together]
 
     def close(self) -> None:
         """Give the simulator's memory back."""
@@ -177,7 +215,7 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         return Refusal("clear", f"{question.text}: it is hard to say")
     witness_ids = needed(question.program, answer.ids, room.graph)
     manipulation = _manipulation(hiding)
-    found = _goal(room, hiding, manipulation)
+    found = _goal(room, question, witness_ids, manipulation)
     if isinstance(found, Refusal):
         return found
     goal, views = found
@@ -188,11 +226,9 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
     start = AgentPose(cells[int(rng.integers(len(cells)))], int(rng.choice(HEADINGS_DEG)))
     way = [Action(name) for name in shortest_actions(room.grid, start, goal)]
     before, after = views.before, views.after
-    refusal = _check_views(room, hiding, witness_ids, before, after)
-    if refusal is None and not witness_ids and _share_in_view(room, hiding, goal, views) < LEAST_SHARE:
-        refusal = Refusal("sufficient", f"too little of the space that {hiding.object_id} hides comes to light")
-    if refusal is None:
-        refusal = _disturbance(room, group, answer.ids, views)
+    refusal = _disturbance(room, group, answer.ids, views)
+    if refusal is None and witness_ids and not room.hides(hiding, witness_ids):
+        refusal = Refusal("necessary", f"what {hiding.object_id} hides is seen from elsewhere")
     if refusal is not None:
         return refusal
     if not (_leads_to(room, start, way, goal) and room.repeats(goal, manipulation)):
@@ -264,17 +300,33 @@ def shown_ids(before: Observation, after: Observation, ids: Sequence[str]) -> tu
     return tuple(object_id for object_id, pixels in zip(ids, seen, strict=True) if pixels)
 
 
-def _goal(room: AuditedRoom, hiding: HidingPlace, manipulation: Action) -> tuple[AgentPose, Views] | Refusal:
-    """The first goal pose that can be acted from, and what is seen there."""
-    reason = f"no way to {hiding.object_id}"
-    for goal in (hiding.goal, *hiding.other_goals):
-        if goal.cell not in room.grid.graph:
-            continue
+def _goal(
+    room: AuditedRoom, question: Candidate[HidingPlace], answer_ids: tuple[str, ...], manipulation: Action
+) -> tuple[AgentPose, Views] | Refusal:
+    """The first goal pose that can be acted from and sees what it should, and its views; or why there is none.
+
+    Those that see what the question tells its target by come first.
+    """
+    hiding, landmarks = question.place, mentioned_types(question.expression.program[1:])
+    goals = [goal for goal in (hiding.goal, *hiding.other_goals) if goal.cell in room.grid.graph]
+    refusals: list[Refusal] = []
+    for goal in sorted(goals, key=lambda goal: not landmarks <= room.types_in_view(goal)):
         try:
-            return goal, room.views(goal, manipulation)
+            views = room.views(goal, manipulation)
         except ActionError as error:
-            reason = str(error)
-    return Refusal("reachable", reason)
+            refusals.append(Refusal("reachable", str(error)))
+            continue
+        found = _check_views(room, hiding, answer_ids, views)
+        if found is None and not answer_ids:
+            motion = views.motion if hiding.relation == "in" else None
+            looks = room.looks(goal, manipulation)
+            share = share_in_view(hiding.interior, motion, looks, views.revealed, question.type)
+            if share < LEAST_SHARE:
+                found = Refusal("provable", f"only {share:.2f} of what {hiding.object_id} hides comes to light")
+        if found is None:
+            return goal, views
+        refusals.append(found)
+    return next(iter(refusals), Refusal("reachable", f"no way to {hiding.object_id}"))
 
 
 def _manipulation(hiding: HidingPlace) -> Action:
@@ -286,37 +338,22 @@ def _manipulation(hiding: HidingPlace) -> Action:
     return move_action(hiding.object_id, hiding.move_to)
 
 
-def _share_in_view(room: AuditedRoom, hiding: HidingPlace, goal: AgentPose, views: Views) -> float:
-    """Share of the surface on which things could lie that comes to light, or on which other things come to light."""
-    camera, after = goal.camera(room.grid), views.after
-    others = np.setdiff1d(after.objects, views.before.objects)
-    shown = []
-    for area in hiding.areas:
-        points = area.to_room(at_height(area.lattice(LOOK_M).reshape(-1, 2), area.seen_from_m + ABOVE_M))
-        if hiding.relation == "in":
-            points = arithmetic.moved(points, views.motion[area.link])
-        x, y, z = camera.project(points).T
-        inside = (z > 0) & (x >= 0) & (y >= 0) & (x < camera.width) & (y < camera.height)
-        row, column = np.where(inside, y, 0).astype(int), np.where(inside, x, 0).astype(int)
-        is_bare = after.depth[row, column] > z - SURFACE_M
-        shown.append(inside & (is_bare | np.isin(after.objects[row, column], others)))
-    return float(np.mean(np.concatenate(shown)))
-
-
-def _check_views(
-    room: AuditedRoom, hiding: HidingPlace, witness_ids: tuple[str, ...], before: Observation, after: Observation
-) -> Refusal | None:
-    """Whether the pictures show the target before, what one must see to answer only after, and that much comes to light."""
-    ids = room.replay.world.ids
+def _check_views(room: AuditedRoom, hiding: HidingPlace, witness_ids: tuple[str, ...], views: Views) -> Refusal | None:
+    """Whether the pictures show the target before, and the evidence clearly and only after."""
+    before, after = views.before, views.after
+    ids, rules = room.replay.world.ids, hiding_rules()
     least = scaled_min_pixels(before.objects.shape)
-    if not is_visible(before.objects == ids.index(hiding.object_id)):
-        return Refusal("visible", f"{hiding.object_id} is not seen from its goal pose")
+    target = tight_box(before.objects == ids.index(hiding.object_id))
+    if target is None or min(target[2] - target[0], target[3] - target[1]) < rules.min_target_px:
+        return Refusal("visible", f"{hiding.object_id} is a sliver at most from its goal pose")
     for object_id in witness_ids:
         index = ids.index(object_id)
         if (before.objects == index).any():
             return Refusal("necessary", f"{object_id} is seen before the manipulation")
-        if not is_visible(after.objects == index):
-            return Refusal("sufficient", f"{object_id} shows fewer than {MIN_PIXELS} pixels after the manipulation")
+        if np.count_nonzero(after.objects == index) < rules.min_evidence_px:
+            return Refusal("sufficient", f"{object_id} shows fewer than {rules.min_evidence_px} pixels afterwards")
+        if contrast_de(after.rgb, after.objects == index) < LEAST_CONTRAST_DE:
+            return Refusal("distinct", f"{object_id} hardly stands out from what surrounds it")
     changed = changed_pixels((before.objects, before.depth), (after.objects, after.depth), 1e-3)
     if changed < 4 * least:
         return Refusal("sufficient", f"the manipulation of {hiding.object_id} hardly changes the view")

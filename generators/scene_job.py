@@ -86,17 +86,18 @@ def _made(job: Job, base: Scene, *, may_fall_short: bool = False) -> tuple[Rows,
 def _chosen(
     job: Job, plan: RoomPlan, samples: Samples, planner: RoomPlanner, *, or_fewer: bool
 ) -> dict[str, tuple[int, ...]]:
-    """The samples that the room hands in; where too many were refused, those of all other configurations are made, too."""
-    try:
-        return select(plan.groups, _passed(plan, samples), planner.quota)
-    except QuotaError:
-        for number, configuration in enumerate(plan.configurations):
-            room = _audited_room(job, number, configuration.scene)
-            try:
-                others = [group for group in plan.groups if not _is_due(group, number)]
-                samples |= _samples(job, room, number, others, planner.refused)
-            finally:
-                room.close()
+    """The samples that the room hands in; where too many were refused, those of other configurations are made, too."""
+    for number, configuration in enumerate(plan.configurations):
+        try:
+            return select(plan.groups, _passed(plan, samples), planner.quota)
+        except QuotaError:
+            short = {group.question.kind for group in plan.groups if _lacks_some(group, samples)}
+        room = _audited_room(job, number, configuration.scene)
+        try:
+            others = [g for g in plan.groups if g.question.kind in short and not _is_due(g, number)]
+            samples |= _samples(job, room, number, others, planner.refused)
+        finally:
+            room.close()
     while True:
         try:
             return select(plan.groups, _passed(plan, samples), planner.quota)
@@ -107,6 +108,11 @@ def _chosen(
 
 def _passed(plan: RoomPlan, samples: Samples) -> dict[str, list[int]]:
     return {group.name: sorted(c for g, c in samples if g == group.name) for group in plan.groups}
+
+
+def _lacks_some(group: GroupPlan[HidingPlace], samples: Samples) -> bool:
+    """Whether samples of a group that are due were refused."""
+    return any((group.name, number) not in samples for number in group.asked)
 
 
 def _is_due(group: GroupPlan[HidingPlace], number: int) -> bool:

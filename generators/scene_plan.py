@@ -4,25 +4,27 @@ from __future__ import annotations
 
 import zlib
 from collections import Counter, defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 
 from remqa_data.errors import ArrangementError, QuotaError
-from remqa_data.generators.arrangement.configurations import Configuration, arrange, check_room, has_room
+from remqa_data.generators.arrangement.configurations import Configuration, arrange
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import Hidden
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places
 from remqa_data.generators.arrangement.inner_packing import inner_fits
+from remqa_data.generators.arrangement.wished_things import has_room, misfits
 from remqa_data.generators.config import Config
+from remqa_data.generators.distractors import distractors
 from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import GroupPlan, wishes
 from remqa_data.generators.questions.planning import plan_groups
 from remqa_data.generators.questions.shortfalls import with_a_lot_less
-from remqa_data.generators.questions.sites import SiteKey
+from remqa_data.generators.questions.sites import SiteKey, takes
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata
@@ -34,7 +36,7 @@ PLANS = 200
 ARRANGED, ARRANGED_FOR_LESS = 25, 8
 """The same for plans that were arranged in the simulator, which takes seconds and not milliseconds; where fewer questions
 would do, fewer are tried."""
-FAILURES = 3
+FAILURES = 6
 """A place in which things could not be arranged so often is used no more."""
 
 
@@ -89,7 +91,9 @@ class RoomPlanner:
         self.plans_made = 0
         self.failures: Counter[tuple[str, str]] = Counter()
         self.refused: Counter[str] = Counter()
-        self._fitting_at_first = cache(lambda place, count: fitting_types(place, job.quota.room_type, count))
+        self._fitting_at_first = cache(
+            lambda place, count, others: fitting_types(place, job.quota.room_type, count, others=others)
+        )
         self._has_room = cache(has_room)
         self.groups: list[GroupPlan[HidingPlace]] = []
         self._start_over()
@@ -136,17 +140,37 @@ class RoomPlanner:
     def _next(self) -> RoomPlan:
         while True:
             groups = self.groups = self._planned()
-            numbers = range(self.job.config.configurations)
             try:
-                for number in numbers:  # all of them first, as it takes no time
-                    check_room(self.base, _hidden(groups, number), self.job.rng(f"room {number}"))
-                self.arrangements_left -= 1
-                return RoomPlan(groups, [self._arranged(groups, number) for number in numbers])
+                hidden = self._hidden(groups)
+                unfit = [e for number, wishes in enumerate(hidden) for e in self._unfit(number, wishes)]
+                if not unfit:
+                    self.arrangements_left -= 1
+                    return RoomPlan(groups, [self._arranged(wishes, number) for number, wishes in enumerate(hidden)])
             except ArrangementError as error:
-                self.refused["arrangement"] += 1
-                if self.plans_left <= 0 or self.arrangements_left <= 0:
-                    raise
-                self._learn(error)
+                unfit = [error]
+            self.refused["arrangement"] += 1
+            if self.plans_left <= 0 or self.arrangements_left <= 0:
+                raise unfit[0]
+            self._learn(unfit)
+
+    def _hidden(self, groups: Sequence[GroupPlan[HidingPlace]]) -> list[list[Hidden]]:
+        """What is to be hidden in each configuration: what is asked for, and what else comes to light with it."""
+        others = distractors(
+            groups,
+            self.job.config.configurations,
+            self._fitting_beside,
+            self._has_room,
+            self.clashes,
+            self.job.rng(f"distractors {self.plans_made}"),
+        )
+        asked = (
+            [Hidden(w.place, w.type, w.count, w.partner, w.holds, w.is_asked) for w in wishes(groups, number)]
+            for number in range(len(others))
+        )
+        return [[*mine, *beside] for mine, beside in zip(asked, others, strict=True)]
+
+    def _unfit(self, number: int, wishes: Sequence[Hidden]) -> list[ArrangementError]:
+        return misfits(self.base, wishes, self.job.rng(f"arrange {number}"))
 
     def avoid(self, group: GroupPlan[HidingPlace]) -> None:
         """Ask for the same no more."""
@@ -168,7 +192,7 @@ class RoomPlanner:
                 spare,
                 self.clashes,
                 inner_fits,
-                self._has_room,
+                takes(self._has_room, lambda place: self._fitting_beside(place, 1)),
             )
         except QuotaError:
             if not self.has_learnt or self.plans_left <= 0:
@@ -176,12 +200,16 @@ class RoomPlanner:
             self._forget()  # too much was ruled out for what may have been bad luck
             return self._planned()
 
-    def _fitting(self, place: HidingPlace, count: int) -> list[tuple[str, float]]:
-        found = self._fitting_at_first(replace(place, spots=()), count)
+    def _fitting_beside(self, place: HidingPlace, count: int) -> list[tuple[str, float]]:
+        """What may be hidden beside what is asked for."""
+        return self._fitting(place, count, others=True)
+
+    def _fitting(self, place: HidingPlace, count: int, others: bool = False) -> list[tuple[str, float]]:
+        found = self._fitting_at_first(replace(place, spots=()), count, others)
         return [pair for pair in found if (place.object_id, place.relation, pair[0]) not in self.misfits]
 
-    def _arranged(self, groups: list[GroupPlan[HidingPlace]], number: int) -> Configuration:
-        return arrange(self.base, self.places, _hidden(groups, number), self.job.rng(f"arrange {number}"))
+    def _arranged(self, hidden: list[Hidden], number: int) -> Configuration:
+        return arrange(self.base, self.places, hidden, self.job.rng(f"arrange {number}"))
 
     @property
     def has_learnt(self) -> bool:
@@ -192,13 +220,16 @@ class RoomPlanner:
         self.misfits: set[tuple[str, str, str]] = set()
         self.clashes: defaultdict[SiteKey, set[frozenset[str]]] = defaultdict(set)
 
-    def _learn(self, error: ArrangementError) -> None:
-        key = error.place_id, error.relation
-        if len(error.types) > 1:
-            self.clashes[key].add(frozenset(error.types))
-            return
-        self.misfits.add((*key, error.types[0]))
-        self.failures[key] += 1
+    def _learn(self, errors: Iterable[ArrangementError]) -> None:
+        failed = set()
+        for error in errors:
+            key = error.place_id, error.relation
+            if len(error.types) > 1:
+                self.clashes[key].add(frozenset(error.types))
+            else:
+                self.misfits.add((*key, error.types[0]))
+                failed.add(key)
+        self.failures.update(failed)
         self.places = [p for p in self.places if self.failures[p.object_id, p.relation] < FAILURES]
 
 
@@ -211,7 +242,3 @@ def expressions_of_places(scene: Scene, places: Iterable[HidingPlace]) -> dict[s
                 world.open(place.object_id, 0.0)
         found = Expressions(SceneGraph.from_objects(object_metadata(world).values()))
         return {place.object_id: found.of(place.object_id) for place in places}
-
-
-def _hidden(groups: list[GroupPlan[HidingPlace]], number: int) -> list[Hidden]:
-    return [Hidden(wish.place, wish.type, wish.count, wish.partner, wish.holds) for wish in wishes(groups, number)]

@@ -8,41 +8,30 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from remqa_data.assets import AssetSpec, build, variant_count
-from remqa_data.catalog import object_type
-from remqa_data.errors import ArrangementError
 from remqa_data.generators.arrangement.hiding_check import (
     Hidden,
     Violation,
     Wished,
     blockers,
     in_sight_violations,
-    partner_ids,
     violations,
 )
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
-from remqa_data.generators.arrangement.inner_packing import Link, packed_with_link
-from remqa_data.generators.arrangement.loose_objects import SKIN_M, open_surfaces, put_anew
-from remqa_data.generators.arrangement.packing import Put, packed
-from remqa_data.geometry import arithmetic
+from remqa_data.generators.arrangement.hiding_rules import hiding_rules
+from remqa_data.generators.arrangement.loose_objects import open_surfaces, put_anew
+from remqa_data.generators.arrangement.wished_things import PACKED, Key, WishedThings, key_of, parking
 from remqa_data.geometry.types import Box, Vec3
-from remqa_data.language.rules import similar_words
-from remqa_data.scene import Scene, SceneObject
+from remqa_data.scene import Scene
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
-PACKED, SETTLED = 10, 6
-"""What a place hides is put there in so many ways, and physics is asked so often, before it counts as impossible."""
-LOOKS = 6
-"""So many looks are tried for one that stands out from what the thing lies in."""
-BESIDE_M = 0.4
-"""So far from some recorded thing is the place that the id of a new thing names."""
+SETTLED = 6
+"""Physics is asked so often before what is wished for counts as impossible."""
 STRAYED_M = 0.06
 """A loose thing that was put somewhere and rolls or falls farther than this is taken out of the room."""
 
@@ -89,7 +78,7 @@ def arrange(
     -------
     Configuration
         Checked: every wished thing is in or under its place and at rest there, shows no pixel from the place's goal
-        before the manipulation, and at least `viewpoints.MIN_PIXELS` after it; nothing else of its type is there.
+        before the manipulation, and at least `min_evidence_px` of `hiding.yaml` after it; nothing else of its type is there.
 
     Raises
     ------
@@ -97,15 +86,11 @@ def arrange(
         If this cannot be done: names the place and what went wrong in the last attempt.
     """
     share = hiding_rules().moved_share if moved_share is None else moved_share
-    made = _make(scene, wishes, rng)
-    base = _closed(scene)
-    hidden = tuple((wish, tuple(o.id for o in things)) for wish, things in zip(wishes, made, strict=True))
-    by_place = _by_place(hidden)
-    everything = sorted((*base.objects, *(o for things in made for o in things)), key=lambda o: o.id)
-    with World(base.with_objects(tuple(everything))) as world:
-        links = _links(hidden, by_place)
-        puts = {key: _pack(world, scene, by_place[key], links.get(key), rng) for key in by_place}
-        _put_all(world, scene, by_place, puts)
+    things = WishedThings.made(scene, wishes, rng)
+    hidden = things.hidden
+    with World(things.scene) as world:
+        puts = {key: things.pack(world, key, rng) for key in things.by_place}
+        things.put_all(world, puts)
         view = WorldView(world)
         lost = _move_loose_things(world, view, scene, places, hidden, share, rng)
         arranged = world.save()
@@ -114,7 +99,7 @@ def arrange(
         settled = 0
         while settled < SETTLED:
             world.restore(arranged)
-            _put_all(world, scene, by_place, puts)
+            things.put_all(world, puts)
             violations_found = in_sight_violations(world, view, hidden)  # before physics, which takes longer
             if not violations_found:
                 before = {object_id: world.state(object_id).position for object_id in world.ids}
@@ -124,179 +109,12 @@ def arrange(
             if not violations_found:
                 strayed = _strayed(world, before, hidden, scene)
                 return Configuration(_without(world.to_scene(), lost | strayed), hidden)
-            for key in sorted({(t.place.object_id, t.place.manipulation) for t in violations_found}):
+            for key in sorted({key_of(violation.place) for violation in violations_found}):
                 tried[key] += 1
-                puts[key] = _pack(world, scene, by_place[key], links.get(key), rng)
+                puts[key] = things.pack(world, key, rng)
             if max(tried.values()) >= PACKED:
                 break
-    first = violations_found[0]
-    msg = (
-        f"{scene.name}: cannot hide things {first.place.relation} {first.place.object_id}: {first.reason}; "
-        f"tried {max(tried.values())} times; wish for fewer or smaller things there"
-    )
-    raise ArrangementError(msg, first.place.object_id, first.place.relation, [first.type])
-
-
-def check_room(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> None:
-    """Look whether places have room for all that is wished there, without making anything.
-
-    Raises
-    ------
-    ArrangementError
-        If one has not: names the place and the things.
-    """
-    hidden = [
-        (wish, tuple(f"{number} {wish.type} {n}" for n in range(wish.count))) for number, wish in enumerate(wishes)
-    ]
-    types = {name: wish.type for wish, names in hidden for name in names}
-    by_place = _by_place(hidden)
-    links = _links(hidden, by_place)
-    for key, (place, names) in by_place.items():
-        sizes = [_largest_size(types[name]) for name in names]
-        _packed(scene, place, [types[name] for name in names], sizes, links.get(key), rng)
-
-
-def has_room(place: HidingPlace, types: Sequence[str]) -> bool:
-    """Whether things of some types, each named as often as there are, fit a place at the same time, however large they come."""
-    sizes = [_largest_size(name) for name in types]
-    return packed(place.areas, sizes, hiding_rules().gap_m, np.random.default_rng(0)) is not None
-
-
-Key = tuple[str, str]
-
-
-def _make(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> list[list[SceneObject]]:
-    """New things for each wish; sizes and looks vary."""
-    spread = hiding_rules().size_spread
-    known = {o.id for o in scene.objects}
-    loose = [o for o in scene.objects if object_type(o.type).pickupable] or list(scene.objects)
-    made = []
-    for wish in wishes:
-        things = []
-        inside = similar_words(build(scene.object(wish.place.object_id).asset).color)
-        for _ in range(wish.count):
-            scale = 1.0 + float(rng.uniform(-spread, spread))
-            w, d, h = (scale * side for side in hidden_size(wish.type))
-            for _ in range(LOOKS):
-                variant, seed = int(rng.integers(variant_count(wish.type))), int(rng.integers(1 << 16))
-                spec = AssetSpec(wish.type, (w, d, h), variant, seed)
-                if wish.place.relation != "in" or build(spec).color not in inside:
-                    break
-            name = _name(spec, loose[int(rng.integers(len(loose)))], known, rng)
-            things.append(SceneObject(name, spec, _parking(len(known)), is_fixed=False))
-            known.add(name)
-        made.append(things)
-    return made
-
-
-def _name(spec: AssetSpec, beside: SceneObject, known: Collection[str], rng: np.random.Generator) -> str:
-    """An id like those of recorded things: the type, and where it might have been when the room was recorded.
-
-    That is beside some loose thing, on the same level, and says nothing about where it is.
-    """
-    bottom = beside.position[2] - beside.asset.size[2] / 2
-    while True:
-        x, y = (place + float(rng.uniform(-BESIDE_M, BESIDE_M)) for place in beside.position[:2])
-        name = f"{spec.type}|{x:+06.2f}|{bottom + spec.size[2] / 2:+06.2f}|{y:+06.2f}"
-        if name not in known:
-            return name
-
-
-def _parking(number: int) -> Vec3:
-    """Far below the room, and far from one another, things wait."""
-    return 0.0, 0.0, -50.0 - 2.0 * number
-
-
-def _closed(scene: Scene) -> Scene:
-    """The room with everything closed that things can be hidden in."""
-    return scene.with_objects(
-        tuple(replace(o, openness=0.0) if object_type(o.type).is_container else o for o in scene.objects)
-    )
-
-
-def _by_place(hidden: Wished) -> dict[Key, tuple[HidingPlace, tuple[str, ...]]]:
-    grouped: dict[Key, tuple[HidingPlace, tuple[str, ...]]] = {}
-    for wish, ids in hidden:
-        key = (wish.place.object_id, wish.place.manipulation)
-        grouped[key] = (wish.place, grouped.get(key, (wish.place, ()))[1] + ids)
-    return grouped
-
-
-def _links(hidden: Wished, by_place: Mapping[Key, tuple[HidingPlace, tuple[str, ...]]]) -> dict[Key, Link]:
-    """How things are to lie to one another, in the places where that is wished; a place has one such wish at most."""
-    found: dict[Key, Link] = {}
-    for wish, ids in hidden:
-        if wish.partner is not None:
-            key = (wish.place.object_id, wish.place.manipulation)
-            names = by_place[key][1]
-            others = tuple(names.index(name) for name in partner_ids(hidden, wish))
-            found[key] = Link(names.index(ids[0]), others, wish.partner.relation, wish.holds)
-    return found
-
-
-def _pack(
-    world: World,
-    scene: Scene,
-    place_and_ids: tuple[HidingPlace, tuple[str, ...]],
-    link: Link | None,
-    rng: np.random.Generator,
-) -> list[Put]:
-    place, ids = place_and_ids
-    sizes = [_plan_size(world.assets[object_id].spec) for object_id in ids]
-    return _packed(scene, place, [world.type_of(object_id) for object_id in ids], sizes, link, rng)
-
-
-def _packed(
-    scene: Scene,
-    place: HidingPlace,
-    types: Sequence[str],
-    sizes: Sequence[Vec3],
-    link: Link | None,
-    rng: np.random.Generator,
-) -> list[Put]:
-    if link is None:
-        puts = packed(place.areas, sizes, hiding_rules().gap_m, rng)
-    else:
-        puts = packed_with_link(place, types, sizes, link, rng)
-    if puts is None:
-        names = ", ".join(types)
-        msg = f"{scene.name}: no room {place.relation} {place.object_id} for {names}; wish for fewer or smaller things"
-        raise ArrangementError(msg, place.object_id, place.relation, sorted(set(types)))
-    return puts
-
-
-def _largest_size(type_name: str) -> Vec3:
-    grown = 1.0 + hiding_rules().size_spread
-    width, depth, height = (grown * side for side in hidden_size(type_name))
-    return width, depth, height
-
-
-def _plan_size(spec: AssetSpec) -> Vec3:
-    low, high = build(spec).bounds()
-    x, y, z = (float(v) for v in high - low)
-    return x, y, z
-
-
-def _put_all(
-    world: World,
-    scene: Scene,
-    by_place: dict[Key, tuple[HidingPlace, tuple[str, ...]]],
-    puts: dict[Key, list[Put]],
-) -> None:
-    """Hidden things at their spots, a hair above what they lie on, and what covers them raised by their height."""
-    for key, (place, ids) in sorted(by_place.items(), key=lambda item: item[1][0].relation):
-        # What is "in" comes before what is "under": a box that is raised takes its contents along.
-        heights = [np.ptp(world.assets[object_id].bounds()[:, 2]) for object_id in ids]
-        if place.relation == "under" and ids:
-            x, y, z = scene.object(place.object_id).position
-            world.move(place.object_id, (x, y, z + float(max(heights)) + 2 * SKIN_M))
-        for object_id, put in zip(ids, puts[key], strict=True):
-            bounds = world.assets[object_id].bounds()
-            x, y, z = put.position
-            sine, cosine = arithmetic.sin_cos_deg(put.yaw_deg / 2)
-            quaternion = (0.0, 0.0, float(sine), float(cosine))
-            world.move_alone(object_id, _parking(world.ids.index(object_id)))  # so that it carries nothing along
-            world.move(object_id, (x, y, z - float(bounds[0, 2]) + SKIN_M), quaternion)
+    raise things.error(violations_found[0], max(tried.values()))
 
 
 def _move_loose_things(
@@ -326,7 +144,7 @@ def _move_loose_things(
         moved = put_anew(world, object_id, scene.room_type, surfaces, keep_out, rng)
         if not moved and object_id in must:
             lost |= {object_id, *world.contents(object_id)}
-            world.move(object_id, _parking(world.ids.index(object_id)))
+            world.move(object_id, parking(world.ids.index(object_id)))
     return lost
 
 

@@ -9,13 +9,20 @@ from remqa_data.generators.arrangement.fill_ratios import fill_ratios
 from remqa_data.generators.arrangement.hiding_check import goal_camera
 from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
-from remqa_data.generators.arrangement.plausible import plausible_types
+from remqa_data.generators.arrangement.plausible import kept_in_rooms, plausible_types
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
+from remqa_data.sim.navigation.viewpoints import FRAME_PX
+
+MOST_CLEAR = 1.5
+"""A type that shows more pixels than so many times as many as are aimed at is not preferred any more."""
+UNUSUAL = 0.05
+"""Weight of a type that is found elsewhere in such rooms."""
 
 
-def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) -> list[tuple[str, float]]:
+def fitting_types(
+    place: HidingPlace, room_type: str, count: int | None = None, *, others: bool = False
+) -> list[tuple[str, float]]:
     """The types of things that can be hidden in or under a place, of those that are found there, with weights.
 
     Parameters
@@ -26,19 +33,27 @@ def fitting_types(place: HidingPlace, room_type: str, count: int | None = None) 
         kitchen, living_room, bedroom or bathroom.
     count : int, optional
         How many things of the type must fit at the same time; by default three, or as many as the place has spots.
+    others : bool
+        Whether to add what is found elsewhere in such rooms, with small weights.
 
     Returns
     -------
-    Pairs of type and weight, sorted by type: 1, and more the more of its things were recorded in such a place.
+    Pairs of type and weight, sorted by type: the more of its things were recorded in such a place, the more; what shows few
+    pixels weighs less.
     """
     rules = hiding_rules()
     wanted = min(3, len(place.spots)) if count is None else count
     found = []
-    for type_ in sorted(plausible_types(place.type, place.relation, room_type) - {place.type}):
+    usual = plausible_types(place.type, place.relation, room_type)
+    kept = usual | kept_in_rooms(room_type) if others else usual & place.provable
+    for type_ in sorted(kept - {place.type}):
         grown = 1.0 + rules.size_spread
         size = tuple(side * grown for side in hidden_size(type_))
-        if sum(_fits(area, place, type_, (size[0], size[1], size[2])) for area in place.areas) >= wanted:
-            found.append((type_, 1.0 + probability(type_, place.type, room_type)))
+        fits = [_fits(area, place, type_, (size[0], size[1], size[2])) for area in place.areas]
+        if sum(count for count, _ in fits) >= wanted:
+            clearness = min(max(pixels for _, pixels in fits) / rules.aim_evidence_px, MOST_CLEAR)
+            weight = 1.0 + probability(type_, place.type, room_type) if type_ in usual else UNUSUAL
+            found.append((type_, weight * clearness * clearness))
     return found
 
 
@@ -64,13 +79,14 @@ def visible_pixels(place: HidingPlace, area: Area, type_: str, size: Vec3) -> fl
     return float(np.median((top * (area.seen_from_m == 0.0) + side) * (FRAME_PX / 2) ** 2 * r / depth**3))
 
 
-def _fits(area: Area, place: HidingPlace, type_: str, size: Vec3) -> int:
-    """How many things of a size can lie in an area and are seen there."""
+def _fits(area: Area, place: HidingPlace, type_: str, size: Vec3) -> tuple[int, float]:
+    """How many things of a size can lie in an area and are seen there, and how many pixels each shows at least."""
     rules = hiding_rules()
     if size[2] <= area.seen_from_m:
-        return 0
+        return 0, 0.0
     grown = 1.0 + rules.size_spread
     smallest = (size[0] / grown**2, size[1] / grown**2, size[2] / grown**2)
-    if visible_pixels(place, area, type_, smallest) < rules.pixel_margin * MIN_PIXELS:
-        return 0
-    return area.capacity(size, rules.gap_m)
+    pixels = visible_pixels(place, area, type_, smallest)
+    if pixels < rules.pixel_margin * rules.min_evidence_px:
+        return 0, 0.0
+    return area.capacity(size, rules.gap_m), pixels

@@ -11,15 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_rules import hiding_rules
+from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, looks_about, share_in_view
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import Vec3
+from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.language.inner import clearly_related
 from remqa_data.relations import Partner
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
 from remqa_data.sim.navigation.embodiment import AGENT
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.contrast import contrast_de
 from remqa_data.sim.render.view import WorldView
 
 SLIPPED_M = 0.06
@@ -27,6 +30,8 @@ SLIPPED_M = 0.06
 COVERED, SUNK_M, NEAR_M = 0.8, 0.03, 0.03
 """Under a thing lies what it covers to this share, with its top so little above or below the thing's bottom."""
 TILTED_DEG = 20.0
+CLEAR_DE = 11.0
+"""What differs so much from what is around it (CIE76) while nothing else lies about stands out in the end."""
 """What lies over a hidden thing stays about level."""
 
 
@@ -34,7 +39,8 @@ TILTED_DEG = 20.0
 class Hidden:
     """A wish: so many things of a type in or under a place; 0 asks that there be none.
 
-    With a partner, which is wished for as well, the thing is to lie so to it, or clearly not so.
+    With a partner, which is wished for as well, the thing is to lie so to it, or clearly not so. Where a question asks for
+    what is not to be there, one is to see that there is none.
     """
 
     place: HidingPlace
@@ -42,6 +48,7 @@ class Hidden:
     count: int
     partner: Partner | None = None
     holds: bool = True
+    is_asked: bool = False
 
 
 Pixels = npt.NDArray[np.int64]
@@ -64,6 +71,17 @@ def goal_camera(place: HidingPlace) -> Camera:
     return Camera(eye, float(place.goal.yaw_deg), float(place.goal.horizon_deg), width=FRAME_PX, height=FRAME_PX)
 
 
+def _cameras_about(place: HidingPlace) -> list[Camera]:
+    """The agent's cameras of who looks about at the goal of a place."""
+    x, y, _ = goal_camera(place).position
+    found = []
+    for pose in looks_about(place.goal):
+        height = AGENT.camera_height_m if pose.is_standing else AGENT.crouched_camera_height_m
+        eye = (x, y, place.floor_z + height)
+        found.append(Camera(eye, float(pose.yaw_deg), float(pose.horizon_deg), width=FRAME_PX, height=FRAME_PX))
+    return found
+
+
 @contextmanager
 def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[list[str]]:
     """The world after the manipulation of a place, for the length of a block; yields what was carried along."""
@@ -84,10 +102,42 @@ def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[l
 
 
 def in_sight_violations(world: World, view: WorldView, hidden: Wished) -> list[Violation]:
-    """Which wished things are seen before the manipulation, or not after it; at most one violation for each wish."""
-    looks = _Looks(world, view)
-    found = ((wish, _ill_seen(looks, wish.place, ids)) for wish, ids in hidden)
-    return [Violation(wish.place, wish.type, reason) for wish, reason in found if reason is not None]
+    """What is seen before the manipulation, or not after it, or may be missed there; at most one violation for each wish."""
+    looks, together = _Looks(world, view), dict[tuple[str, str], list[str]]()
+    for wish, ids in hidden:
+        together.setdefault((wish.place.object_id, wish.place.manipulation), []).extend(ids)
+    found = []
+    for wish, ids in hidden:
+        reason = _ill_seen(looks, wish.place, ids)
+        if reason is None and wish.is_asked and wish.count == 0:
+            beside = together[wish.place.object_id, wish.place.manipulation]
+            share = looks.share(wish.place, wish.type, beside)
+            if share < LEAST_SHARE:
+                reason = f"of {share:.0%} of the ways in which there could be one, one would see it"
+        if reason is not None:
+            found.append(Violation(wish.place, wish.type, reason))
+    return found
+
+
+def faint_violations(world: World, view: WorldView, hidden: Wished) -> list[Violation]:
+    """Which wished things do not stand out from what is around them once they come to light; pictures with light take long."""
+    found = []
+    places = {
+        (wish.place.object_id, wish.place.manipulation): wish.place for wish, ids in hidden if wish.is_asked and ids
+    }
+    for key, place in places.items():
+        with manipulated(world, view, place):
+            seen = view.render(goal_camera(place))
+        for wish, ids in hidden:
+            if wish.is_asked and (wish.place.object_id, wish.place.manipulation) == key:
+                least = min(
+                    (contrast_de(seen.rgb, seen.objects == world.ids.index(name)) for name in ids), default=math.inf
+                )
+                if least < CLEAR_DE:
+                    found.append(
+                        Violation(place, wish.type, f"it differs from what is around it by {least:.0f} Delta E only")
+                    )
+    return found
 
 
 def violations(world: World, view: WorldView, hidden: Wished, put_at: Mapping[str, Vec3]) -> list[Violation]:
@@ -163,6 +213,7 @@ class _Looks:
         self.world, self.view = world, view
         self._before: dict[tuple[str, str], Pixels] = {}
         self._after: dict[tuple[str, str], Pixels] = {}
+        self._proofs: dict[tuple[str, str], tuple[F64 | None, list[tuple[Camera, F32]], list[F64]]] = {}
 
     def before(self, place: HidingPlace) -> Pixels:
         """By object, before the manipulation."""
@@ -170,6 +221,19 @@ class _Looks:
         if key not in self._before:
             self._before[key] = pixels_per_object(self.view, goal_camera(place))
         return self._before[key]
+
+    def share(self, place: HidingPlace, type_: str, ids: Sequence[str]) -> float:
+        """Of the ways in which a thing of a type could lie there beside some things, how many one sees after it."""
+        key = (place.object_id, place.manipulation)
+        if key not in self._proofs:
+            closed = self.world.link_poses(place.object_id)
+            with manipulated(self.world, self.view, place):
+                moved = arithmetic.product(self.world.link_poses(place.object_id), arithmetic.inverse(closed))
+                looks = [(camera, self.view.depth_and_instances(camera)[0]) for camera in _cameras_about(place)]
+                boxes = [self.world.box(object_id) for object_id in ids]
+            self._proofs[key] = (moved if place.manipulation == "Open" else None, looks, boxes)
+        motion, looks, boxes = self._proofs[key]
+        return share_in_view(place.interior, motion, looks, boxes, type_)
 
     def after(self, place: HidingPlace) -> Pixels:
         """By object, after it."""
@@ -188,7 +252,7 @@ def _ill_seen(looks: _Looks, place: HidingPlace, ids: Sequence[str]) -> str | No
     if before.any():
         return f"{ids[int(before.argmax())]} shows {before.max()} pixels before the manipulation"
     after = looks.after(place)[index]
-    if after.min() < MIN_PIXELS:
+    if after.min() < hiding_rules().min_evidence_px:
         return f"{ids[int(after.argmin())]} shows only {after.min()} pixels after the manipulation"
     return None
 

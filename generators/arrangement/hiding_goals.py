@@ -18,31 +18,65 @@ from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import Outline, outline_distance
 from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses
 
+FRONT_DEG = 60.0
+"""Who stands farther round than this does not stand before the front of a thing."""
+
+
+@dataclass(frozen=True)
+class Front:
+    """Where the front of a thing looks: from its middle in the plan, metres, in degrees counter-clockwise from +x."""
+
+    middle: tuple[float, float]
+    facing_deg: float
+
+    def faces(self, position: tuple[float, float]) -> bool:
+        """Whether somebody at a position stands before it."""
+        dx, dy = position[0] - self.middle[0], position[1] - self.middle[1]
+        bearing = math.degrees(arithmetic.arctan2(dy, dx))
+        return abs((bearing - self.facing_deg + 180.0) % 360.0 - 180.0) <= FRONT_DEG
+
+
 Mask = npt.NDArray[np.bool_]
 Depths = Mapping[AgentPose, F32]
 
-AROUND_M = (0.6, 3.0)
-AROUND_POSES = 12
-"""From about so many cells in this range around a thing one must not see what lies under it."""
+AROUND_M = (0.3, 3.0)
+AROUND_POSES = 16
+"""From about so many cells in this range around a thing one must not see what it hides."""
 IN_IMAGE = 0.5
 """A pose looks at a place when this share of its points is in the image."""
 
 
 @dataclass(frozen=True)
-class GoalPoses:
-    """Poses that see nearly as much of the areas as the best one, nearest first, and what each sees."""
+class GoalPose:
+    """A pose from which the agent acts on a place, and what it sees of it afterwards.
 
-    poses: tuple[AgentPose, ...]
-    parts: tuple[tuple[Area, ...], ...]
-    """For each pose, the rectangles of which all is hidden before and seen after."""
+    Attributes
+    ----------
+    pose : AgentPose
+        Where it stands and looks.
+    parts : tuple of Area
+        The rectangles of which all is hidden before and seen after.
+    shares : tuple of float
+        For each height of sight, the share of all areas that is seen after, and was hidden before.
+    """
+
+    pose: AgentPose
+    parts: tuple[Area, ...]
+    shares: tuple[float, ...]
 
 
 def poses_that_reach(
-    sight: Sightlines, points: F64, areas: Sequence[Area], count: int, outlines: Sequence[Outline] = ()
+    sight: Sightlines,
+    points: F64,
+    areas: Sequence[Area],
+    count: int,
+    outlines: Sequence[Outline] = (),
+    front: Front | None = None,
 ) -> list[AgentPose]:
     """Poses from which the arm reaches one of some points and that look towards them and some areas, nearest first.
 
-    At none of them does anything with one of some outlines meet the agent.
+    At none of them does anything with one of some outlines meet the agent, and all of them are before a front, if there
+    is one.
     """
     middles = np.array([area.centre for area in areas])
     target = 0.5 * points.mean(axis=0) + 0.5 * middles.mean(axis=0)
@@ -51,6 +85,7 @@ def poses_that_reach(
         cell
         for cell in cells_that_reach(sight.grid, points, AGENT.reach_m)
         if outline_distance(outlines, sight.grid.position(cell)) > AGENT.radius_m
+        and (front is None or front.faces(sight.grid.position(cell)))
     ]
     for pose in facing_poses(sight.grid, cells, target):
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -64,9 +99,17 @@ def poses_that_reach(
 
 
 def best_goals(
-    sight: Sightlines, rules: HidingRules, areas: Sequence[Area], before: Depths, after: Depths, motion: F64
-) -> GoalPoses:
-    """The poses that see the most of some areas.
+    sight: Sightlines,
+    rules: HidingRules,
+    areas: Sequence[Area],
+    before: Depths,
+    after: Depths,
+    motion: F64,
+) -> list[GoalPose]:
+    """The poses that see something of some areas, the best first.
+
+    First come those that see enough even of what is flat, then those that see enough of what is higher, and of these those
+    to which things look largest, and which see most.
 
     Parameters
     ----------
@@ -77,31 +120,63 @@ def best_goals(
     areas : sequence of Area
         Where hidden things might lie.
     before, after : mapping of AgentPose to (h, w) array
-        Depth before and after the manipulation. Poses are those of `after`, nearest first.
+        Depth before and after the manipulation. Poses are those of `after`.
     motion : (links, 4, 4) array
         How the manipulation moves what lies on each link.
     """
     probes = [_probe(rules, area, motion[area.link]) for area in areas]
-    seen = {pose: _seen(sight, pose, probes, before[pose], after[pose]) for pose in after}
-    amounts = {pose: sum(int(mask.sum()) for masks in seen[pose] for mask in masks) for pose in after}
-    most = max(amounts.values(), default=0)
-    good = [pose for pose in after if most and amounts[pose] >= rules.min_share_seen * most]
-    parts = {pose: tuple(_parts(rules, areas, seen[pose])) for pose in good}
-    good = [pose for pose in good if parts[pose]]
-    return GoalPoses(tuple(good), tuple(parts[pose] for pose in good))
+    ranked: list[tuple[int, float, GoalPose]] = []
+    for pose in after:
+        seen = _seen(sight, pose, probes, before[pose], after[pose])
+        parts = tuple(_parts(rules, areas, seen))
+        if not parts:
+            continue
+        points = sum(masks[0].size for masks in seen)
+        levels = range(len(rules.sight_heights_m))
+        shares = tuple(sum(int(masks[min(i, len(masks) - 1)].sum()) for masks in seen) / points for i in levels)
+        rank = next((i for i in levels if shares[i] >= rules.min_share_seen), len(levels))
+        clear = _clearness(sight, pose, parts, motion)
+        share = max(shares) if rank == len(levels) else shares[rank]
+        worth = share * share * clear
+        ranked.append((rank, -worth, GoalPose(pose, parts, shares)))
+    return [goal for _, _, goal in sorted(ranked, key=lambda entry: (entry[:2], entry[2].pose))]
+
+
+def _clearness(sight: Sightlines, pose: AgentPose, parts: Sequence[Area], motion: F64) -> float:
+    """How large low things look that lie on some areas, and how near to the middle of the image they are, on average.
+
+    A small face at distance r fills a solid angle of its area times cos(a) / r^2, where a is the angle to its normal; low
+    things show their top and about half as much of a side. At the edges of an image things take more pixels, and are
+    stretched: the cosine of the angle to the camera's axis is a factor.
+    """
+    camera = sight.camera(pose)
+    points = np.concatenate(
+        [arithmetic.moved(a.to_room(at_height(a.lattice(0.1).reshape(-1, 2), 0.01)), motion[a.link]) for a in parts]
+    )
+    away = points - np.asarray(camera.position)
+    distance, depth = arithmetic.length(away), np.maximum(camera.project(points)[:, 2], 0.0)
+    face = np.maximum(-away[:, 2], 0.0) + 0.5 * arithmetic.length(away[:, :2])
+    return float(np.mean(face * depth / distance**4))
 
 
 def out_of_sight(sight: Sightlines, rules: HidingRules, area: Area) -> Area | None:
-    """The part of an area that one sees from nowhere around: not between legs, nor below a rim or a seat."""
+    """The largest part of an area that one sees from nowhere around, standing or crouched, up to the area's height.
+
+    Not between legs, nor below a rim or a seat. The world is looked at as it is.
+    """
     grid = sight.grid
     x, y, _ = area.centre
     near = [c for c in grid.cells if AROUND_M[0] <= math.dist(grid.position(c), (x, y)) <= AROUND_M[1]]
     lattice = area.lattice(rules.pitch_m)
-    points = area.to_room(at_height(lattice.reshape(-1, 2), rules.sight_heights_m[0]))
-    hidden = np.ones(len(points), dtype=np.bool_)
+    flat = lattice.reshape(-1, 2)
+    levels = [area.to_room(at_height(flat, share * area.height_m)) for share in (0.1, 0.5, 0.9)]
+    hidden = np.ones(len(flat), dtype=np.bool_)
     for cell in near[:: max(1, len(near) // AROUND_POSES)]:
-        pose = next(facing_poses(grid, [cell], np.array(area.centre)))
-        hidden &= sight.hides(pose, sight.depth(pose), points)
+        for is_standing in (True, False):
+            pose = next(facing_poses(grid, [cell], np.array(area.centre), is_standing=is_standing))
+            depth = sight.depth(pose)
+            for points in levels:
+                hidden &= sight.hides(pose, depth, points)
     return _largest_part(rules, area, hidden.reshape(lattice.shape[:2]))
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
 from typing import Literal
 
@@ -18,13 +18,16 @@ import numpy as np
 from remqa_data.catalog import object_type, question_types, types_with
 from remqa_data.generators.arrangement.areas import Area, Spot
 from remqa_data.generators.arrangement.hiding_goals import (
-    GoalPoses,
+    Front,
+    GoalPose,
     at_height,
     best_goals,
     out_of_sight,
     poses_that_reach,
 )
 from remqa_data.generators.arrangement.hiding_rules import HidingRules, hiding_rules
+from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, looks_about, share_in_view
+from remqa_data.generators.arrangement.plausible import plausible_types
 from remqa_data.generators.arrangement.push_targets import push_targets
 from remqa_data.generators.arrangement.sightlines import Sightlines
 from remqa_data.geometry import arithmetic
@@ -42,12 +45,12 @@ Manipulation = Literal["Open", "Pickup", "Move"]
 
 SOLID_M = 0.02
 """The bottom of a space is this near to what physics lets things rest on."""
-RAISED_M = 0.01
-"""A thing that lies over another is about so much higher."""
 THIN_M = 0.005
 """The thinnest things that lie under others, such as a credit card."""
 LEANS_DEG = 8.0
 """What is tilted by more than this stands on nothing that could be an area."""
+EMPTY_SHARE = 0.05
+"""So much more of an empty place is seen than is asked for, as other things will lie in it."""
 SWEPT = tuple(k / 10 for k in range(1, 11))
 """At these opennesses what opens stays clear of the agent."""
 
@@ -65,14 +68,19 @@ class HidingPlace:
     relation : {"in", "under"}
         Where they are.
     goal : AgentPose
-        A near standing pose that sees the object, from which the arm reaches it, and which sees the hidden things after
-        the manipulation, but not before. What the manipulation moves stays clear of the agent there.
+        A standing pose before the object's front that sees the object, from which the arm reaches it, and which sees the
+        hidden things after the manipulation, but not before: of all such, the one to which they look largest. What the
+        manipulation moves stays clear of the agent there.
     other_goals : tuple of AgentPose
-        Up to four more, nearest first; they see nearly as much.
+        Up to four more, the best first.
     spots : tuple of Spot
         Room for that many things of middling size at the same time, in the room with everything closed.
     areas : tuple of Area
         Where hidden things may lie: all of it is in sight from the goal after the manipulation.
+    interior : tuple of Area
+        Where anything could lie that the manipulation reveals, in sight or not.
+    provable : frozenset of str
+        Types kept there of which one would see from the goal that none is there, if the place were empty.
     floor_z : float
         Height of the room's floor, on which the agent stands, metres.
     move_to : tuple of float or None
@@ -87,6 +95,8 @@ class HidingPlace:
     other_goals: tuple[AgentPose, ...]
     spots: tuple[Spot, ...]
     areas: tuple[Area, ...]
+    interior: tuple[Area, ...]
+    provable: frozenset[str]
     floor_z: float
     move_to: Vec3 | None = None
 
@@ -159,13 +169,13 @@ class _Finder:
                 world.open(object_id, openness)
                 swept += object_outlines(world, object_id, first_link=1)
             motion = arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed))
-            poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept)
+            poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept, self._front(object_id))
             after = {pose: self.sight.depth(pose) for pose in poses}
             world.open(object_id, 0.0)
             is_kept = world.state(object_id).is_fixed  # what is loose is not in the pictures that are kept
             before = {pose: self.sight.depth_at_rest(pose) if is_kept else self.sight.depth(pose) for pose in poses}
         goals = best_goals(self.sight, rules, areas, before, after, motion)
-        return self._place(object_id, "Open", "in", goals)
+        return self._place(object_id, "Open", "in", areas, goals)
 
     # ---- things that are taken away
 
@@ -185,7 +195,7 @@ class _Finder:
         area = self._area_beneath(object_id, self.rules.min_move_side_m, self.rules.max_move_side_m)
         if area is None or self._holds_what_is_beneath(object_id, area):
             return None
-        shifts = push_targets(self.world, object_id, self.rules.shifts_m)
+        shifts = push_targets(self.world, object_id, self.rules.shift_gaps_m)
         best: HidingPlace | None = None
         for place in self._taken_away(object_id, area, "Move", shifts):
             if best is None or _area_of(place) > 1.1 * _area_of(best):
@@ -253,11 +263,12 @@ class _Finder:
         world, rules, view = self.world, self.rules, self.sight.view
         snapshot = world.save()
         x, y, z = world.state(object_id).position
-        raised, before = (x, y, z + RAISED_M), dict[AgentPose, F32]()
-        found: list[tuple[GoalPoses, Vec3 | None]] = []
+        before: dict[AgentPose, F32] = {}
+        found: list[tuple[list[GoalPose], Vec3 | None]] = []
         with _Shown(view, world, object_id):
+            raised = (x, y, z + rules.max_under_height_m)
             world.move_alone(object_id, raised)
-            hidden = out_of_sight(self.sight, rules, replace(area, height_m=RAISED_M))
+            hidden = out_of_sight(self.sight, rules, area)
             if hidden is None:
                 world.restore(snapshot)
                 return []
@@ -268,7 +279,8 @@ class _Finder:
                     world.move_alone(object_id, move_to)
                     outlines = object_outlines(world, object_id)
                     world.move_alone(object_id, raised)
-                poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines)
+                front = self._front(object_id)
+                poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines, front)
                 before |= {pose: self.sight.depth(pose) for pose in poses if pose not in before}
                 if move_to is None:
                     view.hide(object_id)
@@ -277,31 +289,77 @@ class _Finder:
                 after = {pose: self.sight.depth(pose) for pose in poses}
                 found.append((best_goals(self.sight, rules, [hidden], before, after, np.eye(4)[None]), move_to))
             world.restore(snapshot)
-        places = (self._place(object_id, manipulation, "under", _as_high_as(area, g), to) for g, to in found)
+        places = (self._place(object_id, manipulation, "under", [hidden], goals, to) for goals, to in found)
         return [place for place in places if place is not None]
 
     # ---- goals
 
+    def _front(self, object_id: str) -> Front | None:
+        """Where an object's front looks; None if it has none, as what is round or lies about."""
+        type_ = self.world.type_of(object_id)
+        if type_ in types_with("round_outline") or (
+            object_type(type_).pickupable and not object_type(type_).receptacle
+        ):
+            return None
+        low, high = self.boxes[object_id]
+        x, y = (float(v) for v in (low + high)[:2] / 2)
+        matrix = self.world.state(object_id).matrix()
+        return Front((x, y), math.degrees(arithmetic.arctan2(-matrix[1, 1], -matrix[0, 1])))
+
     def _shows(self, object_id: str, pose: AgentPose) -> bool:
-        """Whether the object, at rest, is visible from a pose."""
+        """Whether the object, at rest, is well seen from a pose: it is no sliver."""
         with _Shown(self.sight.view, self.world, object_id):
             image = self.sight.view.instances(pose.camera(self.sight.grid, FRAME_PX))
-        return int(np.count_nonzero(image == self.world.ids.index(object_id))) >= MIN_PIXELS
+        rows, columns = np.nonzero(image == self.world.ids.index(object_id))
+        least = self.rules.min_target_px
+        return len(rows) >= MIN_PIXELS and min(int(np.ptp(rows)), int(np.ptp(columns))) + 1 >= least
+
+    def _provable(
+        self,
+        object_id: str,
+        manipulation: Manipulation,
+        interior: Sequence[Area],
+        goal: AgentPose,
+        move_to: Vec3 | None,
+    ) -> frozenset[str]:
+        """The types kept there of which one would see, looking about from a pose after the manipulation, that there is none."""
+        world, view = self.world, self.sight.view
+        snapshot, closed = world.save(), world.link_poses(object_id)
+        with _Shown(view, world, object_id):
+            if manipulation == "Open":
+                world.open(object_id, 1.0)
+            elif move_to is not None:
+                world.move_alone(object_id, move_to)
+            else:
+                view.hide(object_id)
+            motion = arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed))
+            cameras = [pose.camera(self.sight.grid) for pose in looks_about(goal)]
+            looks = [(camera, view.depth_and_instances(camera)[0]) for camera in cameras]
+            world.restore(snapshot)
+        moved = motion if manipulation == "Open" else None
+        relation: Literal["in", "under"] = "in" if manipulation == "Open" else "under"
+        kept = plausible_types(world.type_of(object_id), relation, world.scene.room_type)
+        shares = {name: share_in_view(interior, moved, looks, (), name) for name in kept}
+        return frozenset(name for name, share in shares.items() if share >= LEAST_SHARE + EMPTY_SHARE)
 
     def _place(
         self,
         object_id: str,
         manipulation: Manipulation,
         relation: Literal["in", "under"],
-        goals: GoalPoses,
+        interior: Sequence[Area],
+        goals: Sequence[GoalPose],
         move_to: Vec3 | None = None,
     ) -> HidingPlace | None:
         """The place, if there is a pose for it."""
-        best = next((i for i, pose in enumerate(goals.poses) if self._shows(object_id, pose)), None)
+        shown = (goal for goal in goals if self._shows(object_id, goal.pose))
+        best = next(shown, None)
         if best is None:
             return None
-        areas = goals.parts[best]
-        others = (pose for pose in goals.poses[best + 1 :] if self._shows(object_id, pose))
+        provable = self._provable(object_id, manipulation, interior, best.pose, move_to)
+        if not provable:
+            return None
+        areas = best.parts
         spots = [spot for area in areas for spot in area.spots(self.rules.spot_side_m)]
         # Two phones need more than the room of two mugs.
         long_ones = sum(area.capacity((*self.rules.long_thing_m, 0.0), self.rules.gap_m) for area in areas)
@@ -312,19 +370,15 @@ class _Finder:
             type=self.world.type_of(object_id),
             manipulation=manipulation,
             relation=relation,
-            goal=goals.poses[best],
-            other_goals=tuple(islice(others, self.rules.other_goals)),
+            goal=best.pose,
+            other_goals=tuple(goal.pose for goal in islice(shown, self.rules.other_goals)),
             spots=tuple(spots[i * len(spots) // count] for i in range(count)),
             areas=areas,
+            interior=tuple(interior),
+            provable=provable,
             floor_z=self.world.scene.floor_z,
             move_to=move_to,
         )
-
-
-def _as_high_as(area: Area, goals: GoalPoses) -> GoalPoses:
-    """The same with an area's height: the higher the thing, the higher it raises what lies on it."""
-    parts = tuple(tuple(replace(part, height_m=area.height_m) for part in parts) for parts in goals.parts)
-    return replace(goals, parts=parts)
 
 
 def _area_of(place: HidingPlace) -> float:

@@ -48,6 +48,14 @@ def plausible_types(place_type: str, relation: Literal["in", "under"], room_type
     return by_room.get(room_type, frozenset())
 
 
+@lru_cache(maxsize=8)
+def kept_in_rooms(room_type: str) -> frozenset[str]:
+    """The types that are found in or under anything in a kind of room."""
+    tables = (_plausible().inside, _plausible().under)
+    lists = [dict(by_room).get(room_type) for table in tables for by_room in table.values()]  # type: ignore[call-overload]
+    return frozenset().union(*(names for names in lists if names))
+
+
 @lru_cache(maxsize=1)
 def _plausible() -> PlausibleTypes:
     text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")

@@ -8,6 +8,7 @@ import numpy as np
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
+from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import STRUCTURE_NAME
 from remqa_data.sim.physics.world import World
 
@@ -18,8 +19,10 @@ CARRIED = (-0.7, 0.0, 0.7)
 """Where, as shares of half its sides, an object is carried."""
 
 
-def push_targets(world: World, object_id: str, shifts_m: Sequence[float]) -> list[Vec3]:
+def push_targets(world: World, object_id: str, gaps_m: Sequence[float]) -> list[Vec3]:
     """For each of the object's four directions, where its centre is after the smallest shift to free room, if any.
+
+    It is shifted by more than its own length in that direction, so that all that it covered comes to light.
 
     Parameters
     ----------
@@ -27,8 +30,8 @@ def push_targets(world: World, object_id: str, shifts_m: Sequence[float]) -> lis
         The room; it is the same afterwards.
     object_id : str
         What is to be moved. What is in or on it goes with it.
-    shifts_m : sequence of float
-        Distances to try.
+    gaps_m : sequence of float
+        How much farther than its own length it may go, smallest first.
 
     Notes
     -----
@@ -43,9 +46,10 @@ def push_targets(world: World, object_id: str, shifts_m: Sequence[float]) -> lis
     carried = set(world.contents(object_id))
     offset = (low + high)[:2] / 2 - start[:2]
     found: list[Vec3] = []
-    for direction in (turn[:, 0], -turn[:, 0], -turn[:, 1], turn[:, 1]):
+    width, depth, _ = world.assets[object_id].spec.size
+    for direction, own in ((turn[:, 0], width), (-turn[:, 0], width), (-turn[:, 1], depth), (turn[:, 1], depth)):
         level = direction * [1.0, 1.0, 0.0]
-        for shift in shifts_m:
+        for shift in (own + gap for gap in gaps_m if own + gap < AGENT.push_m):
             x, y, z = start + shift * level / arithmetic.length(level)
             target = (float(x), float(y), float(z))
             world.move_alone(object_id, target)

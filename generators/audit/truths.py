@@ -6,6 +6,7 @@ Nothing here trusts what generation found: answers are worked out anew, and pict
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Literal, get_args
@@ -14,15 +15,20 @@ import numpy as np
 
 from remqa_data.catalog import catalog, question_types
 from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownNameError, one_line
+from remqa_data.generators.arrangement.hiding_goals import FRONT_DEG
 from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
+from remqa_data.generators.audit.provable import LEAST_SHARE, seen_share
 from remqa_data.generators.questions.questions import (
+    NO,
     inner_question_program,
     inner_question_text,
     question_program,
     question_text,
 )
+from remqa_data.generators.seen_anywhere import MOST_PIXELS, most_pixels_anywhere
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.inner import inner_of, is_sure, needed
@@ -44,12 +50,14 @@ from remqa_data.sim.metadata import (
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import reach_distance, reachable_grid
 from remqa_data.sim.navigation.paths import path_length_m, poses_along, shortest_actions
-from remqa_data.sim.navigation.viewpoints import front_points
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, front_points
 from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.contrast import contrast_de
 from remqa_data.tables.images import (
     RgbFormat,
     decode_depth,
     decode_instances,
+    decode_rgb,
     encode_depth,
     encode_instances,
     encode_rgb,
@@ -68,7 +76,11 @@ CHANGED_FACTOR = 4
 """A manipulation changes so many times the pixels that an object needs to be visible."""
 MOST_MOVED_M = 0.001
 """What moves by no more than this has stayed where it was."""
+LEAST_CONTRAST_DE = 8.0
+"""Of counted objects and their surroundings in the end frame, as it is stored."""
 PNG = b"\x89PNG"
+LEAST_EVIDENCE_PX, LEAST_TARGET_PX = 50, 14
+"""Pixels of each counted object, and along the short side of the target's box, in a view of 300 x 300."""
 
 
 class CheckedRoom:
@@ -117,7 +129,7 @@ class CheckedRoom:
 
     def question_failures(self, question: QuestionRow) -> Iterator[Failure]:
         """What does not hold of a question about this configuration; it is replayed in a world of its own."""
-        for check in (self._is_consistent, self._words, self._pictures, self._way, self._replayed):
+        for check in (self._is_consistent, self._words, self._pictures, self._seen_well, self._way, self._replayed):
             try:
                 for truth, reason in check(question):
                     yield Failure(question.question_id, truth, reason)
@@ -171,7 +183,9 @@ class CheckedRoom:
         """What the stored pictures show before and after the manipulation."""
         before = decode_instances(question.start_instances.bytes)
         after = decode_instances(question.end_instances.bytes)
+        end_rgb = decode_rgb(question.end_rgb.bytes)
         least = scaled_min_pixels(before.shape)
+        clear = round(LEAST_EVIDENCE_PX * before.size / FRAME_PX**2)
         target = before == _number(question, question.target_id)
         if not is_visible(target):
             yield "visible", f"{question.target_id} shows {np.count_nonzero(target)} pixels in the start frame"
@@ -184,15 +198,33 @@ class CheckedRoom:
             shown, revealed = (np.count_nonzero(image == _number(question, object_id)) for image in (before, after))
             if shown:
                 yield "necessary", f"{object_id} shows {shown} pixels before the manipulation"
-            if revealed < least:
-                yield (
-                    "sufficient",
-                    f"{object_id} shows {revealed} pixels after the manipulation, and {least} are needed",
-                )
+            if revealed < clear:
+                yield "sufficient", f"{object_id} shows {revealed} pixels afterwards, and {clear} are needed"
+            elif contrast_de(end_rgb, after == _number(question, object_id)) < LEAST_CONTRAST_DE:
+                yield "distinct", f"{object_id} hardly stands out from what surrounds it in the end frame"
         depths = decode_depth(question.start_depth.bytes), decode_depth(question.end_depth.bytes)
         changed = changed_pixels((before, depths[0]), (after, depths[1]))
         if changed < CHANGED_FACTOR * least:
             yield "sufficient", f"the manipulation changes {changed} pixels, and {CHANGED_FACTOR * least} are needed"
+
+    def _seen_well(self, question: QuestionRow) -> Iterator[Broken]:
+        """The target is no sliver and seen from before its front."""
+        scale = len(decode_instances(question.start_instances.bytes)) / FRAME_PX
+        x1, y1, x2, y2 = question.start_target_box_2d or (0, 0, 0, 0)
+        if min(x2 - x1, y2 - y1) < LEAST_TARGET_PX * scale:
+            yield "visible", f"the box of {question.target_id} is {x2 - x1} x {y2 - y1} pixels"
+        if not question.goal_poses:
+            raise NoPathError("there is no goal pose")
+        self.type_of(question.target_id)
+        if question.manipulation == "Open":
+            record = self.records[question.target_id]
+            x, y, _ = question.goal_poses[0].position
+            dx, dy = x - (record.box[0] + record.box[3]) / 2, y - (record.box[1] + record.box[4]) / 2
+            aside_deg = abs(
+                (math.degrees(arithmetic.arctan2(dy, dx)) - (record.facing_deg or 0.0) + 180.0) % 360.0 - 180.0
+            )
+            if aside_deg > FRONT_DEG + 1e-6:
+                yield "visible", f"the goal is {aside_deg:.0f} degrees off the front of {question.target_id}"
 
     def _way(self, question: QuestionRow) -> Iterator[Broken]:
         """The shortest way leads to the first goal, and from every goal the arm reaches the target."""
@@ -237,9 +269,24 @@ class CheckedRoom:
                 if action.name in MANIPULATION and not is_manipulated:
                     is_manipulated = True
                     yield from _different(question, replay, "start")
+                    evidence = needed(_asked(question), question.answer_ids, self.graph)
+                    if evidence:
+                        shown = most_pixels_anywhere(replay.view, replay.grid, evidence)
+                        if shown > MOST_PIXELS:
+                            yield (
+                                "necessary",
+                                f"the evidence shows {shown} pixels from elsewhere before the manipulation",
+                            )
                     positions = _corners(replay.world)
                 replay.step(action)
             yield from _different(question, replay, "end")
+            if is_manipulated and question.answer in (NO, "0") and inner_of(_asked(question)) is None:
+                share = seen_share(replay, question)
+                if share < LEAST_SHARE:
+                    yield (
+                        "provable",
+                        f"one sees {share:.0%} of the ways in which a {question.answer_type} could lie there",
+                    )
             if is_manipulated:
                 yield from self._is_undisturbed(question, positions, replay)
         finally:
@@ -300,6 +347,7 @@ _TRUTH_OF: dict[str, Truth] = {
     "_is_consistent": "consistent",
     "_words": "answer",
     "_pictures": "visible",
+    "_seen_well": "visible",
     "_way": "reachable",
     "_replayed": "replayable",
 }

@@ -20,6 +20,7 @@ from remqa_data.errors import QuotaError, UnknownNameError
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import PREFIX, is_sampled, room_type_of, sampled_index, sampled_split
 from remqa_data.generators.questions.questions import KINDS, question_rules
+from remqa_data.published import QUESTIONS
 from remqa_data.tables.rows import QuestionKind
 
 SOURCE = "capacities.csv"
@@ -100,8 +101,10 @@ def split_of(scene: str) -> QuestionSplit:
 def choose_scenes(count: int) -> tuple[str, ...]:
     """So many rooms, of all types alike, a sixth of them for testing, in iTHOR's order.
 
+    Those come first of which most can be asked, as few rooms must take their share of all kinds of question.
+
     >>> choose_scenes(4)
-    ('FloorPlan1', 'FloorPlan226', 'FloorPlan301', 'FloorPlan401')
+    ('FloorPlan30', 'FloorPlan213', 'FloorPlan317', 'FloorPlan421')
 
     Raises
     ------
@@ -118,8 +121,12 @@ def choose_scenes(count: int) -> tuple[str, ...]:
     for index, offset in enumerate(ROOM_OFFSETS):
         rooms, tested = _share(count, index), _share(tests, TEST_TURNS.index(index))
         first_test = offset + ROOMS_OF_A_TYPE - TEST_ROOMS_OF_A_TYPE + 1
-        numbers += range(offset + 1, offset + 1 + rooms - tested)
-        numbers += range(first_test, first_test + tested)
+        for first, last, wanted in (
+            (offset + 1, first_test, rooms - tested),
+            (first_test, offset + 1 + ROOMS_OF_A_TYPE, tested),
+        ):
+            order = sorted(range(first, last), key=_what_can_be_asked, reverse=True)
+            numbers += sorted(order[:wanted])
     return tuple(f"FloorPlan{number}" for number in numbers)
 
 
@@ -227,8 +234,8 @@ def _in_samples(lots: Mapping[str, int], kind: QuestionKind, total: int) -> dict
 def _even_out(dealt: Lots, rooms: Sequence[SceneCapacity]) -> None:
     """Pass lots on until no room has more than `MOST_LOTS`, or fewer than `FEWEST_LOTS`, as far as others can take or give.
 
-    What a room has too many of goes where it is easy. A room that has too few takes as many as it can at most, of kinds that
-    rooms can easily take.
+    What a room has too many of goes where it is easy, or else where there is room, if it is not easy here either. A room that
+    has too few takes as many as it can at most, of kinds that rooms can easily take.
     """
     easy = {room.scene: {kind: min(room.lots[kind], room.most[kind]) for kind in KINDS} for room in rooms}
     plenty = [kind for kind in KINDS if sum(dealt[kind].values()) <= sum(lots[kind] for lots in easy.values())]
@@ -243,7 +250,23 @@ def _even_out(dealt: Lots, rooms: Sequence[SceneCapacity]) -> None:
         if not any(_pass_on(dealt, [scene], takers, easy) for scene in full) and not any(
             _pass_on(dealt, givers, {scene: most[scene]}, easy) for scene in poor
         ):
-            return
+            break
+    for room in rooms:
+        while sum(dealt[kind][room.scene] for kind in KINDS) > MOST_LOTS and _hand_on(dealt, room.scene, rooms):
+            pass
+
+
+def _hand_on(dealt: Lots, giver: str, rooms: Sequence[SceneCapacity]) -> bool:
+    """Let another room that is not full have one lot of what a room has more of than is easy, though it is not easy there."""
+    easy = next(room.lots for room in rooms if room.scene == giver)
+    for room in rooms:
+        for kind in KINDS:
+            is_full = sum(dealt[other][room.scene] for other in KINDS) >= MOST_LOTS
+            if not is_full and dealt[kind][giver] > easy[kind] and dealt[kind][room.scene] < room.most[kind]:
+                dealt[kind][giver] -= 1
+                dealt[kind][room.scene] += 1
+                return True
+    return False
 
 
 def _pass_on(dealt: Lots, givers: Sequence[str], takers: RoomFor, others: RoomFor) -> bool:
@@ -295,8 +318,14 @@ def _deal_lots(limits: Sequence[Mapping[str, int]], count: int, first: Mapping[s
     return dealt
 
 
-TEST_TURNS = (1, 0, 2, 3)
+TEST_TURNS = (0, 1, 2, 3)
 """Room types by index, in the order in which they get a test room that is one too many: those first that can be asked most."""
+
+
+def _what_can_be_asked(number: int) -> float:
+    """How much of a room's share of each kind of question it takes, of the kind of which it takes least."""
+    most, wanted = _capacities(SOURCE)[f"FloorPlan{number}"].most, QUESTIONS["test"]
+    return min(most[kind] / wanted[kind] for kind in KINDS)
 
 
 def _share(count: int, turn: int) -> int:

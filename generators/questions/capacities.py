@@ -16,15 +16,15 @@ import numpy as np
 
 from remqa_data.files import atomic_path
 from remqa_data.floorplans.ithor.scenes import load_scene, scene_names
-from remqa_data.generators.arrangement.configurations import has_room
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_places import hiding_places
+from remqa_data.generators.arrangement.wished_things import has_room
 from remqa_data.generators.questions.allotment import LOT_SIZE, SOURCE, SceneCapacity
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import group_shapes
 from remqa_data.generators.questions.planning import Planner
 from remqa_data.generators.questions.questions import KINDS, P, question_rules
-from remqa_data.generators.questions.sites import FittingTypes, HasRoom, any_room, sites_of
+from remqa_data.generators.questions.sites import FittingTypes, HasRoom, any_room, sites_of, takes
 from remqa_data.published import QUESTIONS
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata
@@ -55,7 +55,7 @@ def measured_capacity(scene_name: str) -> SceneCapacity:
         lambda place, count: fitting_types(place, scene.room_type, count),
         scene.name,
         scene.room_type,
-        cache(has_room),
+        takes(cache(has_room), cache(lambda place: fitting_types(place, scene.room_type, 1, others=True))),
     )
 
 
@@ -77,6 +77,7 @@ def room_capacity(
         scene,
         LOT_SIZE,
         np.random.default_rng(0),
+        {},
         has_room=has_room or any_room,
     )
     easy = _fill_up(planner, dict.fromkeys(KINDS, 0), crowd=False)

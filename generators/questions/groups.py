@@ -64,6 +64,8 @@ class Wish(Generic[P]):
         What it lies on, next to, behind or between, all in the same place; those are wished for as well.
     holds : bool
         Whether it does, or clearly does not.
+    is_asked : bool
+        Whether the room's quota counts on a question about it in this configuration.
     """
 
     place: P
@@ -71,6 +73,7 @@ class Wish(Generic[P]):
     count: int
     partner: Partner | None = None
     holds: bool = True
+    is_asked: bool = False
 
 
 def wishes(groups: Sequence[GroupPlan[P]], configuration: int) -> list[Wish[P]]:
@@ -79,13 +82,13 @@ def wishes(groups: Sequence[GroupPlan[P]], configuration: int) -> list[Wish[P]]:
 
 
 def _wishes(group: GroupPlan[P], configuration: int) -> list[Wish[P]]:
-    question, answer = group.question, group.answers[configuration]
+    question, answer, is_asked = group.question, group.answers[configuration], configuration in group.asked
     if question.partner is None:
-        return [Wish(question.place, question.type, things_for(answer))]
+        return [Wish(question.place, question.type, things_for(answer), is_asked=is_asked)]
     partner = question.partner
     return [
-        Wish(question.place, partner.type, partner.count),
-        Wish(question.place, question.type, 1, partner, answer == YES),
+        Wish(question.place, partner.type, partner.count, is_asked=is_asked),
+        Wish(question.place, question.type, 1, partner, answer == YES, is_asked),
     ]
 
 

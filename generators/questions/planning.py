@@ -234,10 +234,12 @@ class Planner(Generic[P]):
 
     def _has_room(self, question: Candidate[P], answers: Sequence[str]) -> bool:
         """Whether the things of a question find room beside those of the other questions about its place."""
-        own = [group for group in self.groups if group.question.place == question.place and group.question != question]
+        place = question.place
+        own = [g for g in self.groups if g.question.place == place and g.question != question]
+        asked = {q.type for q in (question, *(group.question for group in own)) if q.partner is None}
         for number, answer in enumerate(answers):
             types = (*things_of(question, answer), *(name for group in own for name in group.things(number)))
-            if types and not self.has_room(question.place, tuple(sorted(types))):
+            if types and not self.has_room(place, tuple(sorted(types)), tuple(sorted(asked))):
                 return False
         return True
 

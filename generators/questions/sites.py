@@ -8,7 +8,14 @@ from typing import Generic
 
 from remqa_data.generators.questions.expressions import Expression
 from remqa_data.generators.questions.groups import things_for
-from remqa_data.generators.questions.questions import Candidate, P, kinds_for, question_rules, usable_expressions
+from remqa_data.generators.questions.questions import (
+    Candidate,
+    P,
+    confusable,
+    kinds_for,
+    question_rules,
+    usable_expressions,
+)
 from remqa_data.relations import Partner
 from remqa_data.tables.rows import QuestionKind
 
@@ -16,8 +23,9 @@ FittingTypes = Callable[[P, int], Sequence[tuple[str, float]]]
 """Gives the types of which so many things fit a place at the same time, with weights."""
 InnerFits = Callable[[P, str, Partner], bool]
 """Whether a thing of a type can lie in a place as said to its partner, and clearly not so."""
-HasRoom = Callable[[P, tuple[str, ...]], bool]
-"""Whether a place has room for things of some types at the same time, each named as often as there are things, sorted."""
+HasRoom = Callable[[P, tuple[str, ...], tuple[str, ...]], bool]
+"""Whether a place has room for things of some types at the same time, each named as often as there are things, such that one
+sees whether things of other types are there; both sorted."""
 SiteKey = tuple[str, str]
 """Object id and relation: in a microwave and under it are two places."""
 
@@ -83,6 +91,26 @@ class Option(Generic[P]):
         return len(self.text.split())
 
 
-def any_room(place: P, types: tuple[str, ...]) -> bool:
+def takes(has_room: HasRoom[P], fitting_beside: Callable[[P], Sequence[tuple[str, float]]]) -> HasRoom[P]:
+    """Whether a place has room for things, and fits others than those that are asked for: they come to light instead.
+
+    Parameters
+    ----------
+    has_room : callable
+        Whether a place has room for some types.
+    fitting_beside : callable
+        Gives the types that fit a place, with weights.
+    """
+
+    def both(place: P, types: tuple[str, ...], asked: tuple[str, ...]) -> bool:
+        others = (name for name, _ in fitting_beside(place))
+        return has_room(place, types, asked) and any(
+            not any(confusable(name, type_) for type_ in asked) for name in others
+        )
+
+    return both
+
+
+def any_room(place: P, types: tuple[str, ...], asked: tuple[str, ...]) -> bool:
     """That spots are counted is enough."""
     return True

@@ -60,16 +60,9 @@ class Terminal:
         if STOPPED in self.shown:
             self.told_s = time.monotonic() - begun
         self.read_until(lambda: self.process.poll() is not None)
-        self.read_until(lambda: not any(map(_lives, family)))
+        _, alive = psutil.wait_procs(family, timeout=PATIENCE_S)
+        assert not alive
         return time.monotonic() - begun - apart_s * (len(strikes) - 1)
-
-
-def _lives(process: psutil.Process) -> bool:
-    """Whether a process still does something; who ended may wait as a zombie until the system's first process looks."""
-    try:
-        return bool(process.status() != psutil.STATUS_ZOMBIE)
-    except psutil.NoSuchProcess:
-        return False
 
 
 def at_terminal(command: Sequence[str], *, ignores_ctrl_c: bool = False, **environment: str) -> Terminal:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
-from remqa_data.assets.core.model import Link, Material
+from remqa_data.assets.core.model import Asset, Link, Material
 from remqa_data.assets.looks.materials import COLORS
 from remqa_data.assets.looks.textures import texture
 from remqa_data.geometry import arithmetic
@@ -17,6 +17,8 @@ MIXED = "mixed"
 """The word for what is of no one colour; phrases do not use it."""
 LEAST_SHARE = 0.5
 """So much of the surface is of the colour."""
+MAIN_SHARE = 0.2
+"""A colour of this share of the surface is one of a thing's main colours."""
 AS_NEAR = 6.0
 """A colour that is farther from the measured one by no more than this (CIE76) than the nearest may be said as well."""
 
@@ -39,13 +41,36 @@ def colors_of(material: Material) -> frozenset[str]:
     >>> sorted(colors_of(Material("glass", "blue", (0.74, 0.85, 0.88))))
     ['white']
     """
-    rgb = np.array(material.rgb)
-    if material.texture is not None:
-        rgb = rgb * texture(material.texture)[..., :3].reshape(-1, 3).mean(axis=0) / 255.0
-    seen = _lab((float(rgb[0]), float(rgb[1]), float(rgb[2])))
+    seen = _seen(material)
     apart = {word: float(arithmetic.length(seen - _lab(color))) for word, color in COLORS.items()}
     nearest = min(apart.values())
     return frozenset(word for word, distance in apart.items() if distance <= nearest + AS_NEAR)
+
+
+def color_distance(one: Asset, other: Asset) -> float:
+    """How far the nearest two of the colours of two things are apart, of each those of a good part of its surface (CIE76)."""
+    return min(float(arithmetic.length(a - b)) for a in _main_colors(one) for b in _main_colors(other))
+
+
+@lru_cache(maxsize=1024)
+def _main_colors(asset: Asset) -> list[F64]:
+    """CIELAB colours of the materials that make a good part of a thing's surface; of the largest one if none does."""
+    areas: dict[Material, float] = {}
+    for surface in (surface for link in asset.links for surface in link.surfaces):
+        a, b, c = (surface.vertices[surface.faces[:, i]].astype(np.float64) for i in range(3))
+        area = float(arithmetic.length(np.cross(b - a, c - a)).sum())
+        areas[surface.material] = areas.get(surface.material, 0.0) + area
+    least = min(MAIN_SHARE * sum(areas.values()), max(areas.values()))
+    return [_seen(material) for material, area in areas.items() if area >= least]
+
+
+@cache
+def _seen(material: Material) -> F64:
+    """CIELAB colour of a material, with its texture."""
+    rgb = np.array(material.rgb)
+    if material.texture is not None:
+        rgb = rgb * texture(material.texture)[..., :3].reshape(-1, 3).mean(axis=0) / 255.0
+    return _lab((float(rgb[0]), float(rgb[1]), float(rgb[2])))
 
 
 @cache

@@ -90,7 +90,8 @@ def test_rooms_have_places_of_each_manipulation() -> None:
     for name in ROOMS[1:]:
         assert sum(place.manipulation == "Open" for place in places_of(name)) >= 2
     every = [place.manipulation for name in ROOMS for place in places_of(name)]
-    assert min(every.count("Pickup"), every.count("Move")) >= 4
+    # one sees from afar, crouched, under most of what lies on a counter
+    assert min(every.count("Pickup"), every.count("Move")) >= 2
 
 
 def test_what_is_done_can_be_done_and_hides_as_it_says(room: tuple[WorldView, tuple[HidingPlace, ...]]) -> None:
@@ -134,6 +135,36 @@ def test_spots_are_in_view_after_the_manipulation(room: tuple[WorldView, tuple[H
             assert np.all((depth > 0) & (x > 0) & (x < 300) & (y > 0) & (y < 300))
 
 
+def test_what_is_revealed_is_in_view_from_before_the_front(
+    room: tuple[WorldView, tuple[HidingPlace, ...]],
+) -> None:
+    view, places = room
+    grid = reachable_grid(view.world)
+    assert places
+    for place in places:
+        assert place.provable
+        if place.manipulation == "Open":
+            low, high = view.world.box(place.object_id)
+            front = -view.world.state(place.object_id).matrix()[:2, 1]
+            for pose in (place.goal, *place.other_goals):
+                away = np.array(grid.position(pose.cell)) - (low + high)[:2] / 2
+                assert away @ front >= np.linalg.norm(away) * np.linalg.norm(front) * (
+                    math.cos(math.radians(60)) - 1e-6
+                )
+
+
+def test_what_is_moved_aside_moves_by_more_than_its_own_length(
+    room: tuple[WorldView, tuple[HidingPlace, ...]],
+) -> None:
+    view, places = room
+    assert places
+    for place in places:
+        if place.move_to is not None:
+            state = view.world.state(place.object_id)
+            shift = np.abs(state.matrix()[:3, :3].T @ np.subtract(place.move_to, state.position))
+            assert np.any(shift >= view.world.assets[place.object_id].spec.size)
+
+
 def test_equal_rooms_have_equal_places() -> None:
     assert tuple(hiding_places(load_scene("FloorPlan417"))) == places_of("FloorPlan417")
 
@@ -148,15 +179,23 @@ def test_priors_are_those_of_the_table() -> None:
     assert probability("Egg", "Fridge", "bathroom") == 0.0
 
 
+def test_weights_follow_the_priors_as_far_as_things_show_enough_pixels() -> None:
+    full = 0
+    for place in places_of("FloorPlan7"):
+        for name, weight in fitting_types(place, "kitchen", 1):
+            # what shows more than 1.5 times the 300 pixels aimed at is preferred no more
+            most = (1 + probability(name, place.type, "kitchen")) * 1.5**2
+            assert 0 < weight <= most + 1e-9
+            full += weight == pytest.approx(most)
+    assert full >= 1
+
+
 def test_what_fits_is_found_there_and_pots_do_not_fit_under_a_book() -> None:
     fridge = next(place for place in places_of("FloorPlan7") if place.type == "Fridge")
     weights = dict(fitting_types(fridge, "kitchen", 1))
-    # placements.csv: 8 of 30 heads of lettuce and no mug lie in a fridge
-    assert weights["Lettuce"] == pytest.approx(1 + 8 / 30, abs=1e-4)
-    assert weights["Mug"] == 1.0
     assert weights.keys().isdisjoint({"Book", "CD", "CellPhone", "Fork"})
-    book = next(place for place in places_of("FloorPlan7") if place.type == "Book")
-    assert "Pot" not in dict(fitting_types(book, "kitchen"))
+    book = next(place for place in places_of("FloorPlan318") if place.type == "Book")
+    assert "Pot" not in dict(fitting_types(book, "kitchen", 1))
 
 
 def test_fewer_types_fit_several_times() -> None:

@@ -13,7 +13,17 @@ from remqa_data.sim.navigation.viewpoints import AgentPose
 
 AREA = Area((0.0, 0.0, 0.5), 0.0, (0.3, 0.22), 0.3)
 SHELF = HidingPlace(
-    "Fridge|1", "Fridge", "Open", "in", AgentPose((0, -4), 90), (AgentPose((1, -4), 90),), (), (AREA,), 0.0
+    "Fridge|1",
+    "Fridge",
+    "Open",
+    "in",
+    AgentPose((0, -4), 90),
+    (AgentPose((1, -4), 90),),
+    (),
+    (AREA,),
+    (AREA,),
+    frozenset(),
+    0.0,
 )
 """Its front looks towards -y, and the agent stands a metre before it."""
 MUG, EGG = (0.11, 0.09, 0.1), (0.07, 0.06, 0.06)

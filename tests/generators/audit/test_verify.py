@@ -21,7 +21,7 @@ from remqa_data.sim.agent.replay import Replay
 from remqa_data.storage.card import write_card
 from remqa_data.storage.manifest import load_manifest, write_manifest
 from remqa_data.storage.shards import ShardWriter, file_info, read_rows
-from remqa_data.tables.images import StoredImage, decode_instances
+from remqa_data.tables.images import StoredImage, decode_instances, encode_rgb
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, SceneRow
 from remqa_data.tables.schema import table_spec
 
@@ -241,6 +241,29 @@ def test_a_manipulation_that_changes_nothing_is_found(rooms, questions) -> None:
 def test_a_start_at_a_goal_is_found(rooms, questions) -> None:
     question = next(iter(questions.values()))
     assert "away" in broken_by(rooms, question, initial_pose=question.goal_poses[-1])
+
+
+def test_a_no_that_cannot_be_seen_from_the_goal_is_found(rooms, questions) -> None:
+    question = next(q for q in questions.values() if not q.answer_ids)
+    pose = question.goal_poses[0]
+    away = replace(pose, yaw_deg=(pose.yaw_deg + 180.0) % 360.0)
+    assert "provable" in broken_by(rooms, question, goal_poses=(away, *question.goal_poses[1:]))
+
+
+def test_evidence_of_the_colour_of_its_surroundings_is_found(rooms, questions) -> None:
+    question = next(q for q in questions.values() if q.answer_ids)
+    grey = encode_rgb(np.full((300, 300, 3), 128, dtype=np.uint8))
+    assert "distinct" in broken_by(rooms, question, end_rgb=grey)
+
+
+def test_something_comes_to_light_whatever_the_answer_is(questions) -> None:
+    """And as much of it each time the same question is asked."""
+    revealed: dict[str, set[int]] = {}
+    for question in questions.values():
+        before, after = (decode_instances(getattr(question, f"{when}_instances").bytes) for when in ("start", "end"))
+        revealed.setdefault(question.group, set()).add(len(np.setdiff1d(after, before)))
+    assert all(min(counts) >= 1 for counts in revealed.values())
+    assert sum(len(counts) == 1 for counts in revealed.values()) >= 0.7 * len(revealed)
 
 
 def test_a_row_names_only_what_its_views_show(questions) -> None:

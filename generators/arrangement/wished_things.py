@@ -1,0 +1,284 @@
+"""Things that are wished for: made, and put in or under their places so that one sees what one should and no more."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from remqa_data.assets import AssetSpec, build, variant_count
+from remqa_data.assets.core.model import Asset
+from remqa_data.assets.looks.seen_colors import color_distance
+from remqa_data.catalog import object_type
+from remqa_data.errors import ArrangementError
+from remqa_data.generators.arrangement.hiding_check import (
+    Hidden,
+    Violation,
+    Wished,
+    faint_violations,
+    in_sight_violations,
+    partner_ids,
+)
+from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
+from remqa_data.generators.arrangement.inner_packing import Link, packed_with_link
+from remqa_data.generators.arrangement.loose_objects import SKIN_M
+from remqa_data.generators.arrangement.packing import Put, packed
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import Vec3
+from remqa_data.scene import Scene, SceneObject
+from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.view import WorldView
+
+PACKED = 10
+"""What a place hides is put there in so many ways before it counts as impossible."""
+LOOKS = 6
+"""So many looks are tried for one that stands out from what the thing lies in."""
+UNLIKE_DE = 30.0
+"""Colours so far apart (CIE76, without light) are told apart in the shade of a cabinet."""
+BESIDE_M = 0.4
+"""So far from some recorded thing is the place that the id of a new thing names."""
+
+Key = tuple[str, str]
+"""An object and what is done with it: what is in it and what is under it are brought to light in two ways."""
+
+
+@dataclass(frozen=True)
+class WishedThings:
+    """The things of all wishes for a room, made.
+
+    Attributes
+    ----------
+    recorded : Scene
+        The room as recorded.
+    scene : Scene
+        The room with everything closed, and with the things, which wait far below it.
+    hidden : tuple of (Hidden, tuple of str)
+        Each wish and the ids of its things.
+    by_place : mapping of Key to (HidingPlace, tuple of str)
+        Each place and the ids of all its things.
+    links : mapping of Key to Link
+        How things are to lie to one another, in the places where that is wished; a place has one such wish at most.
+    """
+
+    recorded: Scene
+    scene: Scene
+    hidden: tuple[tuple[Hidden, tuple[str, ...]], ...]
+    by_place: Mapping[Key, tuple[HidingPlace, tuple[str, ...]]]
+    links: Mapping[Key, Link]
+
+    @classmethod
+    def made(cls, scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> WishedThings:
+        """Make them; sizes and looks vary."""
+        made, base = _make(scene, wishes, rng), _closed(scene)
+        hidden = tuple((wish, tuple(o.id for o in things)) for wish, things in zip(wishes, made, strict=True))
+        by_place = _by_place(hidden)
+        everything = sorted((*base.objects, *(o for things in made for o in things)), key=lambda o: o.id)
+        return cls(scene, base.with_objects(tuple(everything)), hidden, by_place, _links(hidden, by_place))
+
+    @property
+    def is_seen(self) -> set[str]:
+        """Ids of the things and of what hides them."""
+        return {name for place, ids in self.by_place.values() for name in (place.object_id, *ids)}
+
+    def pack(self, world: World, key: Key, rng: np.random.Generator) -> list[Put]:
+        """Where the things of a place lie, at random; raises ArrangementError if it has no room for them."""
+        place, ids = self.by_place[key]
+        sizes = [_plan_size(world.assets[object_id].spec) for object_id in ids]
+        types, link = [world.type_of(object_id) for object_id in ids], self.links.get(key)
+        if link is None:
+            puts = packed(place.areas, sizes, hiding_rules().gap_m, rng)
+        else:
+            puts = packed_with_link(place, types, sizes, link, rng)
+        if puts is None:
+            names = ", ".join(types)
+            where = f"{place.relation} {place.object_id}"
+            msg = f"{self.recorded.name}: no room {where} for {names}; wish for fewer or smaller things"
+            raise ArrangementError(msg, place.object_id, place.relation, sorted(set(types)))
+        return puts
+
+    def put_all(self, world: World, puts: Mapping[Key, Sequence[Put]]) -> None:
+        """Things at their spots, a hair above what they lie on, and what covers them raised by their height."""
+        for key in sorted(puts, key=lambda key: self.by_place[key][0].relation):
+            # What is "in" comes before what is "under": a box that is raised takes its contents along.
+            place, ids = self.by_place[key]
+            heights = [np.ptp(world.assets[object_id].bounds()[:, 2]) for object_id in ids]
+            if place.relation == "under" and ids:
+                x, y, z = self.recorded.object(place.object_id).position
+                world.move(place.object_id, (x, y, z + float(max(heights)) + 2 * SKIN_M))
+            for object_id, put in zip(ids, puts[key], strict=True):
+                bounds = world.assets[object_id].bounds()
+                x, y, z = put.position
+                sine, cosine = arithmetic.sin_cos_deg(put.yaw_deg / 2)
+                quaternion = (0.0, 0.0, float(sine), float(cosine))
+                world.move_alone(object_id, parking(world.ids.index(object_id)))  # so that it carries nothing along
+                world.move(object_id, (x, y, z - float(bounds[0, 2]) + SKIN_M), quaternion)
+
+    def error(self, violation: Violation, tried: int) -> ArrangementError:
+        """What is wrong with things of a type in a place, after so many ways of putting them there."""
+        place = violation.place
+        msg = (
+            f"{self.recorded.name}: cannot hide things {place.relation} {place.object_id}: {violation.reason}; "
+            f"tried {tried} times; wish for fewer or smaller things there"
+        )
+        return ArrangementError(msg, place.object_id, place.relation, [violation.type])
+
+
+def has_room(place: HidingPlace, types: Sequence[str], asked: Sequence[str] = ()) -> bool:
+    """Whether things of some types fit a place at the same time, however large they come, and hide none that is asked for.
+
+    Parameters
+    ----------
+    place : HidingPlace
+        Where.
+    types : sequence of str
+        Each named as often as there are things.
+    asked : sequence of str
+        Types of which one must see that there are none; what is much higher would stand before them.
+    """
+    sizes = [_largest_size(name) for name in types]
+    lowest = min((hidden_size(name)[2] for name in asked), default=math.inf)
+    if max((height for _, _, height in sizes), default=0.0) > lowest + hiding_rules().higher_m:
+        return False
+    return packed(place.areas, sizes, hiding_rules().gap_m, np.random.default_rng(0)) is not None
+
+
+def misfits(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> list[ArrangementError]:
+    """What of some wishes cannot be, wherever things lie: for want of room, or because one sees too much or too little.
+
+    All of it is found at once, in the room without its loose things; what physics does with them is not tried.
+
+    Parameters
+    ----------
+    scene : Scene
+        The room as recorded.
+    wishes : sequence of Hidden
+        What to hide.
+    rng : Generator
+        As for `configurations.arrange`: with the same state the same things are made.
+    """
+    things = WishedThings.made(scene, wishes, rng)
+    found: list[ArrangementError] = []
+    seen = things.is_seen
+    alone = things.scene.with_objects(tuple(o for o in things.scene.objects if o.is_fixed or o.id in seen))
+    with World(alone) as world:
+        view = WorldView(world)
+        puts: dict[Key, list[Put]] = {}
+        for key in things.by_place:
+            try:
+                puts[key] = things.pack(world, key, rng)
+            except ArrangementError as error:
+                found.append(error)
+        at_first, seen_ill = world.save(), list[Violation]()
+        waiting = set(puts)
+        for _ in range(PACKED):
+            world.restore(at_first)
+            things.put_all(world, {key: puts[key] for key in things.by_place if key in waiting})
+            still = [pair for pair in things.hidden if key_of(pair[0].place) in waiting]
+            seen_ill = in_sight_violations(world, view, still)
+            ill = {key_of(violation.place) for violation in seen_ill}
+            seen_ill += faint_violations(world, view, [pair for pair in still if key_of(pair[0].place) not in ill])
+            waiting = {key_of(violation.place) for violation in seen_ill}
+            if not waiting:
+                break
+            for key in sorted(waiting):
+                puts[key] = things.pack(world, key, rng)
+    return found + [things.error(violation, PACKED) for violation in seen_ill]
+
+
+def _make(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> list[list[SceneObject]]:
+    """New things for each wish; sizes and looks vary."""
+    spread = hiding_rules().size_spread
+    known = {o.id for o in scene.objects}
+    loose = [o for o in scene.objects if object_type(o.type).pickupable] or list(scene.objects)
+    made = []
+    for wish in wishes:
+        things = []
+        around = build(scene.object(wish.place.object_id).asset)
+        for _ in range(wish.count):
+            scale = 1.0 + float(rng.uniform(-spread, spread))
+            w, d, h = (scale * side for side in hidden_size(wish.type))
+            looks = [(int(rng.integers(variant_count(wish.type))), int(rng.integers(1 << 16))) for _ in range(LOOKS)]
+            specs = (AssetSpec(wish.type, (w, d, h), variant, seed) for variant, seed in looks)
+            spec = _unlike(specs, around)
+            name = _name(spec, loose[int(rng.integers(len(loose)))], known, rng)
+            things.append(SceneObject(name, spec, parking(len(known)), is_fixed=False))
+            known.add(name)
+        made.append(things)
+    return made
+
+
+def _unlike(specs: Iterable[AssetSpec], around: Asset) -> AssetSpec:
+    """The first of some looks that stands out from what is around it, or else the one that does most."""
+    best, most = None, -1.0
+    for spec in specs:
+        distance = color_distance(build(spec), around)
+        if distance > most:
+            best, most = spec, distance
+        if distance >= UNLIKE_DE:
+            break
+    assert best is not None
+    return best
+
+
+def _name(spec: AssetSpec, beside: SceneObject, known: Collection[str], rng: np.random.Generator) -> str:
+    """An id like those of recorded things: the type, and where it might have been when the room was recorded.
+
+    That is beside some loose thing, on the same level, and says nothing about where it is.
+    """
+    bottom = beside.position[2] - beside.asset.size[2] / 2
+    while True:
+        x, y = (place + float(rng.uniform(-BESIDE_M, BESIDE_M)) for place in beside.position[:2])
+        name = f"{spec.type}|{x:+06.2f}|{bottom + spec.size[2] / 2:+06.2f}|{y:+06.2f}"
+        if name not in known:
+            return name
+
+
+def parking(number: int) -> Vec3:
+    """Far below the room, and far from one another, things wait."""
+    return 0.0, 0.0, -50.0 - 2.0 * number
+
+
+def _closed(scene: Scene) -> Scene:
+    """The room with everything closed that things can be hidden in."""
+    return scene.with_objects(
+        tuple(replace(o, openness=0.0) if object_type(o.type).is_container else o for o in scene.objects)
+    )
+
+
+def key_of(place: HidingPlace) -> Key:
+    """What tells a place from others."""
+    return place.object_id, place.manipulation
+
+
+def _by_place(hidden: Wished) -> dict[Key, tuple[HidingPlace, tuple[str, ...]]]:
+    grouped: dict[Key, tuple[HidingPlace, tuple[str, ...]]] = {}
+    for wish, ids in hidden:
+        key = key_of(wish.place)
+        grouped[key] = (wish.place, grouped.get(key, (wish.place, ()))[1] + ids)
+    return grouped
+
+
+def _links(hidden: Wished, by_place: Mapping[Key, tuple[HidingPlace, tuple[str, ...]]]) -> dict[Key, Link]:
+    found: dict[Key, Link] = {}
+    for wish, ids in hidden:
+        if wish.partner is not None:
+            key = key_of(wish.place)
+            names = by_place[key][1]
+            others = tuple(names.index(name) for name in partner_ids(hidden, wish))
+            found[key] = Link(names.index(ids[0]), others, wish.partner.relation, wish.holds)
+    return found
+
+
+def _largest_size(type_name: str) -> Vec3:
+    grown = 1.0 + hiding_rules().size_spread
+    width, depth, height = (grown * side for side in hidden_size(type_name))
+    return width, depth, height
+
+
+def _plan_size(spec: AssetSpec) -> Vec3:
+    low, high = build(spec).bounds()
+    x, y, z = (float(v) for v in high - low)
+    return x, y, z

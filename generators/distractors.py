@@ -1,0 +1,126 @@
+"""Things that nobody asks for, hidden beside those that are: what comes to light says nothing about the answer.
+
+A place reveals as many things in each configuration of a room: where fewer are asked for, others take their room. They are
+of about the same size, such as a remote control for a phone, and of types that the room's other questions ask for.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
+
+from remqa_data.errors import ArrangementError
+from remqa_data.generators.arrangement.hiding_check import Hidden
+from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_rules import hidden_size
+from remqa_data.generators.questions.groups import GroupPlan
+from remqa_data.generators.questions.questions import confusable, mentioned_types
+from remqa_data.generators.questions.sites import FittingTypes, HasRoom, SiteKey
+
+ASKED_FACTOR = 4.0
+"""Types that questions about the room ask for are chosen so many times more often."""
+LOW_M = 0.02
+"""A thing that is higher than what it stands in for by more than this is chosen less often."""
+AGAIN_FACTOR = 3.0
+"""A type that was chosen already is chosen so many times less often, each time anew."""
+
+
+def distractors(
+    groups: Sequence[GroupPlan[HidingPlace]],
+    configurations: int,
+    fitting: FittingTypes[HidingPlace],
+    has_room: HasRoom[HidingPlace],
+    clashes: Mapping[SiteKey, Collection[frozenset[str]]],
+    rng: np.random.Generator,
+) -> list[list[Hidden]]:
+    """What is hidden beside what is asked for, by configuration.
+
+    Parameters
+    ----------
+    groups : sequence of GroupPlan
+        The questions of a room, with how many things each needs.
+    configurations : int
+        How many arrangements of the room there are.
+    fitting : callable
+        Which types fit a place.
+    has_room : callable
+        Whether a place has room for things of some types.
+    clashes : mapping
+        By place, sets of types of which each fits, but not all at the same time.
+    rng : Generator
+        Draws the types.
+
+    Returns
+    -------
+    For each configuration, so many things for each place that is asked about that all of its configurations reveal as
+    many: those of the one that needs most, or fewer but at least one where nothing else fits. Nothing is of a type that
+    the place is asked for, or that may be taken for it, or that a question of the room names.
+
+    Raises
+    ------
+    ArrangementError
+        If there is no such type for a place: names the place and what it is asked for, which is too much together.
+    """
+    sites: dict[SiteKey, list[GroupPlan[HidingPlace]]] = {}
+    for group in groups:
+        sites.setdefault((group.question.place.object_id, group.question.place.relation), []).append(group)
+    named = {name for group in groups for name in mentioned_types(group.question.expression.program)}
+    asked = {group.question.type for group in groups}
+    used: Counter[str] = Counter()
+    made: list[list[Hidden]] = [[] for _ in range(configurations)]
+    for key, own in sites.items():
+        place = own[0].question.place
+        counts = np.sum([group.counts for group in own], axis=0)
+        at_site = tuple(sorted({g.question.type for g in own if g.question.partner is None}))
+        taken = named.union(*(group.question.types for group in own))
+        for number in range(configurations):
+            missing = [g.question.type for g in own for _ in range(max(g.counts) - g.counts[number])]
+            there = [name for g in own for name in g.things(number)]
+            chosen: list[str] = []
+            for wanted in missing[: int(counts.max() - counts[number])]:
+                options = [
+                    (name, weight * _likeness(name, wanted) * (ASKED_FACTOR if name in asked else 1.0))
+                    for name, weight in fitting(place, 1)
+                    if not any(confusable(name, other) for other in taken)
+                    and not any(clash <= {*there, *chosen, name} for clash in clashes.get(key, ()))
+                ]
+                weights = {name: weight / AGAIN_FACTOR ** used[name] for name, weight in options}
+                name = _that_fits(place, [*there, *chosen], at_site, weights, has_room, rng)
+                if name is None and (there or chosen):
+                    break  # something comes to light all the same
+                if name is None:
+                    msg = f"{place.object_id}: nothing else than {wanted} can be hidden {place.relation} it"
+                    raise ArrangementError(msg, *key, at_site)
+                chosen.append(name)
+                used[name] += 1
+            made[number] += [Hidden(place, name, count) for name, count in sorted(Counter(chosen).items())]
+    return made
+
+
+def _that_fits(
+    place: HidingPlace,
+    there: Sequence[str],
+    at_site: tuple[str, ...],
+    weights: Mapping[str, float],
+    has_room: HasRoom[HidingPlace],
+    rng: np.random.Generator,
+) -> str | None:
+    """A type drawn by its weight of which a place takes one more beside what is there; None if there is none."""
+    left = dict(weights)
+    while left:
+        names = sorted(left)
+        shares = np.array([left[name] for name in names])
+        name = names[int(rng.choice(len(names), p=shares / shares.sum()))]
+        if has_room(place, tuple(sorted((*there, name))), at_site):
+            return name
+        del left[name]
+    return None
+
+
+def _likeness(one: str, wanted: str) -> float:
+    """How well things of a type stand in for another, 0 to 1: of like plan, and no higher, so that they hide no more."""
+    (w, d, h), (v, e, g) = hidden_size(one), hidden_size(wanted)
+    ratio = min(w * d, v * e) / max(w * d, v * e)
+    return ratio * ratio * min(1.0, (g + LOW_M) / h) ** 3
