@@ -45,7 +45,7 @@ from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, AgentPose, pixel_
 from remqa_data.sim.physics.world import Snapshot
 from remqa_data.sim.render.contrast import contrast_de
 from remqa_data.sim.render.view import Observation
-from remqa_data.tables.images import RgbFormat, encode_depth, encode_instances, encode_rgb
+from remqa_data.tables.images import RgbFormat, decode_rgb, encode_depth, encode_instances, encode_rgb
 from remqa_data.tables.rows import QuestionRow
 
 Truth = Literal[
@@ -70,8 +70,8 @@ AWAY_M = SUCCESS_DISTANCE_M + DISTANCE_SLACK_M
 """Who starts nearer to a goal pose than this, and looks at the target, has arrived without a step."""
 LEAST_STARTS = 12
 """A further goal pose counts if it leaves so many cells to start from."""
-LEAST_CONTRAST_DE = 9.0
-"""Of evidence and its surroundings, before the picture is stored as JPEG; 8 are asked for."""
+LEAST_CONTRAST_DE = 8.2
+"""Of evidence and its surroundings in the picture as it is stored; 8 are asked for, by whoever measures it otherwise."""
 
 
 class Refusal(NamedTuple):
@@ -346,13 +346,14 @@ def _check_views(room: AuditedRoom, hiding: HidingPlace, witness_ids: tuple[str,
     target = tight_box(before.objects == ids.index(hiding.object_id))
     if target is None or min(target[2] - target[0], target[3] - target[1]) < rules.min_target_px:
         return Refusal("visible", f"{hiding.object_id} is a sliver at most from its goal pose")
+    stored = decode_rgb(encode_rgb(after.rgb, form=room.rgb_format).bytes)
     for object_id in witness_ids:
         index = ids.index(object_id)
         if (before.objects == index).any():
             return Refusal("necessary", f"{object_id} is seen before the manipulation")
         if np.count_nonzero(after.objects == index) < rules.min_evidence_px:
             return Refusal("sufficient", f"{object_id} shows fewer than {rules.min_evidence_px} pixels afterwards")
-        if contrast_de(after.rgb, after.objects == index) < LEAST_CONTRAST_DE:
+        if contrast_de(stored, after.objects == index) < LEAST_CONTRAST_DE:
             return Refusal("distinct", f"{object_id} hardly stands out from what surrounds it")
     changed = changed_pixels((before.objects, before.depth), (after.objects, after.depth), 1e-3)
     if changed < 4 * least:

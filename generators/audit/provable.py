@@ -33,6 +33,8 @@ NEARER_M = 0.012
 OFF_WALLS_M = 0.012
 LEAST_SIDE_M = 0.05
 """In what is narrower nothing is put."""
+NO_ROOM = 0.02
+"""Where no more than this of the ways in which things fit an empty place is left, there is no room for another."""
 BENEATH = 0.6
 """Of the plan of what is taken away, so much of each side surely covered something."""
 
@@ -40,7 +42,7 @@ BENEATH = 0.6
 def seen_share(replay: Replay, question: QuestionRow) -> float:
     """Share of the ways in which a thing of the asked type could lie there that one would see, 0 to 1.
 
-    One that fits nowhere is nowhere: then the share is 1.
+    One that fits nowhere beside what lies there is nowhere: then the share is 1.
 
     Parameters
     ----------
@@ -60,9 +62,10 @@ def seen_share(replay: Replay, question: QuestionRow) -> float:
     low, high = tops.min(axis=1), tops.max(axis=1)
     low[:, 2] -= size[2]
     meets = [((low < box[1]) & (high > box[0])).all(axis=1) for box in others]
-    tops = tops[~np.any(meets, axis=0)] if meets else tops
-    if not len(tops):
+    free = tops[~np.any(meets, axis=0)] if meets else tops
+    if len(free) <= NO_ROOM * len(tops):
         return 1.0
+    tops = free
     goal, points = question.goal_poses[0], tops.reshape(-1, 3)
     seen = np.zeros(len(points), dtype=np.bool_)
     for height in (AGENT.camera_height_m, AGENT.crouched_camera_height_m):

@@ -280,7 +280,8 @@ class CheckedRoom:
                     positions = _corners(replay.world)
                 replay.step(action)
             yield from _different(question, replay, "end")
-            if is_manipulated and question.answer in (NO, "0") and inner_of(_asked(question)) is None:
+            is_none = question.answer in (NO, "0") and inner_of(_asked(question)) is None
+            if is_manipulated and is_none and question.goal_poses:
                 share = seen_share(replay, question)
                 if share < LEAST_SHARE:
                     yield (
