@@ -7,10 +7,12 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from remqa_data.geometry.types import I32
-from remqa_data.sim.metadata import ObjectMetadata, scaled_min_pixels
+from remqa_data.sim.metadata import ObjectMetadata, scaled_pixels
 
 MOVED_M = 0.001
 """What has moved by no more than this is where it was."""
+NOTICED_PX = 10
+"""Of a thing that comes to light elsewhere, so many pixels of 300 x 300 may be noticed and counted."""
 
 Records = Mapping[str, ObjectMetadata]
 """`object_metadata` of a world."""
@@ -75,7 +77,7 @@ def counted_again(
         What makes the stored answer: it counts while it still is in the target, or else lies where it lay. Whatever else
         of the type comes to light counts too: nobody could tell it from evidence.
     """
-    least = scaled_min_pixels(images[1].shape)
+    least = scaled_pixels(NOTICED_PX, images[1].shape)
     counted = set()
     for index, name in enumerate(ids):
         if after[name].type != type_ or after[name].is_picked_up or (images[0] == index).any():

@@ -78,6 +78,8 @@ MOST_MOVED_M = 0.001
 """What moves by no more than this has stayed where it was."""
 LEAST_CONTRAST_DE = 8.0
 """Of counted objects and their surroundings in the end frame, as it is stored."""
+NOTICED_PX = 10
+"""Of a thing of the asked type that comes to light elsewhere, so many pixels of 300 x 300 would be counted."""
 PNG = b"\x89PNG"
 LEAST_EVIDENCE_PX, LEAST_TARGET_PX = 50, 14
 """Pixels of each counted object, and along the short side of the target's box, in a view of 300 x 300."""
@@ -302,7 +304,7 @@ class CheckedRoom:
                 yield "undisturbed", f"{ids[index]} moves by {shift[index]:.3f} m"
         start, end = (decode_instances(image.bytes) for image in (question.start_instances, question.end_instances))
         revealed = np.setdiff1d(end, [0, *np.unique(start)])
-        revealed = revealed[[np.count_nonzero(end == number) >= scaled_min_pixels(end.shape) for number in revealed]]
+        revealed = revealed[[np.count_nonzero(end == n) * FRAME_PX**2 >= NOTICED_PX * end.size for n in revealed]]
         if len(revealed) and revealed.max() > len(question.object_ids):
             yield "consistent", f"the end view shows object {revealed.max()} of {len(question.object_ids)}"
             return

@@ -209,7 +209,12 @@ def scaled_min_pixels(shape: tuple[int, ...]) -> int:
     >>> scaled_min_pixels((300, 300)), scaled_min_pixels((600, 600)), scaled_min_pixels((10, 10))
     (50, 200, 1)
     """
-    return max(1, round(MIN_PIXELS * shape[0] * shape[1] / FRAME_PX**2))
+    return scaled_pixels(MIN_PIXELS, shape)
+
+
+def scaled_pixels(count: int, shape: tuple[int, ...]) -> int:
+    """So many pixels of a 300 x 300 frame in one that is (height, width), at least one."""
+    return max(1, round(count * shape[0] * shape[1] / FRAME_PX**2))
 
 
 def is_visible(mask: Flags) -> bool:
