@@ -24,7 +24,6 @@ from remqa_data.generators.revealed import Looks, Views
 from remqa_data.generators.seen_anywhere import MOST_PIXELS, most_pixels_anywhere
 from remqa_data.generators.undisturbed import counted_again, disturbed
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo
-from remqa_data.geometry import arithmetic
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.inner import inner_of, is_sure, needed
 from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M
@@ -110,10 +109,6 @@ class AuditedRoom:
         self._looks: dict[tuple[AgentPose, Action], Looks] = {}
         self._repeated: dict[tuple[AgentPose, Action], bool] = {}
         self._hides: dict[tuple[str, ...], bool] = {}
-        self._inside: dict[str, list[str]] = {}
-        for name, record in self.graph.objects.items():
-            if record.support_kind == "in" and record.support is not None:
-                self._inside.setdefault(record.support, []).append(name)
 
     @property
     def grid(self) -> ReachableGrid:
@@ -133,10 +128,7 @@ class AuditedRoom:
             self.start_over(goal)
             before, closed = self.replay.observe(), world.link_poses(object_id)
             self.replay.step(manipulation)
-            after, motion = (
-                self.replay.observe(),
-                arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed)),
-            )
+            after, motion = self.replay.observe(), world.motion_since(object_id, closed)
             new = [world.ids[i] for i in np.setdiff1d(after.objects, before.objects).tolist() if i >= 0]
             boxes = tuple(world.box(name) for name in new)
             self._views[key] = Views(before, after, motion, boxes, world.save(), object_metadata(world))
@@ -177,12 +169,15 @@ class AuditedRoom:
 
     def hides(self, hiding: HidingPlace, object_ids: Sequence[str]) -> bool:
         """Whether some objects in or under a place, and all else that lies in it, are seen from nowhere before it is opened."""
-        inside = self._inside.get(hiding.object_id, ()) if hiding.relation == "in" else ()
-        together = tuple(sorted({*inside, *object_ids}))
-        if together not in self._hides:
+        together = set(object_ids)
+        if hiding.relation == "in":
+            records = self.graph.objects.items()
+            together |= {name for name, r in records if (r.support, r.support_kind) == (hiding.object_id, "in")}
+        key = tuple(sorted(together))
+        if key not in self._hides:
             self.start_over(self.replay.pose)
-            self._hides[together] = most_pixels_anywhere(self.replay.view, self.grid, together) <= MOST_PIXELS
-        return self._hides[together]
+            self._hides[key] = most_pixels_anywhere(self.replay.view, self.grid, key) <= MOST_PIXELS
+        return self._hides[key]
 
     def close(self) -> None:
         """Give the simulator's memory back."""

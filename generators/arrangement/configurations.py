@@ -21,10 +21,10 @@ from remqa_data.generators.arrangement.hiding_check import (
     in_sight_violations,
     violations,
 )
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.loose_objects import open_surfaces, put_anew
-from remqa_data.generators.arrangement.wished_things import PACKED, Key, WishedThings, key_of, parking
+from remqa_data.generators.arrangement.wished_things import PACKED, WishedThings, parking
 from remqa_data.geometry.types import Box, Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.physics.world import World
@@ -95,7 +95,7 @@ def arrange(
         lost = _move_loose_things(world, view, scene, places, hidden, share, rng)
         arranged = world.save()
         violations_found: list[Violation] = []
-        tried: Counter[Key] = Counter()
+        tried: Counter[PlaceKey] = Counter()
         settled = 0
         while settled < SETTLED:
             world.restore(arranged)
@@ -109,7 +109,7 @@ def arrange(
             if not violations_found:
                 strayed = _strayed(world, before, hidden, scene)
                 return Configuration(_without(world.to_scene(), lost | strayed), hidden)
-            for key in sorted({key_of(violation.place) for violation in violations_found}):
+            for key in sorted({violation.place.key for violation in violations_found}):
                 tried[key] += 1
                 puts[key] = things.pack(world, key, rng)
             if max(tried.values()) >= PACKED:

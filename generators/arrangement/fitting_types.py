@@ -8,7 +8,7 @@ from remqa_data.floorplans.ithor.placements import probability
 from remqa_data.generators.arrangement.fill_ratios import fill_ratios
 from remqa_data.generators.arrangement.hiding_check import goal_camera
 from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
-from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
+from remqa_data.generators.arrangement.hiding_rules import hiding_rules, largest_size
 from remqa_data.generators.arrangement.plausible import kept_in_rooms, plausible_types
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
@@ -47,9 +47,7 @@ def fitting_types(
     usual = plausible_types(place.type, place.relation, room_type)
     kept = usual | kept_in_rooms(room_type) if others else usual & place.provable
     for type_ in sorted(kept - {place.type}):
-        grown = 1.0 + rules.size_spread
-        size = tuple(side * grown for side in hidden_size(type_))
-        fits = [_fits(area, place, type_, (size[0], size[1], size[2])) for area in place.areas]
+        fits = [_fits(area, place, type_, largest_size(type_)) for area in place.areas]
         if sum(count for count, _ in fits) >= wanted:
             clearness = min(max(pixels for _, pixels in fits) / rules.aim_evidence_px, MOST_CLEAR)
             weight = 1.0 + probability(type_, place.type, room_type) if type_ in usual else UNUSUAL

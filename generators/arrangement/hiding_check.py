@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, looks_about, share_in_view
 from remqa_data.geometry import arithmetic
@@ -18,7 +18,6 @@ from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.language.inner import clearly_related
 from remqa_data.relations import Partner
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
-from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
@@ -67,19 +66,7 @@ class Violation:
 
 def goal_camera(place: HidingPlace) -> Camera:
     """The agent's camera at the goal of a place, 300 x 300."""
-    eye = (*AGENT.centre_of(place.goal.cell), place.floor_z + AGENT.camera_height_m)
-    return Camera(eye, float(place.goal.yaw_deg), float(place.goal.horizon_deg), width=FRAME_PX, height=FRAME_PX)
-
-
-def _cameras_about(place: HidingPlace) -> list[Camera]:
-    """The agent's cameras of who looks about at the goal of a place."""
-    x, y, _ = goal_camera(place).position
-    found = []
-    for pose in looks_about(place.goal):
-        height = AGENT.camera_height_m if pose.is_standing else AGENT.crouched_camera_height_m
-        eye = (x, y, place.floor_z + height)
-        found.append(Camera(eye, float(pose.yaw_deg), float(pose.horizon_deg), width=FRAME_PX, height=FRAME_PX))
-    return found
+    return place.goal.camera_above(place.floor_z)
 
 
 @contextmanager
@@ -103,14 +90,14 @@ def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[l
 
 def in_sight_violations(world: World, view: WorldView, hidden: Wished) -> list[Violation]:
     """What is seen before the manipulation, or not after it, or may be missed there; at most one violation for each wish."""
-    looks, together = _Looks(world, view), dict[tuple[str, str], list[str]]()
+    looks, together = _Looks(world, view), dict[PlaceKey, list[str]]()
     for wish, ids in hidden:
-        together.setdefault((wish.place.object_id, wish.place.manipulation), []).extend(ids)
+        together.setdefault(wish.place.key, []).extend(ids)
     found = []
     for wish, ids in hidden:
         reason = _ill_seen(looks, wish.place, ids)
         if reason is None and wish.is_asked and wish.count == 0:
-            beside = together[wish.place.object_id, wish.place.manipulation]
+            beside = together[wish.place.key]
             share = looks.share(wish.place, wish.type, beside)
             if share < LEAST_SHARE:
                 reason = f"of {share:.0%} of the ways in which there could be one, one would see it"
@@ -122,14 +109,12 @@ def in_sight_violations(world: World, view: WorldView, hidden: Wished) -> list[V
 def faint_violations(world: World, view: WorldView, hidden: Wished) -> list[Violation]:
     """Which wished things do not stand out from what is around them once they come to light; pictures with light take long."""
     found = []
-    places = {
-        (wish.place.object_id, wish.place.manipulation): wish.place for wish, ids in hidden if wish.is_asked and ids
-    }
+    places = {wish.place.key: wish.place for wish, ids in hidden if wish.is_asked and ids}
     for key, place in places.items():
         with manipulated(world, view, place):
             seen = view.render(goal_camera(place))
         for wish, ids in hidden:
-            if wish.is_asked and (wish.place.object_id, wish.place.manipulation) == key:
+            if wish.is_asked and wish.place.key == key:
                 least = min(
                     (contrast_de(seen.rgb, seen.objects == world.ids.index(name)) for name in ids), default=math.inf
                 )
@@ -211,25 +196,26 @@ class _Looks:
 
     def __init__(self, world: World, view: WorldView) -> None:
         self.world, self.view = world, view
-        self._before: dict[tuple[str, str], Pixels] = {}
-        self._after: dict[tuple[str, str], Pixels] = {}
-        self._proofs: dict[tuple[str, str], tuple[F64 | None, list[tuple[Camera, F32]], list[F64]]] = {}
+        self._before: dict[PlaceKey, Pixels] = {}
+        self._after: dict[PlaceKey, Pixels] = {}
+        self._proofs: dict[PlaceKey, tuple[F64 | None, list[tuple[Camera, F32]], list[F64]]] = {}
 
     def before(self, place: HidingPlace) -> Pixels:
         """By object, before the manipulation."""
-        key = (place.object_id, place.manipulation)
+        key = place.key
         if key not in self._before:
             self._before[key] = pixels_per_object(self.view, goal_camera(place))
         return self._before[key]
 
     def share(self, place: HidingPlace, type_: str, ids: Sequence[str]) -> float:
         """Of the ways in which a thing of a type could lie there beside some things, how many one sees after it."""
-        key = (place.object_id, place.manipulation)
+        key = place.key
         if key not in self._proofs:
             closed = self.world.link_poses(place.object_id)
             with manipulated(self.world, self.view, place):
-                moved = arithmetic.product(self.world.link_poses(place.object_id), arithmetic.inverse(closed))
-                looks = [(camera, self.view.depth_and_instances(camera)[0]) for camera in _cameras_about(place)]
+                moved = self.world.motion_since(place.object_id, closed)
+                cameras = [pose.camera_above(place.floor_z) for pose in looks_about(place.goal)]
+                looks = [(camera, self.view.depth_and_instances(camera)[0]) for camera in cameras]
                 boxes = [self.world.box(object_id) for object_id in ids]
             self._proofs[key] = (moved if place.manipulation == "Open" else None, looks, boxes)
         motion, looks, boxes = self._proofs[key]
@@ -237,7 +223,7 @@ class _Looks:
 
     def after(self, place: HidingPlace) -> Pixels:
         """By object, after it."""
-        key = (place.object_id, place.manipulation)
+        key = place.key
         if key not in self._after:
             with manipulated(self.world, self.view, place):
                 self._after[key] = pixels_per_object(self.view, goal_camera(place))
@@ -261,12 +247,12 @@ def blockers(world: World, view: WorldView, hidden: Wished) -> set[str]:
     """Loose things that stand in front of asked places, or where their doors and drawers go."""
     found: set[str] = set()
     mine = {object_id for _, ids in hidden for object_id in ids}
-    for place in {(w.place.object_id, w.place.manipulation): w.place for w, _ in hidden}.values():
+    for place in {w.place.key: w.place for w, _ in hidden}.values():
         camera = goal_camera(place)
         closed = world.link_poses(place.object_id)
         with manipulated(world, view, place) as carried:
             depth, image = view.depth_and_instances(camera)
-            motion = arithmetic.product(world.link_poses(place.object_id), arithmetic.inverse(closed))
+            motion = world.motion_since(place.object_id, closed)
             if place.manipulation == "Open":
                 inside = set(world.contents(place.object_id)) | set(carried)
                 found |= {o for o, d in world.overlapping(place.object_id) if d < -0.005 and o not in inside}

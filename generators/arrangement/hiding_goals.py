@@ -13,11 +13,20 @@ from remqa_data.generators.arrangement.areas import Area, largest_rectangle
 from remqa_data.generators.arrangement.hiding_rules import HidingRules
 from remqa_data.generators.arrangement.sightlines import Sightlines, cells_that_reach
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F32, F64
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import Outline, outline_distance
 from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses
 
+Mask = npt.NDArray[np.bool_]
+Depths = Mapping[AgentPose, F32]
+
+AROUND_M = (0.3, 3.0)
+AROUND_POSES = 16
+"""From about so many cells in this range around a thing one must not see what it hides."""
+IN_IMAGE = 0.5
+"""A pose looks at a place when this share of its points is in the image."""
 FRONT_DEG = 60.0
 """Who stands farther round than this does not stand before the front of a thing."""
 
@@ -33,17 +42,7 @@ class Front:
         """Whether somebody at a position stands before it."""
         dx, dy = position[0] - self.middle[0], position[1] - self.middle[1]
         bearing = math.degrees(arithmetic.arctan2(dy, dx))
-        return abs((bearing - self.facing_deg + 180.0) % 360.0 - 180.0) <= FRONT_DEG
-
-
-Mask = npt.NDArray[np.bool_]
-Depths = Mapping[AgentPose, F32]
-
-AROUND_M = (0.3, 3.0)
-AROUND_POSES = 16
-"""From about so many cells in this range around a thing one must not see what it hides."""
-IN_IMAGE = 0.5
-"""A pose looks at a place when this share of its points is in the image."""
+        return degrees_apart(bearing, self.facing_deg) <= FRONT_DEG
 
 
 @dataclass(frozen=True)

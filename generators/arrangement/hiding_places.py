@@ -39,9 +39,12 @@ from remqa_data.sim.physics.support import Support, supports
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
-__all__ = ["Area", "HidingPlace", "Spot", "hiding_places", "surface_points"]
+__all__ = ["Area", "HidingPlace", "PlaceKey", "Spot", "hiding_places", "surface_points"]
 
 Manipulation = Literal["Open", "Pickup", "Move"]
+
+PlaceKey = tuple[str, str]
+"""An object and what is done with it: what is in it and what is under it are brought to light in two ways."""
 
 SOLID_M = 0.02
 """The bottom of a space is this near to what physics lets things rest on."""
@@ -99,6 +102,11 @@ class HidingPlace:
     provable: frozenset[str]
     floor_z: float
     move_to: Vec3 | None = None
+
+    @property
+    def key(self) -> PlaceKey:
+        """What tells it from the room's other places."""
+        return self.object_id, self.manipulation
 
 
 def hiding_places(scene: Scene) -> list[HidingPlace]:
@@ -168,7 +176,7 @@ class _Finder:
             for openness in SWEPT:
                 world.open(object_id, openness)
                 swept += object_outlines(world, object_id, first_link=1)
-            motion = arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed))
+            motion = world.motion_since(object_id, closed)
             poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept, self._front(object_id))
             after = {pose: self.sight.depth(pose) for pose in poses}
             world.open(object_id, 0.0)
@@ -318,6 +326,7 @@ class _Finder:
         self,
         object_id: str,
         manipulation: Manipulation,
+        relation: Literal["in", "under"],
         interior: Sequence[Area],
         goal: AgentPose,
         move_to: Vec3 | None,
@@ -332,12 +341,11 @@ class _Finder:
                 world.move_alone(object_id, move_to)
             else:
                 view.hide(object_id)
-            motion = arithmetic.product(world.link_poses(object_id), arithmetic.inverse(closed))
+            motion = world.motion_since(object_id, closed)
             cameras = [pose.camera(self.sight.grid) for pose in looks_about(goal)]
             looks = [(camera, view.depth_and_instances(camera)[0]) for camera in cameras]
             world.restore(snapshot)
         moved = motion if manipulation == "Open" else None
-        relation: Literal["in", "under"] = "in" if manipulation == "Open" else "under"
         kept = plausible_types(world.type_of(object_id), relation, world.scene.room_type)
         shares = {name: share_in_view(interior, moved, looks, (), name) for name in kept}
         return frozenset(name for name, share in shares.items() if share >= LEAST_SHARE + EMPTY_SHARE)
@@ -356,7 +364,7 @@ class _Finder:
         best = next(shown, None)
         if best is None:
             return None
-        provable = self._provable(object_id, manipulation, interior, best.pose, move_to)
+        provable = self._provable(object_id, manipulation, relation, interior, best.pose, move_to)
         if not provable:
             return None
         areas = best.parts

@@ -64,3 +64,10 @@ def hidden_size(type_: str) -> Vec3:
     True
     """
     return hiding_rules().folded_m.get(type_) or typical_size(type_)
+
+
+def largest_size(type_: str) -> Vec3:
+    """The same of the largest thing of a type that is made."""
+    grown = 1.0 + hiding_rules().size_spread
+    width, depth, height = (grown * side for side in hidden_size(type_))
+    return width, depth, height

@@ -12,7 +12,7 @@ import numpy as np
 from remqa_data.catalog import types_with
 from remqa_data.generators.arrangement.areas import Area
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
+from remqa_data.generators.arrangement.hiding_rules import hiding_rules, largest_size
 from remqa_data.generators.arrangement.loose_objects import SKIN_M
 from remqa_data.generators.arrangement.packing import Outline, Put, free_put, outline_of, packed, put_at, turned_half
 from remqa_data.geometry import arithmetic
@@ -100,9 +100,8 @@ def _fits(place: HidingPlace, type_: str, partner: Partner) -> bool:
         return False
     if partner.relation == "on" and partner.type not in LAID_ON:
         return False
-    grown = 1.0 + hiding_rules().size_spread
     types = [type_, *[partner.type] * partner.count]
-    sizes = [(grown * w, grown * d, grown * h) for w, d, h in map(hidden_size, types)]
+    sizes = [largest_size(name) for name in types]
     links = [Link(0, tuple(range(1, len(types))), partner.relation, holds) for holds in (True, False)]
     rng = np.random.default_rng(0)
     return all(_linked(place, types, sizes, link, rng) is not None for link in links for _ in range(FITTED))

@@ -21,8 +21,8 @@ from remqa_data.generators.arrangement.hiding_check import (
     in_sight_violations,
     partner_ids,
 )
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules
+from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
+from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules, largest_size
 from remqa_data.generators.arrangement.inner_packing import Link, packed_with_link
 from remqa_data.generators.arrangement.loose_objects import SKIN_M
 from remqa_data.generators.arrangement.packing import Put, packed
@@ -41,9 +41,6 @@ UNLIKE_DE = 30.0
 BESIDE_M = 0.4
 """So far from some recorded thing is the place that the id of a new thing names."""
 
-Key = tuple[str, str]
-"""An object and what is done with it: what is in it and what is under it are brought to light in two ways."""
-
 
 @dataclass(frozen=True)
 class WishedThings:
@@ -57,17 +54,17 @@ class WishedThings:
         The room with everything closed, and with the things, which wait far below it.
     hidden : tuple of (Hidden, tuple of str)
         Each wish and the ids of its things.
-    by_place : mapping of Key to (HidingPlace, tuple of str)
+    by_place : mapping of PlaceKey to (HidingPlace, tuple of str)
         Each place and the ids of all its things.
-    links : mapping of Key to Link
+    links : mapping of PlaceKey to Link
         How things are to lie to one another, in the places where that is wished; a place has one such wish at most.
     """
 
     recorded: Scene
     scene: Scene
     hidden: tuple[tuple[Hidden, tuple[str, ...]], ...]
-    by_place: Mapping[Key, tuple[HidingPlace, tuple[str, ...]]]
-    links: Mapping[Key, Link]
+    by_place: Mapping[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]
+    links: Mapping[PlaceKey, Link]
 
     @classmethod
     def made(cls, scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> WishedThings:
@@ -83,7 +80,7 @@ class WishedThings:
         """Ids of the things and of what hides them."""
         return {name for place, ids in self.by_place.values() for name in (place.object_id, *ids)}
 
-    def pack(self, world: World, key: Key, rng: np.random.Generator) -> list[Put]:
+    def pack(self, world: World, key: PlaceKey, rng: np.random.Generator) -> list[Put]:
         """Where the things of a place lie, at random; raises ArrangementError if it has no room for them."""
         place, ids = self.by_place[key]
         sizes = [_plan_size(world.assets[object_id].spec) for object_id in ids]
@@ -99,7 +96,7 @@ class WishedThings:
             raise ArrangementError(msg, place.object_id, place.relation, sorted(set(types)))
         return puts
 
-    def put_all(self, world: World, puts: Mapping[Key, Sequence[Put]]) -> None:
+    def put_all(self, world: World, puts: Mapping[PlaceKey, Sequence[Put]]) -> None:
         """Things at their spots, a hair above what they lie on, and what covers them raised by their height."""
         for key in sorted(puts, key=lambda key: self.by_place[key][0].relation):
             # What is "in" comes before what is "under": a box that is raised takes its contents along.
@@ -138,7 +135,7 @@ def has_room(place: HidingPlace, types: Sequence[str], asked: Sequence[str] = ()
     asked : sequence of str
         Types of which one must see that there are none; what is much higher would stand before them.
     """
-    sizes = [_largest_size(name) for name in types]
+    sizes = [largest_size(name) for name in types]
     lowest = min((hidden_size(name)[2] for name in asked), default=math.inf)
     if max((height for _, _, height in sizes), default=0.0) > lowest + hiding_rules().higher_m:
         return False
@@ -165,7 +162,7 @@ def misfits(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) ->
     alone = things.scene.with_objects(tuple(o for o in things.scene.objects if o.is_fixed or o.id in seen))
     with World(alone) as world:
         view = WorldView(world)
-        puts: dict[Key, list[Put]] = {}
+        puts: dict[PlaceKey, list[Put]] = {}
         for key in things.by_place:
             try:
                 puts[key] = things.pack(world, key, rng)
@@ -176,11 +173,11 @@ def misfits(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) ->
         for _ in range(PACKED):
             world.restore(at_first)
             things.put_all(world, {key: puts[key] for key in things.by_place if key in waiting})
-            still = [pair for pair in things.hidden if key_of(pair[0].place) in waiting]
+            still = [pair for pair in things.hidden if pair[0].place.key in waiting]
             seen_ill = in_sight_violations(world, view, still)
-            ill = {key_of(violation.place) for violation in seen_ill}
-            seen_ill += faint_violations(world, view, [pair for pair in still if key_of(pair[0].place) not in ill])
-            waiting = {key_of(violation.place) for violation in seen_ill}
+            ill = {violation.place.key for violation in seen_ill}
+            seen_ill += faint_violations(world, view, [pair for pair in still if pair[0].place.key not in ill])
+            waiting = {violation.place.key for violation in seen_ill}
             if not waiting:
                 break
             for key in sorted(waiting):
@@ -248,34 +245,23 @@ def _closed(scene: Scene) -> Scene:
     )
 
 
-def key_of(place: HidingPlace) -> Key:
-    """What tells a place from others."""
-    return place.object_id, place.manipulation
-
-
-def _by_place(hidden: Wished) -> dict[Key, tuple[HidingPlace, tuple[str, ...]]]:
-    grouped: dict[Key, tuple[HidingPlace, tuple[str, ...]]] = {}
+def _by_place(hidden: Wished) -> dict[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]:
+    grouped: dict[PlaceKey, tuple[HidingPlace, tuple[str, ...]]] = {}
     for wish, ids in hidden:
-        key = key_of(wish.place)
+        key = wish.place.key
         grouped[key] = (wish.place, grouped.get(key, (wish.place, ()))[1] + ids)
     return grouped
 
 
-def _links(hidden: Wished, by_place: Mapping[Key, tuple[HidingPlace, tuple[str, ...]]]) -> dict[Key, Link]:
-    found: dict[Key, Link] = {}
+def _links(hidden: Wished, by_place: Mapping[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]) -> dict[PlaceKey, Link]:
+    found: dict[PlaceKey, Link] = {}
     for wish, ids in hidden:
         if wish.partner is not None:
-            key = key_of(wish.place)
+            key = wish.place.key
             names = by_place[key][1]
             others = tuple(names.index(name) for name in partner_ids(hidden, wish))
             found[key] = Link(names.index(ids[0]), others, wish.partner.relation, wish.holds)
     return found
-
-
-def _largest_size(type_name: str) -> Vec3:
-    grown = 1.0 + hiding_rules().size_spread
-    width, depth, height = (grown * side for side in hidden_size(type_name))
-    return width, depth, height
 
 
 def _plan_size(spec: AssetSpec) -> Vec3:

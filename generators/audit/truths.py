@@ -29,6 +29,7 @@ from remqa_data.generators.questions.questions import (
 from remqa_data.generators.seen_anywhere import MOST_PIXELS, most_pixels_anywhere
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.inner import inner_of, is_sure, needed
@@ -222,9 +223,7 @@ class CheckedRoom:
             record = self.records[question.target_id]
             x, y, _ = question.goal_poses[0].position
             dx, dy = x - (record.box[0] + record.box[3]) / 2, y - (record.box[1] + record.box[4]) / 2
-            aside_deg = abs(
-                (math.degrees(arithmetic.arctan2(dy, dx)) - (record.facing_deg or 0.0) + 180.0) % 360.0 - 180.0
-            )
+            aside_deg = degrees_apart(math.degrees(arithmetic.arctan2(dy, dx)), record.facing_deg or 0.0)
             if aside_deg > FRONT_DEG + 1e-6:
                 yield "visible", f"the goal is {aside_deg:.0f} degrees off the front of {question.target_id}"
 

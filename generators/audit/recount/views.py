@@ -15,6 +15,7 @@ import pandas as pd
 
 from remqa_data.generators.audit.recount.wording import phrase_of
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64
 from remqa_data.opencv import cv2
 from remqa_data.storage.manifest import load_manifest
@@ -162,7 +163,7 @@ def _from_front_deg(row: Mapping[str, Any], room: _Room) -> float:
         return float("nan")
     goal, box = row["goal_poses"][0]["position"], target["box"]
     to_goal = np.degrees(arithmetic.arctan2(goal[1] - (box[1] + box[4]) / 2, goal[0] - (box[0] + box[3]) / 2))
-    return float(abs((to_goal - target["facing_deg"] + 180.0) % 360.0 - 180.0))
+    return degrees_apart(float(to_goal), target["facing_deg"])
 
 
 def _start_distance_m(row: Mapping[str, Any]) -> float:

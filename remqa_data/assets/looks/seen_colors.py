@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
 
 import numpy as np
@@ -26,11 +26,9 @@ AS_NEAR = 6.0
 def color_word(links: Sequence[Link], said: str) -> str:
     """The word that is said of a thing's colour, or `MIXED` if less than half of the thing looks like it."""
     total = like = 0.0
-    for surface in (surface for link in links for surface in link.surfaces):
-        a, b, c = (surface.vertices[surface.faces[:, i]].astype(np.float64) for i in range(3))
-        area = float(arithmetic.length(np.cross(b - a, c - a)).sum())
+    for material, area in _areas(links):
         total += area
-        like += area if said in colors_of(surface.material) else 0.0
+        like += area if said in colors_of(material) else 0.0
     return said if like >= LEAST_SHARE * total else MIXED
 
 
@@ -56,12 +54,17 @@ def color_distance(one: Asset, other: Asset) -> float:
 def _main_colors(asset: Asset) -> list[F64]:
     """CIELAB colours of the materials that make a good part of a thing's surface; of the largest one if none does."""
     areas: dict[Material, float] = {}
-    for surface in (surface for link in asset.links for surface in link.surfaces):
-        a, b, c = (surface.vertices[surface.faces[:, i]].astype(np.float64) for i in range(3))
-        area = float(arithmetic.length(np.cross(b - a, c - a)).sum())
-        areas[surface.material] = areas.get(surface.material, 0.0) + area
+    for material, area in _areas(asset.links):
+        areas[material] = areas.get(material, 0.0) + area
     least = min(MAIN_SHARE * sum(areas.values()), max(areas.values()))
     return [_seen(material) for material, area in areas.items() if area >= least]
+
+
+def _areas(links: Sequence[Link]) -> Iterator[tuple[Material, float]]:
+    """The material of each surface, and twice its area in square metres."""
+    for surface in (surface for link in links for surface in link.surfaces):
+        a, b, c = (surface.vertices[surface.faces[:, i]].astype(np.float64) for i in range(3))
+        yield surface.material, float(arithmetic.length(np.cross(b - a, c - a)).sum())
 
 
 @cache

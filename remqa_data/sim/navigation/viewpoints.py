@@ -14,6 +14,7 @@ from remqa_data.catalog import types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64, I32
+from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.render.camera import Camera
 
@@ -38,10 +39,12 @@ class AgentPose:
 
     def camera(self, grid: ReachableGrid, size_px: int = FRAME_PX) -> Camera:
         """The agent's camera there."""
-        x, y = grid.position(self.cell)
-        body = grid.body
+        return self.camera_above(grid.floor_z, size_px, grid.body)
+
+    def camera_above(self, floor_z: float, size_px: int = FRAME_PX, body: Embodiment = AGENT) -> Camera:
+        """The camera of a body that stands there on a floor of some height."""
         height = body.camera_height_m if self.is_standing else body.crouched_camera_height_m
-        eye = (x, y, grid.floor_z + height)
+        eye = (*body.centre_of(self.cell), floor_z + height)
         return Camera(eye, float(self.yaw_deg), float(self.horizon_deg), body.fov_deg, size_px, size_px)
 
 

@@ -99,6 +99,10 @@ class World:
         """(links, 4, 4) poses of an object's links, each mapping closed asset geometry to the world."""
         return self._known(self._link_poses, object_id, self._find_link_poses)
 
+    def motion_since(self, object_id: str, poses: F64) -> F64:
+        """(links, 4, 4) how the links of an object have moved since they had some `link_poses`."""
+        return arithmetic.product(self.link_poses(object_id), arithmetic.inverse(poses))
+
     def box(self, object_id: str) -> F64:
         """(2, 3) corners of the axis-aligned box of an object's visible mesh as it is now, metres."""
         return self._known(self._boxes, object_id, self._find_box)
