@@ -176,7 +176,7 @@ class AuditedRoom:
         key = tuple(sorted(together))
         if key not in self._hides:
             self.start_over(self.replay.pose)
-            self._hides[key] = most_pixels_anywhere(self.replay.view, self.grid, key) <= MOST_PIXELS
+            self._hides[key] = most_pixels_anywhere(self.replay.view, self.grid, key, [hiding.object_id]) <= MOST_PIXELS
         return self._hides[key]
 
     def close(self) -> None:

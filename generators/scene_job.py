@@ -19,10 +19,14 @@ from remqa_data.generators.samples import AuditedRoom, Refusal, make_sample
 from remqa_data.generators.scene_plan import Job, RoomPlan, RoomPlanner
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo, walk_through
 from remqa_data.scene import Scene
+from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.tables.rows import QuestionRow, Row, Split
 
 ROOM_ATTEMPTS, ATTEMPTS_FOR_LESS = 4, 2
 """How often a room is made anew when the audit refuses so much that its quota cannot be met; less often if it need not be."""
+
+ARRANGED_ANEW = 2
+"""How often a configuration is arranged anew when the audit refuses some of its samples."""
 
 SAMPLED_DRAWS = 40
 """How often a sampled room is drawn anew when it cannot have the questions that it owes."""
@@ -62,7 +66,7 @@ def _made(job: Job, base: Scene, *, may_fall_short: bool = False) -> tuple[Rows,
     last = ATTEMPTS_FOR_LESS if may_fall_short else ROOM_ATTEMPTS
     for attempt in range(1, last + 1):
         plan = planner.next()
-        rows, samples = _walked_and_asked(job, plan, planner.refused)
+        rows, samples = _walked_and_asked(job, plan, planner)
         try:
             chosen = _chosen(job, plan, samples, planner, or_fewer=may_fall_short and attempt == last)
             break
@@ -139,46 +143,65 @@ def _samples(
     return made
 
 
-def _walked_and_asked(job: Job, plan: RoomPlan, refused: Counter[str]) -> tuple[Rows, Samples]:
+def _walked_and_asked(job: Job, plan: RoomPlan, planner: RoomPlanner) -> tuple[Rows, Samples]:
     """The rows of all configurations but for the questions, and the samples that are due in each."""
     rows: Rows = {"scenes": [], "frames": [], "expressions": [], "questions": []}
     samples: Samples = {}
-    for number, configuration in enumerate(plan.configurations):
-        samples |= _in_configuration(job, number, configuration.scene, plan.groups, rows, refused)
+    for number in range(len(plan.configurations)):
+        room, made = _asked(job, plan, number, planner)
+        try:
+            _walk(job, room, rows)
+        finally:
+            room.close()
+        samples |= made
     return rows, samples
 
 
-def _in_configuration(
-    job: Job,
-    number: int,
-    scene: Scene,
-    groups: list[GroupPlan[HidingPlace]],
-    rows: Rows,
-    refused: Counter[str],
-) -> Samples:
-    """Walk through one configuration, adding its rows, and make the samples that are due in it."""
-    rng = job.rng(f"walk {number}")
-    room = _audited_room(job, number, scene)
+def _asked(job: Job, plan: RoomPlan, number: int, planner: RoomPlanner) -> tuple[AuditedRoom, Samples]:
+    """A configuration, and the samples that are due in it; it is arranged anew where the audit refuses some of them."""
+    due = [group for group in plan.groups if _is_due(group, number)]
+    room = _audited_room(job, number, plan.configurations[number].scene)
     try:
-        start = room.grid.cells[int(rng.integers(len(room.grid.cells)))]
-        found = {object_id: room.expressions.of(object_id) for object_id in room.replay.world.ids}
-        walked = walk_through(
-            room.place,
-            room.replay.view,
-            room.grid,
-            start,
-            found,
-            job.config.walk.settings(job.config.image.size_px),
-            rng,
-            rgb_format=job.config.image.rgb_format,
-            expression_split=expression_split(job.scene),
-        )
-        rows["scenes"].append(walked.scene)
-        rows["frames"] += walked.frames
-        rows["expressions"] += walked.expressions
-        return _samples(job, room, number, [group for group in groups if _is_due(group, number)], refused)
-    finally:
+        samples = _samples(job, room, number, due, planner.refused)
+        for attempt in range(1, ARRANGED_ANEW + 1):
+            if len(samples) == len(due):
+                break
+            try:
+                configuration = planner.arranged_anew(plan.configurations[number], number, attempt)
+            except ArrangementError:
+                continue
+            other = _audited_room(job, number, configuration.scene)
+            made = _samples(job, other, number, due, planner.refused)
+            if len(made) > len(samples):
+                plan.configurations[number], samples = configuration, made
+                room, other = other, room
+            other.close()
+    except BaseException:
         room.close()
+        raise
+    return room, samples
+
+
+def _walk(job: Job, room: AuditedRoom, rows: Rows) -> None:
+    """Walk through one configuration, adding its rows."""
+    rng = job.rng(f"walk {room.place.configuration}")
+    start = room.grid.cells[int(rng.integers(len(room.grid.cells)))]
+    room.start_over(AgentPose(start, 0))
+    found = {object_id: room.expressions.of(object_id) for object_id in room.replay.world.ids}
+    walked = walk_through(
+        room.place,
+        room.replay.view,
+        room.grid,
+        start,
+        found,
+        job.config.walk.settings(job.config.image.size_px),
+        rng,
+        rgb_format=job.config.image.rgb_format,
+        expression_split=expression_split(job.scene),
+    )
+    rows["scenes"].append(walked.scene)
+    rows["frames"] += walked.frames
+    rows["expressions"] += walked.expressions
 
 
 def expression_split(scene: str) -> Split:

@@ -208,6 +208,11 @@ class RoomPlanner:
         found = self._fitting_at_first(replace(place, spots=()), count, others)
         return [pair for pair in found if (place.object_id, place.relation, pair[0]) not in self.misfits]
 
+    def arranged_anew(self, configuration: Configuration, number: int, attempt: int) -> Configuration:
+        """The same things hidden in the same places, but otherwise; ArrangementError if that cannot be done."""
+        hidden = [wish for wish, _ in configuration.hidden]
+        return arrange(self.base, self.places, hidden, self.job.rng(f"arrange {number} again {attempt}"))
+
     def _arranged(self, hidden: list[Hidden], number: int) -> Configuration:
         return arrange(self.base, self.places, hidden, self.job.rng(f"arrange {number}"))
 

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.types import F64, I32, Vec3
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import ReachableGrid
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, pixels_per_object
+from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import WorldView
 
@@ -23,7 +23,9 @@ FAR = 3.0
 """Farther than so many radii of a ball around all of them one looks at all at once."""
 
 
-def most_pixels_anywhere(view: WorldView, grid: ReachableGrid, object_ids: Sequence[str]) -> int:
+def most_pixels_anywhere(
+    view: WorldView, grid: ReachableGrid, object_ids: Sequence[str], hidden_by: Sequence[str] = ()
+) -> int:
     """The most pixels that one of some objects shows to an agent on any cell that looks straight at them.
 
     Parameters
@@ -34,30 +36,43 @@ def most_pixels_anywhere(view: WorldView, grid: ReachableGrid, object_ids: Seque
         Where the agent can stand.
     object_ids : sequence of str
         Objects that lie near to one another, as in one drawer.
+    hidden_by : sequence of str
+        What hides them. Where that alone hides them, nothing else is drawn, which is several times quicker.
 
     Returns
     -------
-    Pixels of images as sharp as the agent's of 300 x 300 in their middle; 0 if none of the objects shows at all.
+    Pixels of images as sharp as the agent's of 300 x 300 in their middle; 0 if none of the objects shows at all. Up to
+    `MOST_PIXELS`, those that show past what hides the objects, and past all else those are fewer; beyond, as soon as so
+    many are found.
     """
     world = view.world
     boxes = {object_id: world.box(object_id) for object_id in object_ids}
     low = np.min([box[0] for box in boxes.values()], axis=0)
     high = np.max([box[1] for box in boxes.values()], axis=0)
-    together = (_ball(low, high), np.array([world.ids.index(object_id) for object_id in object_ids]))
-    apart = [(_ball(*box), np.array([world.ids.index(object_id)])) for object_id, box in boxes.items()]
+    index = {object_id: world.ids.index(object_id) for object_id in object_ids}
+    together = (_ball(low, high), list(index.values()))
+    apart = [(_ball(*box), [index[object_id]]) for object_id, box in boxes.items()]
+    hiding = view.parts_of((*hidden_by, *object_ids)) if hidden_by else None
     most = 0
     for cell in grid.cells:
         px, py = grid.position(cell)
         for height in (AGENT.camera_height_m, AGENT.crouched_camera_height_m):
             eye = (px, py, grid.floor_z + height)
             ball = together[0]
-            for (middle, radius), index in [together] if math.dist(eye, ball[0]) > FAR * ball[1] else apart:
+            for (middle, radius), shown in [together] if math.dist(eye, ball[0]) > FAR * ball[1] else apart:
                 half_px = math.ceil(FRAME_PX / 2 * radius / max(math.dist(eye, middle) - radius, NEAREST_M))
                 window = _window(eye, middle, min(half_px, FRAME_PX // 2))
-                most = max(most, int(pixels_per_object(view, window)[index].max()))
+                pixels = _most_pixels(view.instances(window, hiding), shown)
+                if pixels > MOST_PIXELS and hiding is not None:
+                    pixels = _most_pixels(view.instances(window), shown)
+                most = max(most, pixels)
             if most > MOST_PIXELS:
                 return most
     return most
+
+
+def _most_pixels(image: I32, objects: Sequence[int]) -> int:
+    return max(int(np.count_nonzero(image == index)) for index in objects)
 
 
 def _ball(low: F64, high: F64) -> tuple[Vec3, float]:

@@ -14,6 +14,8 @@ from remqa_data.geometry.types import Vec3
 TRIES = 30
 ROUNDS = 3
 """Attempts at random before everything is set in rows."""
+ROW_M = 0.01
+"""In rows, places are so far apart."""
 JITTER_DEG = 12.0
 """Things are turned by quarters and by up to this angle."""
 
@@ -116,11 +118,14 @@ def _tidy_place(
             room = (area.half[0] - half[0], area.half[1] - half[1])
             if min(room) < 0:
                 continue
-            for y in np.arange(-room[1], room[1] + 1e-9, 0.01):
-                for x in np.arange(-room[0], room[0] + 1e-9, 0.01):
-                    put = free_put(area, corner[0] * float(x), corner[1] * float(y), half, yaw, gap_m, taken[which])
-                    if put is not None:
-                        return put
+            x, y = (corner[axis] * np.arange(-room[axis], room[axis] + 1e-9, ROW_M) for axis in (0, 1))
+            is_free = np.ones((len(y), len(x)), dtype=np.bool_)
+            for ox, oy, hx, hy in taken[which]:
+                near_x, near_y = abs(x - ox) < half[0] + hx + gap_m, abs(y - oy) < half[1] + hy + gap_m
+                is_free &= ~(near_y[:, None] & near_x)
+            if is_free.any():
+                row, column = divmod(int(is_free.argmax()), len(x))
+                return free_put(area, float(x[column]), float(y[row]), half, yaw, gap_m, taken[which])
     return None
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+import zlib
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -186,25 +187,38 @@ def misfits(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) ->
 
 
 def _make(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> list[list[SceneObject]]:
-    """New things for each wish; sizes and looks vary."""
-    spread = hiding_rules().size_spread
+    """New things for each wish; sizes and looks vary.
+
+    With the same state of `rng`, the first cup comes in the same size and looks whatever else is wished for, so that plans
+    that are tried one after the other share what takes long to build.
+    """
     known = {o.id for o in scene.objects}
     loose = [o for o in scene.objects if object_type(o.type).pickupable] or list(scene.objects)
+    seed = int(rng.integers(1 << 32))
+    by_type: dict[str, Iterator[list[AssetSpec]]] = {}
     made = []
     for wish in wishes:
         things = []
         around = build(scene.object(wish.place.object_id).asset)
         for _ in range(wish.count):
-            scale = 1.0 + float(rng.uniform(-spread, spread))
-            w, d, h = (scale * side for side in hidden_size(wish.type))
-            looks = [(int(rng.integers(variant_count(wish.type))), int(rng.integers(1 << 16))) for _ in range(LOOKS)]
-            specs = (AssetSpec(wish.type, (w, d, h), variant, seed) for variant, seed in looks)
-            spec = _unlike(specs, around)
+            if wish.type not in by_type:
+                by_type[wish.type] = _looks(wish.type, np.random.default_rng([seed, zlib.crc32(wish.type.encode())]))
+            spec = _unlike(next(by_type[wish.type]), around)
             name = _name(spec, loose[int(rng.integers(len(loose)))], known, rng)
             things.append(SceneObject(name, spec, parking(len(known)), is_fixed=False))
             known.add(name)
         made.append(things)
     return made
+
+
+def _looks(type_: str, rng: np.random.Generator) -> Iterator[list[AssetSpec]]:
+    """For one thing of a type after the other, the looks that it may have, all in one size."""
+    spread = hiding_rules().size_spread
+    while True:
+        scale = 1.0 + float(rng.uniform(-spread, spread))
+        w, d, h = (scale * side for side in hidden_size(type_))
+        drawn = [(int(rng.integers(variant_count(type_))), int(rng.integers(1 << 16))) for _ in range(LOOKS)]
+        yield [AssetSpec(type_, (w, d, h), variant, seed) for variant, seed in drawn]
 
 
 def _unlike(specs: Iterable[AssetSpec], around: Asset) -> AssetSpec:

@@ -120,6 +120,8 @@ def sin_cos_deg(degrees: npt.ArrayLike) -> tuple[F64, F64]:
 
 def arctan2(y: npt.ArrayLike, x: npt.ArrayLike) -> F64:
     """Angle of the direction (x, y) from -pi to pi, radians; 0 for (0, 0)."""
+    if _is_number(y) and _is_number(x):
+        return _arctan2_of(y, x)
     up, ahead = np.asarray(y, dtype=np.float64), np.asarray(x, dtype=np.float64)
     less, more = np.minimum(np.abs(up), np.abs(ahead)), np.maximum(np.abs(up), np.abs(ahead))
     ratio = less / np.where(more == 0.0, 1.0, more)
@@ -219,6 +221,23 @@ def _sin_cos_of(quarters: float, rest: float) -> tuple[F64, F64]:
     if (quarters + 1.0) % 4.0 >= 2.0:
         cosine = -cosine
     return np.asarray(sine + 0.0), np.asarray(cosine + 0.0)
+
+
+def _arctan2_of(up: float, ahead: float) -> F64:
+    """The same as `arctan2`, of single numbers."""
+    less, more = sorted((abs(up), abs(ahead)))
+    ratio = less / (more or 1.0)
+    is_steep = ratio > _TAN_EIGHTH
+    if is_steep:
+        ratio = (ratio - 1.0) / (ratio + 1.0)
+    angle = ratio - ratio * _polynomial_of(ratio * ratio, _ARCTAN)
+    if is_steep:
+        angle = math.pi / 4 + angle
+    if abs(up) > abs(ahead):
+        angle = math.pi / 2 - angle
+    if ahead < 0.0:
+        angle = math.pi - angle
+    return np.asarray(math.copysign(angle, up))
 
 
 def _sin_cos(quarters: F64, rest: F64) -> tuple[F64, F64]:

@@ -22,8 +22,10 @@ def test_what_is_in_a_closed_fridge_is_seen_from_nowhere_and_what_is_before_it_i
         for across in np.linspace(low[1] + 0.1, high[1] - 0.1, 9):
             world.move_alone(thing, (x, float(across), z + 0.2))
             assert most_pixels_anywhere(view, grid, [thing]) == 0
+            assert most_pixels_anywhere(view, grid, [thing], [fridge]) == 0
         most = []
         for ahead in (low[0] - 0.1, high[0] + 0.1):
             world.move_alone(thing, (float(ahead), y, z))
             most.append(most_pixels_anywhere(view, grid, [thing]))
+            assert most_pixels_anywhere(view, grid, [thing], [fridge]) == most[-1]
         assert max(most) > MOST_PIXELS

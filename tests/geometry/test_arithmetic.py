@@ -41,6 +41,11 @@ def test_angles_of_directions(rng: np.random.Generator) -> None:
     axes = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 0.0), (1.0, 1.0)]
     expected = [0.0, math.pi / 2, math.pi, -math.pi / 2, 0.0, math.pi / 4]
     assert arithmetic.arctan2(*np.transpose(axes)).tolist() == expected
+    pairs = [*zip(y.tolist(), x.tolist(), strict=True), *axes, (-0.0, -1.0), (math.inf, 1.0)]
+    one_by_one = [float(arithmetic.arctan2(*pair)) for pair in pairs]
+    with np.errstate(invalid="ignore"):
+        together = arithmetic.arctan2(*np.transpose(pairs))
+    assert np.array_equal(one_by_one, together, equal_nan=True)
 
 
 def test_angles_of_cosines(rng: np.random.Generator) -> None:

@@ -98,7 +98,8 @@ class Camera:
 
     def rotation(self) -> F64:
         """(3, 3) unit rows: right, up, forward, in the world frame."""
-        (sin_yaw, sin_pitch), (cos_yaw, cos_pitch) = arithmetic.sin_cos_deg([self.yaw_deg, self.horizon_deg])
+        sin_yaw, cos_yaw = (float(v) for v in arithmetic.sin_cos_deg(self.yaw_deg))
+        sin_pitch, cos_pitch = (float(v) for v in arithmetic.sin_cos_deg(self.horizon_deg))
         return np.array(
             [
                 [sin_yaw, -cos_yaw, 0.0],

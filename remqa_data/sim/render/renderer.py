@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.geometry.types import F32, F64, I32, U8, Vec3
+from remqa_data.geometry.types import F32, F64, I32, U8, Flags, Vec3
 from remqa_data.sim.light.patches import Patches, light_faces, patches
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render.antialias import smooth_edges
@@ -151,14 +151,20 @@ class Renderer:
             smooth_edges(self._geometry, buffers, view.pinhole, rgb)
         return Frame(rgb, depth, instances)
 
-    def render_instances(self, camera: AnyCamera) -> tuple[F32, I32]:
-        """Depth and instances of the frame that `render` would draw, several times quicker than with its colours."""
-        _, depth, instances = self._rasterise(camera.view())
+    def render_instances(self, camera: AnyCamera, only: Flags | None = None) -> tuple[F32, I32]:
+        """Depth and instances of the frame that `render` would draw, several times quicker than with its colours.
+
+        With (n,) `only`, as if there were none but some of the parts.
+        """
+        _, depth, instances = self._rasterise(camera.view(), only)
         return depth, instances
 
-    def _rasterise(self, view: View) -> tuple[Buffers, F32, I32]:
+    def _rasterise(self, view: View, only: Flags | None = None) -> tuple[Buffers, F32, I32]:
         buffers = self._buffers(view.height, view.width)
-        rasterise(self._geometry, self._placed, view, buffers)
+        placed = self._placed
+        if only is not None:
+            placed = placed._replace(visible=placed.visible & only)
+        rasterise(self._geometry, placed, view, buffers)
         depth = np.empty((view.height, view.width), dtype=np.float32)
         instances = np.empty((view.height, view.width), dtype=np.int32)
         write_depth_and_instances(self._geometry, self._instances, buffers, view.pinhole, depth, instances)

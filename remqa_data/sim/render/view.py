@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.geometry.types import F32, F64, I32
+from remqa_data.geometry.types import F32, F64, I32, Flags
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import AnyCamera
 from remqa_data.sim.render.renderer import Renderer, RenderPart
@@ -103,14 +104,24 @@ class WorldView:
         frame: Frame = self.renderer.render(camera, shadows=shadows, antialias=antialias)
         return Observation(frame.rgb, frame.depth, self._object_of[frame.instances], self._link_of[frame.instances])
 
-    def instances(self, camera: AnyCamera) -> I32:
-        """Only the (h, w) image of object indices, which is much cheaper than a picture."""
-        return self.depth_and_instances(camera)[1]
+    def parts_of(self, object_ids: Iterable[str]) -> Flags:
+        """(parts,) which of the renderer's parts are those of some objects."""
+        found = np.zeros(len(self.renderer.parts), dtype=np.bool_)
+        for object_id in object_ids:
+            found[self._parts_of[object_id]] = True
+        return found
 
-    def depth_and_instances(self, camera: AnyCamera) -> tuple[F32, I32]:
-        """Only the (h, w) images of depth, metres, and of object indices."""
+    def instances(self, camera: AnyCamera, only: Flags | None = None) -> I32:
+        """Only the (h, w) image of object indices, which is much cheaper than a picture."""
+        return self.depth_and_instances(camera, only)[1]
+
+    def depth_and_instances(self, camera: AnyCamera, only: Flags | None = None) -> tuple[F32, I32]:
+        """Only the (h, w) images of depth, metres, and of object indices.
+
+        With (parts,) `only`, as if there were nothing but some parts.
+        """
         self.sync()
-        depth, parts = self.renderer.render_instances(camera)
+        depth, parts = self.renderer.render_instances(camera, only)
         return depth, np.asarray(self._object_of[parts])
 
     def _show_or_hide(self, object_id: str) -> None:

@@ -208,7 +208,7 @@ def inner_wishes(room: str, holds: bool) -> list[Hidden]:
 def test_things_lie_to_one_another_as_wished_when_all_is_at_rest(holds) -> None:
     wishes = inner_wishes("FloorPlan7", holds)
     assert {wish.partner.relation for wish in wishes if wish.partner} == {"behind", "on", "between", "next to"}
-    made = arrange(load_scene("FloorPlan7"), places_of("FloorPlan7"), wishes, np.random.default_rng(0))
+    made = arrange(load_scene("FloorPlan7"), places_of("FloorPlan7"), wishes, np.random.default_rng(1))
     ids = {(wish.place.object_id, wish.type): found for wish, found in made.hidden}
     with World(made.scene) as world:
         records = object_metadata(world)
