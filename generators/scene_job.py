@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
@@ -99,7 +98,7 @@ def _chosen(
         room = _audited_room(job, number, configuration.scene)
         try:
             others = [g for g in plan.groups if g.question.kind in short and not _is_due(g, number)]
-            samples |= _samples(job, room, number, others, planner.refused)
+            samples |= _samples(job, room, number, others, planner)
         finally:
             room.close()
     while True:
@@ -130,14 +129,14 @@ def _audited_room(job: Job, number: int, scene: Scene) -> AuditedRoom:
 
 
 def _samples(
-    job: Job, room: AuditedRoom, number: int, groups: Iterable[GroupPlan[HidingPlace]], refused: Counter[str]
+    job: Job, room: AuditedRoom, number: int, groups: Iterable[GroupPlan[HidingPlace]], planner: RoomPlanner
 ) -> Samples:
     """The samples of some groups in a configuration that keep all truths."""
     made = {}
     for group in groups:
         sample = make_sample(room, group, job.rng(f"start {group.name} {number}"))
         if isinstance(sample, Refusal):
-            refused[sample.truth] += 1
+            planner.refused[sample.truth] += 1
         else:
             made[group.name, number] = sample
     return made
@@ -162,16 +161,20 @@ def _asked(job: Job, plan: RoomPlan, number: int, planner: RoomPlanner) -> tuple
     due = [group for group in plan.groups if _is_due(group, number)]
     room = _audited_room(job, number, plan.configurations[number].scene)
     try:
-        samples = _samples(job, room, number, due, planner.refused)
+        samples = _samples(job, room, number, due, planner)
         for attempt in range(1, ARRANGED_ANEW + 1):
-            if len(samples) == len(due):
+            lacking = [group for group in due if (group.name, number) not in samples]
+            if all(group.question.place.key in planner.hopeless for group in lacking):
                 break
             try:
                 configuration = planner.arranged_anew(plan.configurations[number], number, attempt)
             except ArrangementError:
                 continue
             other = _audited_room(job, number, configuration.scene)
-            made = _samples(job, other, number, due, planner.refused)
+            made = _samples(job, other, number, due, planner)
+            for group in due:
+                if (group.name, number) not in made and (group.name, number) not in samples:
+                    planner.hopeless.add(group.question.place.key)
             if len(made) > len(samples):
                 plan.configurations[number], samples = configuration, made
                 room, other = other, room

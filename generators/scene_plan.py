@@ -14,7 +14,7 @@ from remqa_data.errors import ArrangementError, QuotaError
 from remqa_data.generators.arrangement.configurations import Configuration, arrange
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import Hidden
-from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places
+from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey, hiding_places
 from remqa_data.generators.arrangement.inner_packing import inner_fits
 from remqa_data.generators.arrangement.wished_things import has_room, misfits
 from remqa_data.generators.config import Config
@@ -82,6 +82,10 @@ class RoomPlanner:
     ----------
     quota : SceneQuota
         What the plans are for: what the room owes, or less.
+    refused : Counter
+        How often the audit refused samples, by the truth that they would have broken.
+    hopeless : set of PlaceKey
+        Places of which samples were refused again when the room was arranged anew for them: it is not for these.
     """
 
     def __init__(self, job: Job, base: Scene, *, may_fall_short: bool = False) -> None:
@@ -91,6 +95,7 @@ class RoomPlanner:
         self.plans_made = 0
         self.failures: Counter[tuple[str, str]] = Counter()
         self.refused: Counter[str] = Counter()
+        self.hopeless: set[PlaceKey] = set()
         self._fitting_at_first = cache(
             lambda place, count, others: fitting_types(place, job.quota.room_type, count, others=others)
         )

@@ -19,7 +19,7 @@ LEAST_SHARE = 0.8
 """Of the ways in which a thing of the asked type could lie there, so many are in view where none is found."""
 LEAST_SHOWN = 0.3
 """Who sees so much of a thing's top sees the thing."""
-LOOK_M, SURFACE_M = 0.03, 0.01
+LOOK_M, SURFACE_M = 0.015, 0.01
 """Things are looked for at points so far apart; what is so much nearer than a point hides it."""
 
 
@@ -92,5 +92,8 @@ def _is_seen(points: F64, camera: Camera, depth: F32) -> Flags:
 
 def _window_means(mask: Flags, window: Sequence[int]) -> F64:
     """Mean of every window of so many rows and columns of a (rows, columns) mask."""
-    windows = np.lib.stride_tricks.sliding_window_view(mask, tuple(window))
-    return np.asarray(windows.mean(axis=(2, 3)))
+    rows, columns = window
+    up_to = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), dtype=np.int64)
+    up_to[1:, 1:] = mask.cumsum(axis=0).cumsum(axis=1)
+    total = up_to[rows:, columns:] - up_to[:-rows, columns:] - up_to[rows:, :-columns] + up_to[:-rows, :-columns]
+    return np.asarray(total / (rows * columns))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
 from remqa_data.assets import AssetSpec, build, variant_count
-from remqa_data.assets.core.model import Asset
-from remqa_data.assets.looks.seen_colors import color_distance
+from remqa_data.assets.looks.seen_colors import inner_colors, mean_color
 from remqa_data.catalog import object_type
 from remqa_data.errors import ArrangementError
 from remqa_data.generators.arrangement.hiding_check import (
@@ -28,16 +28,18 @@ from remqa_data.generators.arrangement.inner_packing import Link, packed_with_li
 from remqa_data.generators.arrangement.loose_objects import SKIN_M
 from remqa_data.generators.arrangement.packing import Put, packed
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import Vec3
+from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Scene, SceneObject
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
 PACKED = 10
 """What a place hides is put there in so many ways before it counts as impossible."""
+SEEDS = 12
+"""Each variant of a type comes in so many looks: iTHOR has fewer."""
 LOOKS = 6
 """So many looks are tried for one that stands out from what the thing lies in."""
-UNLIKE_DE = 30.0
+UNLIKE_DE = 35.0
 """Colours so far apart (CIE76, without light) are told apart in the shade of a cabinet."""
 BESIDE_M = 0.4
 """So far from some recorded thing is the place that the id of a new thing names."""
@@ -199,7 +201,7 @@ def _make(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> l
     made = []
     for wish in wishes:
         things = []
-        around = build(scene.object(wish.place.object_id).asset)
+        around = inner_colors(build(scene.object(wish.place.object_id).asset))
         for _ in range(wish.count):
             if wish.type not in by_type:
                 by_type[wish.type] = _looks(wish.type, np.random.default_rng([seed, zlib.crc32(wish.type.encode())]))
@@ -217,21 +219,22 @@ def _looks(type_: str, rng: np.random.Generator) -> Iterator[list[AssetSpec]]:
     while True:
         scale = 1.0 + float(rng.uniform(-spread, spread))
         w, d, h = (scale * side for side in hidden_size(type_))
-        drawn = [(int(rng.integers(variant_count(type_))), int(rng.integers(1 << 16))) for _ in range(LOOKS)]
+        drawn = [(int(rng.integers(variant_count(type_))), int(rng.integers(SEEDS))) for _ in range(LOOKS)]
         yield [AssetSpec(type_, (w, d, h), variant, seed) for variant, seed in drawn]
 
 
-def _unlike(specs: Iterable[AssetSpec], around: Asset) -> AssetSpec:
-    """The first of some looks that stands out from what is around it, or else the one that does most."""
-    best, most = None, -1.0
-    for spec in specs:
-        distance = color_distance(build(spec), around)
-        if distance > most:
-            best, most = spec, distance
-        if distance >= UNLIKE_DE:
-            break
-    assert best is not None
-    return best
+def _unlike(specs: Sequence[AssetSpec], colors: Sequence[F64]) -> AssetSpec:
+    """The first of some looks that stands out from some colours, or else the one that does most."""
+    apart = [min(float(arithmetic.length(_color(s.type, s.variant, s.seed) - c)) for c in colors) for s in specs]
+    return next(
+        (spec for spec, away in zip(specs, apart, strict=True) if away >= UNLIKE_DE), specs[int(np.argmax(apart))]
+    )
+
+
+@lru_cache(maxsize=1 << 13)
+def _color(type_: str, variant: int, seed: int) -> F64:
+    """The mean colour of a look, whatever its size."""
+    return mean_color(build(AssetSpec(type_, hidden_size(type_), variant, seed)))
 
 
 def _name(spec: AssetSpec, beside: SceneObject, known: Collection[str], rng: np.random.Generator) -> str:

@@ -49,15 +49,16 @@ class Deal:
 
 
 def with_a_lot_less(answers: Answers, kind: QuestionKind) -> Answers:
-    """A quota without one lot of a kind; what is left has two different answers, or is nothing.
+    """A quota without the last lot of a kind, which may be smaller; what is left has two different answers, or is nothing.
 
     >>> with_a_lot_less({"EXISTENCE": {"yes": 5, "no": 4}}, "EXISTENCE")
-    {'EXISTENCE': {'yes': 3, 'no': 2}}
-    >>> with_a_lot_less({"EXISTENCE": {"yes": 3, "no": 2}}, "EXISTENCE")
+    {'EXISTENCE': {'yes': 4, 'no': 4}}
+    >>> with_a_lot_less({"EXISTENCE": {"yes": 2, "no": 2}}, "EXISTENCE")
     {'EXISTENCE': {'yes': 0, 'no': 0}}
     """
     each = LOT_SIZE // len(question_rules().answers(kind))
-    left = {answer: max(0, count - each) for answer, count in answers[kind].items()}
+    whole = -(-sum(answers[kind].values()) // LOT_SIZE) - 1
+    left = {answer: min(count, whole * each) for answer, count in answers[kind].items()}
     if sum(count > 0 for count in left.values()) < 2:
         left = dict.fromkeys(left, 0)
     return {**answers, kind: left}

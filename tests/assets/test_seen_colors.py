@@ -1,9 +1,10 @@
+import numpy as np
 import pytest
 
 from remqa_data.assets import AssetSpec, build
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.assets.looks.materials import COLORS, paint
-from remqa_data.assets.looks.seen_colors import MIXED, colors_of
+from remqa_data.assets.looks.seen_colors import MIXED, colors_of, inner_colors, mean_color
 from remqa_data.assets.types.furniture.seating import CLOTHS
 
 
@@ -27,3 +28,19 @@ def test_a_sofa_has_no_pillows_of_its_own(variant) -> None:
     cloths = {s.material.color for link in sofa.links for s in link.surfaces if s.material.substance == "fabric"}
     assert len(CLOTHS) > 1
     assert len(cloths) <= 1
+
+
+def test_what_things_in_a_cabinet_lie_on_has_a_colour_of_its_own() -> None:
+    # Pans vanished on white shelves of black cabinets while one compared them with the front.
+    cabinets = [build(AssetSpec("Cabinet", typical_size("Cabinet"), 6, seed)) for seed in range(12)]
+    apart = [np.linalg.norm(color - mean_color(c)) for c in cabinets for color in inner_colors(c)]
+    assert max(apart) > 40
+    assert min(apart) < 20
+
+
+def test_the_mean_colour_of_a_plain_thing_is_its_own() -> None:
+    egg = build(AssetSpec("Egg", typical_size("Egg"), 0, 1))
+    lightness, *tint = mean_color(egg)
+    assert lightness > 60
+    assert np.linalg.norm(tint) < 40
+    assert np.allclose(inner_colors(egg), [mean_color(egg)])

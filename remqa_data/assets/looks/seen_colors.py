@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache, lru_cache
 
 import numpy as np
 
-from remqa_data.assets.core.model import Asset, Link, Material
+from remqa_data.assets.core.model import Asset, Link, Material, Space
 from remqa_data.assets.looks.materials import COLORS
 from remqa_data.assets.looks.textures import texture
 from remqa_data.geometry import arithmetic
@@ -17,8 +17,8 @@ MIXED = "mixed"
 """The word for what is of no one colour; phrases do not use it."""
 LEAST_SHARE = 0.5
 """So much of the surface is of the colour."""
-MAIN_SHARE = 0.2
-"""A colour of this share of the surface is one of a thing's main colours."""
+WALL_M = 0.02
+"""The bottom of a space is no farther from it than this."""
 AS_NEAR = 6.0
 """A colour that is farther from the measured one by no more than this (CIE76) than the nearest may be said as well."""
 
@@ -45,19 +45,35 @@ def colors_of(material: Material) -> frozenset[str]:
     return frozenset(word for word, distance in apart.items() if distance <= nearest + AS_NEAR)
 
 
-def color_distance(one: Asset, other: Asset) -> float:
-    """How far the nearest two of the colours of two things are apart, of each those of a good part of its surface (CIE76)."""
-    return min(float(arithmetic.length(a - b)) for a in _main_colors(one) for b in _main_colors(other))
+def mean_color(asset: Asset) -> F64:
+    """(3,) CIELAB colour of a thing without light, on average over its surface."""
+    return _averaged(_areas(asset.links))
 
 
 @lru_cache(maxsize=1024)
-def _main_colors(asset: Asset) -> list[F64]:
-    """CIELAB colours of the materials that make a good part of a thing's surface; of the largest one if none does."""
-    areas: dict[Material, float] = {}
-    for material, area in _areas(asset.links):
-        areas[material] = areas.get(material, 0.0) + area
-    least = min(MAIN_SHARE * sum(areas.values()), max(areas.values()))
-    return [_seen(material) for material, area in areas.items() if area >= least]
+def inner_colors(asset: Asset) -> list[F64]:
+    """(3,) CIELAB colours of the bottoms of a thing's enclosed spaces without light; of the whole thing if it has none."""
+    bottoms = (list(_bottom(asset.links[space.link], space)) for space in asset.spaces if space.enclosed)
+    return [_averaged(parts) for parts in bottoms if parts] or [mean_color(asset)]
+
+
+def _averaged(parts: Iterable[tuple[Material, float]]) -> F64:
+    colors, areas = zip(*((_seen(material), area) for material, area in parts), strict=True)
+    return np.asarray((np.array(colors) * np.array(areas)[:, None]).sum(axis=0) / max(sum(areas), 1e-12))
+
+
+def _bottom(link: Link, space: Space) -> Iterator[tuple[Material, float]]:
+    """The material of each surface, and twice its area, as far as it is the bottom of a space."""
+    low, high = np.array(space.box[:3]), np.array(space.box[3:])
+    high[2] = low[2]
+    for surface in link.surfaces:
+        corners = surface.vertices[surface.faces].astype(np.float64)
+        middles = corners.mean(axis=1)
+        up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
+        is_near = ((middles > low - WALL_M) & (middles < high + WALL_M)).all(axis=1)
+        area = float(up[is_near & (up > 0)].sum())
+        if area > 0:
+            yield surface.material, area
 
 
 def _areas(links: Sequence[Link]) -> Iterator[tuple[Material, float]]:
