@@ -34,6 +34,7 @@ def distractors(
     has_room: HasRoom[HidingPlace],
     clashes: Mapping[SiteKey, Collection[frozenset[str]]],
     rng: np.random.Generator,
+    before: Mapping[SiteKey, Sequence[Sequence[str]]] | None = None,
 ) -> list[list[Hidden]]:
     """What is hidden beside what is asked for, by configuration.
 
@@ -51,6 +52,8 @@ def distractors(
         By place, sets of types of which each fits, but not all at the same time.
     rng : Generator
         Draws the types.
+    before : mapping, optional
+        By place, the types that were hidden there in each configuration, where an earlier plan asked the same: they stay.
 
     Returns
     -------
@@ -75,6 +78,12 @@ def distractors(
         counts = np.sum([group.counts for group in own], axis=0)
         at_site = tuple(sorted({g.question.type for g in own if g.question.partner is None}))
         taken = named.union(*(group.question.types for group in own))
+        stay = (before or {}).get(key, ())
+        if stay and not any(confusable(name, other) for names in stay for name in names for other in taken):
+            for number, names in enumerate(stay):
+                made[number] += [Hidden(place, name, count) for name, count in sorted(Counter(names).items())]
+                used.update(names)
+            continue
         for number in range(configurations):
             missing = [g.question.type for g in own for _ in range(max(g.counts) - g.counts[number])]
             there = [name for g in own for name in g.things(number)]

@@ -162,9 +162,7 @@ class _Attempt:
     def learn(self) -> None:
         """Do not ask again for what the audit refused."""
         passed = self._passed()
-        for group in self.plan.groups:
-            if len(passed[group.name]) < len(self.rooms):
-                self.planner.avoid(group)
+        self.planner.avoid(group for group in self.plan.groups if len(passed[group.name]) < len(self.rooms))
 
     def walked(self) -> Rows:
         """The rows of walks through all configurations."""

@@ -23,6 +23,7 @@ from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import GroupPlan, wishes
 from remqa_data.generators.questions.planning import plan_groups
+from remqa_data.generators.questions.questions import Candidate
 from remqa_data.generators.questions.shortfalls import with_a_lot_less
 from remqa_data.generators.questions.sites import SiteKey, takes
 from remqa_data.scene import Scene
@@ -36,8 +37,11 @@ PLANS = 200
 ARRANGED, ARRANGED_FOR_LESS = 25, 8
 """The same for plans that were arranged in the simulator, which takes seconds and not milliseconds; where fewer questions
 would do, fewer are tried."""
-FAILURES = 6
+FAILURES = 12
 """A place in which things could not be arranged so often is used no more."""
+
+
+_Asked = list[tuple[Candidate[HidingPlace], tuple[str, ...]]]
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,9 @@ class RoomPlanner:
         )
         self._has_room = cache(has_room)
         self.groups: list[GroupPlan[HidingPlace]] = []
+        self.kept: list[GroupPlan[HidingPlace]] = []
+        self.beside: dict[SiteKey, tuple[_Asked, list[list[str]]]] = {}
+        self.fits: set[tuple[int, PlaceKey, tuple[object, ...]]] = set()
         self._start_over()
 
     def next(self) -> RoomPlan:
@@ -130,6 +137,7 @@ class RoomPlanner:
         return True
 
     def _start_over(self) -> None:
+        self.kept, self.beside = [], {}
         self.plans_left = PLANS
         self.arrangements_left = ARRANGED_FOR_LESS if self.may_fall_short else ARRANGED
         self._forget()
@@ -167,7 +175,12 @@ class RoomPlanner:
             self._has_room,
             self.clashes,
             self.job.rng(f"distractors {self.plans_made}"),
+            {key: names for key, (asked, names) in self.beside.items() if asked == _asked_at(groups, key)},
         )
+        self.beside = {
+            key: (_asked_at(groups, key), [_types_at(wishes, key) for wishes in others])
+            for key in {_site_of(group) for group in groups}
+        }
         asked = (
             [Hidden(w.place, w.type, w.count, w.partner, w.holds, w.is_asked) for w in wishes(groups, number)]
             for number in range(len(others))
@@ -175,12 +188,22 @@ class RoomPlanner:
         return [[*mine, *beside] for mine, beside in zip(asked, others, strict=True)]
 
     def _unfit(self, number: int, wishes: Sequence[Hidden]) -> list[ArrangementError]:
-        return misfits(self.base, wishes, self.job.rng(f"arrange {number}"))
+        """What of some wishes cannot be; what was found to fit before, in the same place, is not tried again."""
+        by_place: defaultdict[PlaceKey, list[Hidden]] = defaultdict(list)
+        for wish in wishes:
+            by_place[wish.place.key].append(wish)
+        keys = {key: (number, key, tuple(map(_without_place, own))) for key, own in by_place.items()}
+        new = [wish for wish in wishes if keys[wish.place.key] not in self.fits]
+        errors = misfits(self.base, new, self.job.rng(f"arrange {number}")) if new else []
+        failed = {(error.place_id, error.relation) for error in errors}
+        self.fits |= {keys[w.place.key] for w in new if (w.place.object_id, w.place.relation) not in failed}
+        return errors
 
-    def avoid(self, group: GroupPlan[HidingPlace]) -> None:
-        """Ask for the same no more."""
-        place = group.question.place
-        self.misfits.add((place.object_id, place.relation, group.question.type))
+    def avoid(self, groups: Iterable[GroupPlan[HidingPlace]]) -> None:
+        """Ask some of the last plan's questions no more, and nothing else about the same types there."""
+        questions = [group.question for group in groups]
+        self.misfits |= {(q.place.object_id, q.place.relation, q.type) for q in questions}
+        self.kept = [group for group in self.groups if group.question not in questions]
 
     def _planned(self) -> list[GroupPlan[HidingPlace]]:
         self.plans_made, self.plans_left = self.plans_made + 1, self.plans_left - 1
@@ -198,11 +221,14 @@ class RoomPlanner:
                 self.clashes,
                 inner_fits,
                 takes(self._has_room, lambda place: self._fitting_beside(place, 1)),
+                self.kept,
             )
         except QuotaError:
-            if not self.has_learnt or self.plans_left <= 0:
-                raise
-            self._forget()  # too much was ruled out for what may have been bad luck
+            if not self.kept:
+                if not self.has_learnt or self.plans_left <= 0:
+                    raise
+                self._forget()  # too much was ruled out for what may have been bad luck
+            self.kept = []
             return self._planned()
 
     def _fitting_beside(self, place: HidingPlace, count: int) -> list[tuple[str, float]]:
@@ -231,9 +257,14 @@ class RoomPlanner:
         self.clashes: defaultdict[SiteKey, set[frozenset[str]]] = defaultdict(set)
 
     def _learn(self, errors: Iterable[ArrangementError]) -> None:
-        failed = set()
+        """Rule out what could not be arranged, and keep the other questions."""
+        failed, self.kept = set(), list(self.groups)
         for error in errors:
             key = error.place_id, error.relation
+            self.beside.pop(key, None)
+            self.kept = [
+                g for g in self.kept if _site_of(g) != key or not {*error.types}.intersection(g.question.types)
+            ]
             if len(error.types) > 1:
                 self.clashes[key].add(frozenset(error.types))
             else:
@@ -241,6 +272,24 @@ class RoomPlanner:
                 failed.add(key)
         self.failures.update(failed)
         self.places = [p for p in self.places if self.failures[p.object_id, p.relation] < FAILURES]
+
+
+def _site_of(group: GroupPlan[HidingPlace]) -> SiteKey:
+    return group.question.place.object_id, group.question.place.relation
+
+
+def _asked_at(groups: Iterable[GroupPlan[HidingPlace]], key: SiteKey) -> _Asked:
+    """The questions about a place, and what their answers are to be."""
+    return [(group.question, group.answers) for group in groups if _site_of(group) == key]
+
+
+def _without_place(wish: Hidden) -> tuple[object, ...]:
+    return wish.type, wish.count, wish.partner, wish.holds, wish.is_asked
+
+
+def _types_at(wishes: Iterable[Hidden], key: SiteKey) -> list[str]:
+    """The types of which things are to lie in a place, each named as often as there are."""
+    return [w.type for w in wishes if (w.place.object_id, w.place.relation) == key for _ in range(w.count)]
 
 
 def expressions_of_places(scene: Scene, places: Iterable[HidingPlace]) -> dict[str, list[Expression]]:

@@ -191,21 +191,22 @@ def misfits(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) ->
 def _make(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> list[list[SceneObject]]:
     """New things for each wish; sizes and looks vary.
 
-    With the same state of `rng`, the first cup comes in the same size and looks whatever else is wished for, so that plans
-    that are tried one after the other share what takes long to build.
+    With the same state of `rng`, the first cup in a place comes in the same size and looks whatever else is wished for: what
+    was found to fit does so in other plans as well.
     """
     known = {o.id for o in scene.objects}
     loose = [o for o in scene.objects if object_type(o.type).pickupable] or list(scene.objects)
     seed = int(rng.integers(1 << 32))
-    by_type: dict[str, Iterator[list[AssetSpec]]] = {}
+    looks: dict[tuple[PlaceKey, str], Iterator[list[AssetSpec]]] = {}
     made = []
     for wish in wishes:
         things = []
         around = inner_colors(build(scene.object(wish.place.object_id).asset))
+        key = wish.place.key, wish.type
+        if key not in looks:
+            looks[key] = _looks(wish.type, np.random.default_rng([seed, zlib.crc32(repr(key).encode())]))
         for _ in range(wish.count):
-            if wish.type not in by_type:
-                by_type[wish.type] = _looks(wish.type, np.random.default_rng([seed, zlib.crc32(wish.type.encode())]))
-            spec = _unlike(next(by_type[wish.type]), around)
+            spec = _unlike(next(looks[key]), around)
             name = _name(spec, loose[int(rng.integers(len(loose)))], known, rng)
             things.append(SceneObject(name, spec, parking(len(known)), is_fixed=False))
             known.add(name)

@@ -64,6 +64,7 @@ def plan_groups(
     clashes: Clashes | None = None,
     inner_fits: InnerFits[P] | None = None,
     has_room: HasRoom[P] | None = None,
+    kept: Sequence[GroupPlan[P]] = (),
 ) -> list[GroupPlan[P]]:
     """The questions of one room.
 
@@ -90,6 +91,8 @@ def plan_groups(
         asks how two things lie to one another.
     has_room : callable, optional
         See `HasRoom`; by default spots are counted only.
+    kept : sequence of GroupPlan
+        Groups of an earlier plan that stay, where their places can still be asked about; they count, and get new names.
 
     Returns
     -------
@@ -102,18 +105,33 @@ def plan_groups(
         If the room has not enough places: names the room and the kind, and says what there is.
     """
     sites = sites_of(places, expressions, fitting_types)
+    keys = {site.key for site in sites}
+    kept = [group for group in kept if (group.question.place.object_id, group.question.place.relation) in keys]
     order, refusal, hardest = PLAN_ORDER, "", PLAN_ORDER[0]
     for attempt in range(ATTEMPTS):
         planner = Planner(sites, quota.scene, configurations, rng, clashes or {}, inner_fits, has_room or any_room)
-        failed = _fill(planner, order, quota, with_inner=attempt < ATTEMPTS // 2)
+        for group in kept:
+            planner.keep(group)
+        failed = _fill(planner, order, _without(quota, kept), with_inner=attempt < ATTEMPTS // 2)
         if failed is None:
             for kind in PLAN_ORDER:
-                for _ in range((spare_groups or {}).get(kind, 0)):
+                spare = sum(group.question.kind == kind and not group.asked for group in kept)
+                for _ in range((spare_groups or {}).get(kind, 0) - spare):
                     planner.add(kind, {})
             return planner.groups
         refusal, hardest = planner.refusal(failed, quota.answers[failed]), failed
         order = (failed, *(kind for kind in order if kind != failed))  # what found no room comes first
     raise QuotaError(refusal, hardest)
+
+
+def _without(quota: SceneQuota, groups: Iterable[GroupPlan[P]]) -> SceneQuota:
+    """What a room owes beside the samples of some groups."""
+    given = Counter((group.question.kind, group.answers[c]) for group in groups for c in group.asked)
+    left = {
+        kind: {answer: count - given[kind, answer] for answer, count in answers.items()}
+        for kind, answers in quota.answers.items()
+    }
+    return replace(quota, answers=left)
 
 
 def _fill(
@@ -157,6 +175,12 @@ class Planner(Generic[P]):
         self.samples: Counter[tuple[QuestionKind, Manipulation]] = Counter()
         self.excess_words: Counter[QuestionKind] = Counter()
         self.options = {kind: list(self._options(kind)) for kind in PLAN_ORDER}
+
+    def keep(self, group: GroupPlan[P]) -> None:
+        """Ask what an earlier plan asked."""
+        self._add(
+            replace(group, name=self._name(group.question.kind)), mentioned_types(group.question.expression.program)
+        )
 
     def add(self, kind: QuestionKind, shape: Mapping[str, int], crowd: bool = True) -> bool:
         """Ask for so many samples of each answer; False if there is no room.
@@ -383,16 +407,23 @@ class Planner(Generic[P]):
         for answer, count in shape.items():
             with_it = [c for c, given in enumerate(answers) if given == answer]
             asked += self.rng.permutation(with_it)[:count].tolist()
-        name = f"{self.scene}-{kind}-{self.per_kind[kind]:02d}"
-        group = GroupPlan(name, chosen.question, answers, tuple(sorted(asked)))
+        group = GroupPlan(self._name(kind), chosen.question, answers, tuple(sorted(asked)))
+        self._add(group, chosen.named)
+
+    def _name(self, kind: QuestionKind) -> str:
+        return f"{self.scene}-{kind}-{self.per_kind[kind]:02d}"
+
+    def _add(self, group: GroupPlan[P], named: frozenset[str]) -> None:
+        question, kind = group.question, group.question.kind
+        key = question.place.object_id, question.place.relation
         self.groups.append(group)
-        self.filled[chosen.site.key] += group.counts
-        self.at_site[kind, chosen.site.key] += 1
+        self.filled[key] += group.counts
+        self.at_site[kind, key] += 1
         self.per_kind[kind] += 1
-        self.asked_for.update(chosen.question.types)
-        self.mentioned |= chosen.named
-        self.texts.add(chosen.text)
-        self._count(chosen.question, len(asked))
+        self.asked_for.update(question.types)
+        self.mentioned |= named
+        self.texts.add(question.text)
+        self._count(question, len(group.asked))
 
     def _count(self, question: Candidate[P], size: int) -> None:
         """So many more samples ask this."""
