@@ -272,7 +272,7 @@ class CheckedRoom:
                     yield from _different(question, replay, "start")
                     evidence = needed(_asked(question), question.answer_ids, self.graph)
                     if evidence:
-                        shown = most_pixels_anywhere(replay.view, replay.grid, evidence)
+                        shown = most_pixels_anywhere(replay.view, replay.grid, evidence, [question.target_id])
                         if shown > MOST_PIXELS:
                             yield (
                                 "necessary",

@@ -79,3 +79,14 @@ def test_nothing_stands_before_what_is_asked_for() -> None:
 def test_a_place_that_nothing_else_fits_is_refused() -> None:
     with pytest.raises(ArrangementError, match="nothing else than CellPhone"):
         distractors(ASKED[1:], 4, lambda place, count: [("CellPhone", 1.0)], has_room, {}, np.random.default_rng(0))
+
+
+def test_what_an_earlier_plan_hid_beside_the_same_questions_stays_there_unless_it_is_named_now() -> None:
+    before = [["Potato"], ["Tomato"], ["Plate"], ["Apple"]]
+    site = DRAWER.object_id, DRAWER.relation
+    rng = np.random.default_rng(0)
+    made = distractors(ASKED, 4, lambda place, count: FITS, has_room, {}, rng, {site: before})
+    assert [[hidden.type for hidden in each] for each in made] == before
+    apple = group("EXISTENCE", 1, "Apple", "no", "no", "yes", "no")
+    made = distractors([*ASKED, apple], 4, lambda place, count: FITS, has_room, {}, rng, {site: before})
+    assert "Apple" not in {hidden.type for each in made for hidden in each}

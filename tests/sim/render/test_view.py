@@ -83,3 +83,13 @@ def test_from_outside_the_held_object_is_in_the_hand_and_back_in_its_place_after
     world.restore(first)
     for now, before in zip(view.depth_and_instances(FROM_ABOVE), at_rest, strict=True):
         assert np.array_equal(now, before)
+
+
+def test_some_parts_alone_are_drawn_as_if_there_were_nothing_else(world: World) -> None:
+    view = WorldView(world)
+    before = view.depth_and_instances(FROM_ABOVE)
+    alone = view.instances(FROM_ABOVE, view.parts_of(["Mug|1"]))
+    assert set(np.unique(alone)) == {-1, world.ids.index("Mug|1")}
+    assert np.count_nonzero(alone >= 0) >= np.count_nonzero(before[1] == world.ids.index("Mug|1")) > 0
+    for now, then in zip(view.depth_and_instances(FROM_ABOVE), before, strict=True):
+        assert np.array_equal(now, then)
