@@ -35,7 +35,7 @@ from remqa_data.generators.questions.allotment import (
     capacities,
 )
 from remqa_data.generators.questions.expressions import Expression, Expressions
-from remqa_data.generators.questions.groups import group_shapes
+from remqa_data.generators.questions.groups import shapes_of
 from remqa_data.generators.questions.planning import Planner
 from remqa_data.generators.questions.questions import KINDS, P, question_rules
 from remqa_data.generators.questions.sites import FittingTypes, HasRoom, any_room, sites_of, takes
@@ -116,7 +116,8 @@ def _fill_up(planner: Planner[P], had: Mapping[QuestionKind, int], crowd: bool) 
 def _add_lot(planner: Planner[P], kind: QuestionKind, crowd: bool) -> bool:
     """Add the groups of one lot; False if there is no room for all of them."""
     answers = question_rules().answers(kind)
-    shapes = group_shapes(dict.fromkeys(answers, LOT_SIZE // len(answers)), planner.configurations, planner.scene)
+    lot = dict.fromkeys(answers, LOT_SIZE // len(answers))
+    shapes = shapes_of(kind, lot, planner.configurations, planner.scene)
     return all(planner.add(kind, shape, crowd=crowd) for shape in shapes)
 
 

@@ -14,6 +14,7 @@ from typing import Generic
 from remqa_data.errors import QuotaError
 from remqa_data.generators.questions.questions import NO, YES, Candidate, P
 from remqa_data.relations import Partner
+from remqa_data.tables.rows import QuestionKind
 
 
 @dataclass(frozen=True)
@@ -106,6 +107,31 @@ def things_of(question: Candidate[P], answer: str) -> tuple[str, ...]:
 def things_for(answer: str) -> int:
     """How many things make an answer: one for yes, none for no, and as many as a number says."""
     return {YES: 1, NO: 0}[answer] if answer in (YES, NO) else int(answer)
+
+
+def shapes_of(kind: QuestionKind, quota: Mapping[str, int], most: int, where: str) -> list[dict[str, int]]:
+    """Split a quota of a kind of question into groups; parameters and errors as of `group_shapes`.
+
+    A question about how many has every answer once, as far as that can be: of some types there is more often room for two
+    than for three, so that a question with some of the answers would tell by its words which these are.
+
+    Examples
+    --------
+    >>> shapes_of("COUNTING", {"0": 2, "1": 2, "2": 1, "3": 1}, 4, "FloorPlan1")
+    [{'0': 1, '1': 1, '2': 1, '3': 1}, {'0': 1, '1': 1}]
+    >>> shapes_of("COUNTING", {"0": 2, "1": 1, "2": 1, "3": 1}, 4, "FloorPlan1")
+    [{'0': 1, '1': 1, '3': 1}, {'0': 1, '2': 1}]
+    """
+    whole = min(quota.values(), default=0) if kind == "COUNTING" and len(quota) <= most else 0
+    while True:
+        try:
+            rest = group_shapes({answer: count - whole for answer, count in quota.items()}, most, where)
+        except QuotaError:
+            if not whole:
+                raise
+            whole -= 1  # what is left, such as one sample, makes no group by itself
+        else:
+            return [dict.fromkeys(quota, 1) for _ in range(whole)] + rest
 
 
 def group_shapes(quota: Mapping[str, int], most: int, where: str) -> list[dict[str, int]]:

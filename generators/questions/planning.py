@@ -16,7 +16,7 @@ from remqa_data.catalog import Manipulation
 from remqa_data.errors import QuotaError
 from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.expressions import Expression
-from remqa_data.generators.questions.groups import GroupPlan, group_shapes, things_for, things_of
+from remqa_data.generators.questions.groups import GroupPlan, shapes_of, things_for, things_of
 from remqa_data.generators.questions.questions import (
     Candidate,
     P,
@@ -139,7 +139,7 @@ def _fill(
 ) -> QuestionKind | None:
     """Plan what a room owes; returns the kind for which there is no room."""
     shapes = {
-        kind: group_shapes(quota.answers[kind], planner.configurations, f"{quota.scene}: {kind}") for kind in order
+        kind: shapes_of(kind, quota.answers[kind], planner.configurations, f"{quota.scene}: {kind}") for kind in order
     }
     if with_inner:  # first, as they need most room
         inner = planner.inner_groups(len(shapes["SPATIAL"]))
@@ -262,18 +262,10 @@ class Planner(Generic[P]):
         own = [g for g in self.groups if g.question.place == place and g.question != question]
         asked = {q.type for q in (question, *(group.question for group in own)) if q.partner is None}
         for number, answer in enumerate(answers):
-            types = (*self._room_for(question, answer), *(name for group in own for name in group.things(number)))
+            types = (*things_of(question, answer), *(name for group in own for name in group.things(number)))
             if types and not self.has_room(place, tuple(sorted(types)), tuple(sorted(asked))):
                 return False
         return True
-
-    def _room_for(self, question: Candidate[P], answer: str) -> tuple[str, ...]:
-        """The things that find room where an answer is asked for; where it is a number, as many as could be asked for.
-
-        Else the words of a question would tell that there is room for one number and not for another.
-        """
-        most = max(self.rules.answers(question.kind), key=things_for)
-        return things_of(question, most if question.kind == "COUNTING" else answer)
 
     def _widen(self, kind: QuestionKind, shape: Mapping[str, int]) -> bool:
         """Let a group ask in configurations in which it does not ask yet, if one has room for what is to be found there."""
@@ -388,9 +380,7 @@ class Planner(Generic[P]):
         possible = sorted(self.rules.answers(option.question.kind), key=things_for)
         asked = [answer for answer, count in shape.items() for _ in range(count)] or possible
         pattern = asked + possible[:1] * (self.configurations - len(asked))
-        rooms = [self._room_for(option.question, answer) for answer in asked]
-        rooms += [things_of(option.question, answer) for answer in pattern[len(asked) :]]
-        things = np.array(list(map(len, rooms)))
+        things = np.array([len(things_of(option.question, answer)) for answer in pattern])
         free = len(option.site.place.spots) - self.filled[option.site.key]
         for _ in range(SHUFFLES):
             order = self.rng.permutation(self.configurations)

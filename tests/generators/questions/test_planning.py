@@ -18,7 +18,7 @@ from remqa_data.generators.config import load_config
 from remqa_data.generators.questions.allotment import SceneQuota, allot, capacities, choose_scenes
 from remqa_data.generators.questions.capacities import lowered, room_capacity
 from remqa_data.generators.questions.expressions import Expression, Expressions
-from remqa_data.generators.questions.groups import group_shapes, wishes
+from remqa_data.generators.questions.groups import group_shapes, shapes_of, wishes
 from remqa_data.generators.questions.planning import Planner, plan_groups
 from remqa_data.generators.questions.questions import KINDS, confusable, mentioned_types, question_rules
 from remqa_data.generators.questions.selection import select
@@ -193,12 +193,31 @@ def test_shapes_add_up_to_as_many_groups_as_can_be_or_are_refused(quota, most) -
     assert len(shapes) == min(total // 2, others)
 
 
+@given(st.fixed_dictionaries({answer: st.integers(0, 9) for answer in "0123"}))
+def test_a_question_about_how_many_has_every_answer_once_as_far_as_that_can_be(quota) -> None:
+    try:
+        fewest = len(group_shapes(quota, 4, "here"))
+    except QuotaError:
+        with pytest.raises(QuotaError):
+            shapes_of("COUNTING", quota, 4, "here")
+        return
+    shapes = shapes_of("COUNTING", quota, 4, "here")
+    assert len(shapes) <= fewest
+    assert sum(map(Counter, shapes), Counter()) == +Counter(quota)
+    assert all(len(shape) > 1 and sum(shape.values()) <= 4 for shape in shapes)
+    if len(set(quota.values())) == 1:
+        assert shapes == [dict.fromkeys("0123", 1)] * quota["0"]
+    assert shapes_of("SPATIAL", quota, 4, "here") == group_shapes(quota, 4, "here")
+
+
 def test_a_question_is_asked_twice_unless_there_is_no_other_to_ask() -> None:
     owed = next(q for q in quotas() if q.room_type == "kitchen" and all(q.total(kind) >= 4 for kind in KINDS))
     whole = {kind: dict.fromkeys(n, owed.total(kind) // 4 * 4 // len(n)) for kind, n in owed.answers.items()}
     quota = replace(owed, answers=whole)
-    sizes = Counter(len(group.asked) for group in plan(quota, spare={}))
+    groups = plan(quota, spare={})
+    sizes = Counter(len(group.asked) for group in groups if group.question.kind != "COUNTING")
     assert sizes[2] > 0.9 * sum(sizes.values())
+    assert {group.asked for group in groups if group.question.kind == "COUNTING"} == {(0, 1, 2, 3)}
     places, phrases = phrases_of(quota.scene)
     planner = Planner(
         sites_of(places, phrases, lambda p, _: stand_in_types(p, "kitchen")[:2]), "here", 4, rng_for("here")
