@@ -73,7 +73,7 @@ def expressions_in_frames(root: str | os.PathLike[str]) -> pd.DataFrame:
             for objects, wanted in zip(seen, rows["target_type"], strict=True)
         ]
         rows["shows_anchor"] = [
-            None if anchor is None else anchor in {object_id for object_id, _ in objects}
+            None if not isinstance(anchor, str) else anchor in {object_id for object_id, _ in objects}
             for objects, anchor in zip(seen, rows["anchor_id"], strict=True)
         ]
         parts.append(rows)

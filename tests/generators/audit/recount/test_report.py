@@ -3,7 +3,7 @@ from typer.testing import CliRunner
 
 from remqa_data.cli import app
 from remqa_data.generators.audit.recount.report import recount
-from remqa_data.generators.audit.recount.wording import _has_landmark
+from remqa_data.generators.audit.recount.wording import _has_landmark, expressions_in_frames
 
 FRIDGE = [["filter_type", "Fridge"]]
 
@@ -17,6 +17,12 @@ def test_a_landmark_is_what_the_phrase_of_the_place_leans_on() -> None:
         assert _has_landmark([["filter_type", "Mug"], ["relate", "behind", partner], ["exist"]]) is expected
 
 
+def test_an_expression_without_a_landmark_says_nothing_about_landmarks(dataset) -> None:
+    found = expressions_in_frames(dataset)
+    assert 0 < found["anchor_id"].isna().sum() < len(found)
+    assert (found["shows_anchor"].isna() == found["anchor_id"].isna()).all()
+
+
 @pytest.mark.slow
 def test_every_figure_of_a_dataset_has_an_aim(one_room) -> None:
     table = recount(one_room)
@@ -25,6 +31,7 @@ def test_every_figure_of_a_dataset_has_an_aim(one_room) -> None:
     figures = table.set_index("what")
     assert figures.loc["end views that show another number than the answer", "measured"] == 0
     assert figures.loc["questions of the room with most", "measured"] == 12
+    assert figures.loc["expressions whose frame shows the landmark", "measured"] == 1
 
 
 @pytest.mark.slow
