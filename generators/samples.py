@@ -179,6 +179,11 @@ class AuditedRoom:
             self._hides[key] = most_pixels_anywhere(self.replay.view, self.grid, key, [hiding.object_id]) <= MOST_PIXELS
         return self._hides[key]
 
+    def forget_views(self) -> None:
+        """Give the memory of all pictures back; what is asked for again is drawn again."""
+        self._views.clear()
+        self._looks.clear()
+
     def close(self) -> None:
         """Give the simulator's memory back."""
         self.replay.close()

@@ -119,6 +119,7 @@ class _Attempt:
                 if all(group.question.place.key in self.planner.hopeless for group in lacking):
                     break
                 samples = self._asked_anew(configuration, number, again, due, samples)
+            self.rooms[number].forget_views()
             self.samples |= samples
 
     def _asked_anew(
