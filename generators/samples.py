@@ -17,11 +17,13 @@ from remqa_data.errors import ActionError
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, looks_about, share_in_view
+from remqa_data.generators.provable import LEAST_SHARE as LEAST_SHARE_BY_CHANCE
+from remqa_data.generators.provable import seen_share
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.questions import Candidate, mentioned_types
 from remqa_data.generators.revealed import Looks, Views
-from remqa_data.generators.seen_anywhere import MOST_PIXELS, most_pixels_anywhere
+from remqa_data.generators.seen_anywhere import most_pixels_anywhere
 from remqa_data.generators.undisturbed import counted_again, disturbed
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo
 from remqa_data.language.answers import execute, is_clear
@@ -69,6 +71,8 @@ AWAY_M = SUCCESS_DISTANCE_M + DISTANCE_SLACK_M
 """Who starts nearer to a goal pose than this, and looks at the target, has arrived without a step."""
 LEAST_STARTS = 12
 """A further goal pose counts if it leaves so many cells to start from."""
+MOST_SHOWN_PX = 1
+"""Of evidence in the middle of a view from anywhere; three are too many for whoever looks a little aside of there."""
 LEAST_CONTRAST_DE = 8.2
 """Of evidence and its surroundings in the picture as it is stored; 8 are asked for, by whoever measures it otherwise."""
 
@@ -157,6 +161,14 @@ class AuditedRoom:
             self.start_over(goal)
         return self._looks[key]
 
+    def share_by_chance(self, goal: AgentPose, manipulation: Action, sample: QuestionRow) -> float:
+        """Share of the ways in which a thing could lie there that one would see, counted as `verify` does."""
+        self.start_over(goal)
+        self.replay.world.restore(self.views(goal, manipulation).state)
+        share = seen_share(self.replay, sample)
+        self.start_over(goal)
+        return share
+
     def repeats(self, goal: AgentPose, manipulation: Action) -> bool:
         """Whether a manipulation, done once more, ends in the state of the room that its views show."""
         key, known = (goal, manipulation), self.views(goal, manipulation)
@@ -176,7 +188,8 @@ class AuditedRoom:
         key = tuple(sorted(together))
         if key not in self._hides:
             self.start_over(self.replay.pose)
-            self._hides[key] = most_pixels_anywhere(self.replay.view, self.grid, key, [hiding.object_id]) <= MOST_PIXELS
+            shown = most_pixels_anywhere(self.replay.view, self.grid, key, [hiding.object_id])
+            self._hides[key] = shown <= MOST_SHOWN_PX
         return self._hides[key]
 
     def forget_views(self) -> None:
@@ -237,7 +250,7 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
     ids = room.replay.world.ids
     form = room.rgb_format
     shown = shown_ids(before, after, ids)
-    return QuestionRow(
+    sample = QuestionRow(
         question_id=name,
         kind=question.kind,
         question=question.text,
@@ -269,6 +282,9 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         end_instances=encode_instances(after.objects, ids, shown, f"{name}-end-instances"),
         object_ids=shown,
     )
+    if not answer.ids and inner is None and room.share_by_chance(goal, manipulation, sample) < LEAST_SHARE_BY_CHANCE:
+        return Refusal("provable", f"too little of what {hiding.object_id} hides comes to light, tried at random")
+    return sample
 
 
 def goals_and_starts(grid: ReachableGrid, goals: Sequence[AgentPose]) -> tuple[list[AgentPose], list[Cell]]:

@@ -18,7 +18,7 @@ from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownName
 from remqa_data.generators.arrangement.hiding_goals import FRONT_DEG
 from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
-from remqa_data.generators.audit.provable import LEAST_SHARE, seen_share
+from remqa_data.generators.provable import LEAST_SHARE, seen_share
 from remqa_data.generators.questions.questions import (
     NO,
     inner_question_program,

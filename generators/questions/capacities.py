@@ -4,16 +4,14 @@
 is done when rooms, hiding places or `templates/questions.yaml` have changed, and the table ships with the package: quotas can
 then be dealt out without loading a single room.
 
-What lies in a place hides a part of it, which only arranging tells. So a dataset is made of what the table promises, and with
-its folder as an argument the same command lowers the table to what each room gave, where that is less than it was asked for.
+What lies in a place hides a part of it, which only arranging tells: `generators.lowered_capacities` lowers the table to what
+rooms gave.
 """
 
 from __future__ import annotations
 
 import sys
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -24,15 +22,10 @@ from remqa_data.floorplans.ithor.scenes import load_scene, scene_names
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_places import hiding_places
 from remqa_data.generators.arrangement.wished_things import has_room
-from remqa_data.generators.config import stored_config
 from remqa_data.generators.questions.allotment import (
     LOT_SIZE,
     SOURCE,
-    SPLITS,
     SceneCapacity,
-    SceneQuota,
-    allot,
-    capacities,
 )
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import shapes_of
@@ -43,15 +36,13 @@ from remqa_data.published import QUESTIONS
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata
 from remqa_data.sim.physics.world import World
-from remqa_data.storage.manifest import load_manifest
-from remqa_data.storage.shards import read_table
 from remqa_data.tables.rows import QuestionKind
 
 HEADER = """\
 # How many lots of four questions of each kind a room can take, counted on the room as recorded: easily, and at most,
 # that is with more questions about a place, and longer ones, than templates/questions.yaml wants.
 # Written by: python -m remqa_data.generators.questions.capacities
-# and lowered to what rooms gave by: python -m remqa_data.generators.questions.capacities DATASET
+# and lowered to what rooms gave by: python -m remqa_data.generators.lowered_capacities DATASET
 """
 WANTED = QUESTIONS["train"]
 """Kinds are filled up in these proportions."""
@@ -132,40 +123,10 @@ def write_capacities(rooms: Iterable[SceneCapacity], path: Path) -> None:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def lowered(
-    rooms: Iterable[SceneCapacity], asked: Iterable[SceneQuota], had: Mapping[tuple[str, str], int]
-) -> list[SceneCapacity]:
-    """Capacities of rooms, no larger than what they had where that is less than they were asked for.
-
-    Parameters
-    ----------
-    rooms : iterable of SceneCapacity
-        What was thought.
-    asked : iterable of SceneQuota
-        What some of them were asked for.
-    had : mapping
-        Samples by room and kind.
-    """
-    quotas, found = {quota.scene: quota for quota in asked}, []
-    for room in rooms:
-        lots, most = dict(room.lots), dict(room.most)
-        for kind in KINDS if room.scene in quotas else ():
-            samples = had.get((room.scene, kind), 0)
-            if samples < quotas[room.scene].total(kind):
-                most[kind] = samples // LOT_SIZE
-                lots[kind] = min(lots[kind], most[kind])
-        found.append(replace(room, lots=lots, most=most))
-    return found
-
-
-def lowered_by(dataset: Path) -> list[SceneCapacity]:
-    """The table's capacities, no larger than what the rooms of a dataset had that was made with them."""
-    config = stored_config(load_manifest(dataset).config)
-    tables = [read_table(dataset, "questions", split, ["scene", "kind"]) for split in SPLITS]
-    had = Counter((row["scene"], row["kind"]) for table in tables for row in table.to_pylist())
-    return lowered(capacities(scene_names()), allot(capacities(config.scene_names), config.totals), had)
+def table_path() -> Path:
+    """Where the table is in a checkout."""
+    return Path(__file__).parents[2] / "templates" / SOURCE
 
 
 if __name__ == "__main__":
-    table = lowered_by(Path(sys.argv[1])) if len(sys.argv) > 1 else map(measured_capacity, scene_names())
-    write_capacities(table, Path(__file__).parents[2] / "templates" / SOURCE)
+    write_capacities(map(measured_capacity, scene_names()), Path(sys.argv[1]) if len(sys.argv) > 1 else table_path())

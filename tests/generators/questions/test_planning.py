@@ -16,7 +16,7 @@ from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_places import hiding_places
 from remqa_data.generators.config import load_config
 from remqa_data.generators.questions.allotment import SceneQuota, allot, capacities, choose_scenes
-from remqa_data.generators.questions.capacities import lowered, room_capacity
+from remqa_data.generators.questions.capacities import room_capacity
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import group_shapes, shapes_of, wishes
 from remqa_data.generators.questions.planning import Planner, plan_groups
@@ -311,16 +311,3 @@ def test_the_whole_benchmark_has_the_published_lengths_and_enough_of_each_manipu
     assert all(counts[m] >= 0.06 * len(rows) for m in ("Open", "Pickup", "Move"))
     means = {kind: np.mean([len(r["question"].split()) for r in rows if r["kind"] == kind]) for kind in KINDS}
     assert means == pytest.approx(MEAN_WORDS, abs=0.5)
-
-
-def test_rooms_that_had_less_than_they_were_asked_for_can_take_no_more() -> None:
-    rooms = capacities(["FloorPlan2", "FloorPlan3"])
-    asked = allot(rooms, {"train": {"EXISTENCE": 40, "COUNTING": 24, "SPATIAL": 24}})
-    two, three = ({kind: quota.total(kind) for kind in quota.answers} for quota in asked)
-    had = {("FloorPlan2", kind): n for kind, n in two.items()} | {("FloorPlan3", kind): n for kind, n in three.items()}
-    assert lowered(rooms, asked, had) == rooms
-    assert three["EXISTENCE"] > 9
-    second = lowered(rooms, asked, had | {("FloorPlan3", "EXISTENCE"): 9})
-    assert second[0] == rooms[0]
-    assert (second[1].most["EXISTENCE"], second[1].lots["EXISTENCE"]) == (2, 2)
-    assert second[1].most["COUNTING"] == rooms[1].most["COUNTING"]

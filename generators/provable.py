@@ -1,7 +1,8 @@
 """How much of the space in which a thing could be one sees after acting: "no" and 0 are to be seen, not guessed.
 
 One may look about from the goal, standing and crouched, with the camera at any tilt, but not step or turn. Worked out from
-the room's own geometry by chance points, apart from what made the sample.
+the room's own geometry by chance points; `arrangement/interior_view` does it from a place's areas on a lattice, and a sample is
+made only if both agree. `verify` looks again from the files.
 """
 
 from __future__ import annotations
