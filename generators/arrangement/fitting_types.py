@@ -9,7 +9,7 @@ from remqa_data.generators.arrangement.fill_ratios import fill_ratios
 from remqa_data.generators.arrangement.hiding_check import goal_camera
 from remqa_data.generators.arrangement.hiding_places import Area, HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules, largest_size
-from remqa_data.generators.arrangement.plausible import kept_in_rooms, plausible_types
+from remqa_data.generators.arrangement.plausible import plausible_types, types_beside
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
@@ -45,7 +45,7 @@ def fitting_types(
     wanted = min(3, len(place.spots)) if count is None else count
     found = []
     usual = plausible_types(place.type, place.relation, room_type)
-    kept = usual | kept_in_rooms(room_type) if others else usual & place.provable
+    kept = types_beside(place.type, place.relation, room_type) if others else usual & place.provable
     for type_ in sorted(kept - {place.type}):
         fits = [_fits(area, place, type_, largest_size(type_)) for area in place.areas]
         if sum(count for count, _ in fits) >= wanted:

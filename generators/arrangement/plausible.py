@@ -24,6 +24,7 @@ class PlausibleTypes(BaseModel):
 
     inside: Mapping[str, ByRoom] = Field(alias="in")
     under: Mapping[str, ByRoom]
+    nothing_else_in: frozenset[str]
 
     @field_validator("inside", "under")
     @classmethod
@@ -48,8 +49,20 @@ def plausible_types(place_type: str, relation: Literal["in", "under"], room_type
     return by_room.get(room_type, frozenset())
 
 
+def types_beside(place_type: str, relation: Literal["in", "under"], room_type: str) -> frozenset[str]:
+    """The types that may lie beside those: what is found in or under anything in such a room, but for what nobody would do.
+
+    >>> types = types_beside("Fridge", "in", "kitchen"), types_beside("Drawer", "in", "kitchen")
+    >>> ["CellPhone" in those for those in types]
+    [False, True]
+    """
+    if relation == "in" and place_type in _plausible().nothing_else_in:
+        return plausible_types(place_type, relation, room_type)
+    return _kept_in_rooms(room_type)
+
+
 @lru_cache(maxsize=8)
-def kept_in_rooms(room_type: str) -> frozenset[str]:
+def _kept_in_rooms(room_type: str) -> frozenset[str]:
     """The types that are found in or under anything in a kind of room."""
     tables = (_plausible().inside, _plausible().under)
     lists = [dict(by_room).get(room_type) for table in tables for by_room in table.values()]  # type: ignore[call-overload]

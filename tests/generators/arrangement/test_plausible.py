@@ -4,7 +4,7 @@ from importlib import resources
 import pytest
 
 from remqa_data.catalog import catalog, object_type, question_types
-from remqa_data.generators.arrangement.plausible import plausible_types
+from remqa_data.generators.arrangement.plausible import plausible_types, types_beside
 
 ROOMS = ("kitchen", "living_room", "bedroom", "bathroom")
 
@@ -43,3 +43,11 @@ def test_every_small_question_type_is_plausible_somewhere() -> None:
         for name in plausible_types(place, relation, room)
     }
     assert {name for name in question_types() if object_type(name).pickupable} - found == {"Box"}
+
+
+@pytest.mark.parametrize(
+    ("container", "room"), [("Fridge", "kitchen"), ("Microwave", "kitchen"), ("Toilet", "bathroom")]
+)
+def test_where_nobody_would_put_it_nothing_unusual_comes_to_light_either(container, room) -> None:
+    assert types_beside(container, "in", room) == plausible_types(container, "in", room)
+    assert types_beside("Drawer", "in", room) > plausible_types("Drawer", "in", room)
