@@ -71,8 +71,8 @@ AWAY_M = SUCCESS_DISTANCE_M + DISTANCE_SLACK_M
 """Who starts nearer to a goal pose than this, and looks at the target, has arrived without a step."""
 LEAST_STARTS = 12
 """A further goal pose counts if it leaves so many cells to start from."""
-MOST_SHOWN_PX = 1
-"""Of evidence in the middle of a view from anywhere; three are too many for whoever looks a little aside of there."""
+MOST_SHOWN_PX = 2
+"""Of evidence in the middle of a view from anywhere; one more is seen by whoever looks a little aside of there."""
 LEAST_CONTRAST_DE = 8.2
 """Of evidence and its surroundings in the picture as it is stored; 8 are asked for, by whoever measures it otherwise."""
 
@@ -188,7 +188,7 @@ class AuditedRoom:
         key = tuple(sorted(together))
         if key not in self._hides:
             self.start_over(self.replay.pose)
-            shown = most_pixels_anywhere(self.replay.view, self.grid, key, [hiding.object_id])
+            shown = most_pixels_anywhere(self.replay.view, self.grid, key, [hiding.object_id], MOST_SHOWN_PX)
             self._hides[key] = shown <= MOST_SHOWN_PX
         return self._hides[key]
 

@@ -24,7 +24,11 @@ FAR = 3.0
 
 
 def most_pixels_anywhere(
-    view: WorldView, grid: ReachableGrid, object_ids: Sequence[str], hidden_by: Sequence[str] = ()
+    view: WorldView,
+    grid: ReachableGrid,
+    object_ids: Sequence[str],
+    hidden_by: Sequence[str] = (),
+    limit: int = MOST_PIXELS,
 ) -> int:
     """The most pixels that one of some objects shows to an agent on any cell that looks straight at them.
 
@@ -38,11 +42,13 @@ def most_pixels_anywhere(
         Objects that lie near to one another, as in one drawer.
     hidden_by : sequence of str
         What hides them. Where that alone hides them, nothing else is drawn, which is several times quicker.
+    limit : int
+        More pixels are too many, and one looks no further.
 
     Returns
     -------
     Pixels of images as sharp as the agent's of 300 x 300 in their middle; 0 if none of the objects shows at all. Up to
-    `MOST_PIXELS`, those that show past what hides the objects, and past all else those are fewer; beyond, as soon as so
+    the limit, those that show past what hides the objects, and past all else those are fewer; beyond, as soon as so
     many are found.
     """
     world = view.world
@@ -63,10 +69,10 @@ def most_pixels_anywhere(
                 half_px = math.ceil(FRAME_PX / 2 * radius / max(math.dist(eye, middle) - radius, NEAREST_M))
                 window = _window(eye, middle, min(half_px, FRAME_PX // 2))
                 pixels = _most_pixels(view.instances(window, hiding), shown)
-                if pixels > MOST_PIXELS and hiding is not None:
+                if pixels > limit and hiding is not None:
                     pixels = _most_pixels(view.instances(window), shown)
                 most = max(most, pixels)
-            if most > MOST_PIXELS:
+            if most > limit:
                 return most
     return most
 
