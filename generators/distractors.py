@@ -17,7 +17,7 @@ from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hidden_size
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.questions import confusable, mentioned_types
-from remqa_data.generators.questions.sites import FittingTypes, HasRoom, SiteKey
+from remqa_data.generators.questions.sites import FittingTypes, HasRoom, SiteKey, site_key
 
 ASKED_FACTOR = 4.0
 """Types that questions about the room ask for are chosen so many times more often."""
@@ -68,7 +68,7 @@ def distractors(
     """
     sites: dict[SiteKey, list[GroupPlan[HidingPlace]]] = {}
     for group in groups:
-        sites.setdefault((group.question.place.object_id, group.question.place.relation), []).append(group)
+        sites.setdefault(site_key(group.question.place), []).append(group)
     named = {name for group in groups for name in mentioned_types(group.question.expression.program)}
     asked = {group.question.type for group in groups}
     used: Counter[str] = Counter()

@@ -25,7 +25,7 @@ from remqa_data.generators.questions.groups import GroupPlan, wishes
 from remqa_data.generators.questions.planning import plan_groups
 from remqa_data.generators.questions.questions import Candidate
 from remqa_data.generators.questions.shortfalls import with_a_lot_less
-from remqa_data.generators.questions.sites import SiteKey, takes
+from remqa_data.generators.questions.sites import SiteKey, site_key, takes
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata
@@ -179,7 +179,7 @@ class RoomPlanner:
         )
         self.beside = {
             key: (_asked_at(groups, key), [_types_at(wishes, key) for wishes in others])
-            for key in {_site_of(group) for group in groups}
+            for key in {site_key(group.question.place) for group in groups}
         }
         asked = (
             [Hidden(w.place, w.type, w.count, w.partner, w.holds, w.is_asked) for w in wishes(groups, number)]
@@ -196,13 +196,13 @@ class RoomPlanner:
         new = [wish for wish in wishes if keys[wish.place.key] not in self.fits]
         errors = misfits(self.base, new, self.job.rng(f"arrange {number}")) if new else []
         failed = {(error.place_id, error.relation) for error in errors}
-        self.fits |= {keys[w.place.key] for w in new if (w.place.object_id, w.place.relation) not in failed}
+        self.fits |= {keys[w.place.key] for w in new if site_key(w.place) not in failed}
         return errors
 
     def avoid(self, groups: Iterable[GroupPlan[HidingPlace]]) -> None:
         """Ask some of the last plan's questions no more, and nothing else about the same types there."""
         questions = [group.question for group in groups]
-        self.misfits |= {(q.place.object_id, q.place.relation, q.type) for q in questions}
+        self.misfits |= {(*site_key(q.place), q.type) for q in questions}
         self.kept = [group for group in self.groups if group.question not in questions]
 
     def _planned(self) -> list[GroupPlan[HidingPlace]]:
@@ -237,7 +237,7 @@ class RoomPlanner:
 
     def _fitting(self, place: HidingPlace, count: int, others: bool = False) -> list[tuple[str, float]]:
         found = self._fitting_at_first(replace(place, spots=()), count, others)
-        return [pair for pair in found if (place.object_id, place.relation, pair[0]) not in self.misfits]
+        return [pair for pair in found if (*site_key(place), pair[0]) not in self.misfits]
 
     def arranged_anew(self, configuration: Configuration, number: int, attempt: int) -> Configuration:
         """The same things hidden in the same places, but otherwise; ArrangementError if that cannot be done."""
@@ -263,7 +263,9 @@ class RoomPlanner:
             key = error.place_id, error.relation
             self.beside.pop(key, None)
             self.kept = [
-                g for g in self.kept if _site_of(g) != key or not {*error.types}.intersection(g.question.types)
+                g
+                for g in self.kept
+                if site_key(g.question.place) != key or not {*error.types}.intersection(g.question.types)
             ]
             if len(error.types) > 1:
                 self.clashes[key].add(frozenset(error.types))
@@ -271,16 +273,12 @@ class RoomPlanner:
                 self.misfits.add((*key, error.types[0]))
                 failed.add(key)
         self.failures.update(failed)
-        self.places = [p for p in self.places if self.failures[p.object_id, p.relation] < FAILURES]
-
-
-def _site_of(group: GroupPlan[HidingPlace]) -> SiteKey:
-    return group.question.place.object_id, group.question.place.relation
+        self.places = [p for p in self.places if self.failures[site_key(p)] < FAILURES]
 
 
 def _asked_at(groups: Iterable[GroupPlan[HidingPlace]], key: SiteKey) -> _Asked:
     """The questions about a place, and what their answers are to be."""
-    return [(group.question, group.answers) for group in groups if _site_of(group) == key]
+    return [(group.question, group.answers) for group in groups if site_key(group.question.place) == key]
 
 
 def _without_place(wish: Hidden) -> tuple[object, ...]:
@@ -289,7 +287,7 @@ def _without_place(wish: Hidden) -> tuple[object, ...]:
 
 def _types_at(wishes: Iterable[Hidden], key: SiteKey) -> list[str]:
     """The types of which things are to lie in a place, each named as often as there are."""
-    return [w.type for w in wishes if (w.place.object_id, w.place.relation) == key for _ in range(w.count)]
+    return [w.type for w in wishes if site_key(w.place) == key for _ in range(w.count)]
 
 
 def expressions_of_places(scene: Scene, places: Iterable[HidingPlace]) -> dict[str, list[Expression]]:

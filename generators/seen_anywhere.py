@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, I32, Vec3
+from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import ReachableGrid
-from remqa_data.sim.navigation.viewpoints import FRAME_PX
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, pixels_per_object
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import WorldView
 
@@ -68,17 +68,13 @@ def most_pixels_anywhere(
             for (middle, radius), shown in [together] if math.dist(eye, ball[0]) > FAR * ball[1] else apart:
                 half_px = math.ceil(FRAME_PX / 2 * radius / max(math.dist(eye, middle) - radius, NEAREST_M))
                 window = _window(eye, middle, min(half_px, FRAME_PX // 2))
-                pixels = _most_pixels(view.instances(window, hiding), shown)
+                pixels = int(pixels_per_object(view, window, hiding)[shown].max())
                 if pixels > limit and hiding is not None:
-                    pixels = _most_pixels(view.instances(window), shown)
+                    pixels = int(pixels_per_object(view, window)[shown].max())
                 most = max(most, pixels)
             if most > limit:
                 return most
     return most
-
-
-def _most_pixels(image: I32, objects: Sequence[int]) -> int:
-    return max(int(np.count_nonzero(image == index)) for index in objects)
 
 
 def _ball(low: F64, high: F64) -> tuple[Vec3, float]:

@@ -29,9 +29,9 @@ SLIPPED_M = 0.06
 COVERED, SUNK_M, NEAR_M = 0.8, 0.03, 0.03
 """Under a thing lies what it covers to this share, with its top so little above or below the thing's bottom."""
 TILTED_DEG = 20.0
+"""What lies over a hidden thing stays about level."""
 CLEAR_DE = 13.0
 """What differs so much from what is around it (CIE76) still stands out when the picture is stored as JPEG."""
-"""What lies over a hidden thing stays about level."""
 
 
 @dataclass(frozen=True)

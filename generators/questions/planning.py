@@ -33,6 +33,7 @@ from remqa_data.generators.questions.sites import (
     Site,
     SiteKey,
     any_room,
+    site_key,
     sites_of,
 )
 from remqa_data.geometry import arithmetic
@@ -106,7 +107,7 @@ def plan_groups(
     """
     sites = sites_of(places, expressions, fitting_types)
     keys = {site.key for site in sites}
-    kept = [group for group in kept if (group.question.place.object_id, group.question.place.relation) in keys]
+    kept = [group for group in kept if site_key(group.question.place) in keys]
     order, refusal, hardest = PLAN_ORDER, "", PLAN_ORDER[0]
     for attempt in range(ATTEMPTS):
         planner = Planner(sites, quota.scene, configurations, rng, clashes or {}, inner_fits, has_room or any_room)
@@ -178,9 +179,7 @@ class Planner(Generic[P]):
 
     def keep(self, group: GroupPlan[P]) -> None:
         """Ask what an earlier plan asked."""
-        self._add(
-            replace(group, name=self._name(group.question.kind)), mentioned_types(group.question.expression.program)
-        )
+        self._add(replace(group, name=self._name(group.question.kind)))
 
     def add(self, kind: QuestionKind, shape: Mapping[str, int], crowd: bool = True) -> bool:
         """Ask for so many samples of each answer; False if there is no room.
@@ -275,7 +274,7 @@ class Planner(Generic[P]):
             free = [c for c in range(self.configurations) if c not in group.asked]
             if group.question.kind != kind or not group.asked or len(free) < len(more):
                 continue
-            key = group.question.place.object_id, group.question.place.relation
+            key = site_key(group.question.place)
             for _ in range(SHUFFLES):
                 chosen = self.rng.permutation(free)[: len(more)].tolist()
                 given = dict(zip(chosen, more, strict=True))
@@ -326,7 +325,7 @@ class Planner(Generic[P]):
         for group in self.groups:
             place = group.question.place
             at_object[place.object_id] |= group.question.types
-            at_site[place.object_id, place.relation] |= group.question.types
+            at_site[site_key(place)] |= group.question.types
         # Of two types that look alike in one place, or a type that phrases of this room name, nobody could tell which.
         # What has something under it is raised, and does not open as it did: an object is one place or the other.
         asked = {group.question.place.object_id: group.question.place.relation for group in self.groups}
@@ -397,21 +396,19 @@ class Planner(Generic[P]):
         for answer, count in shape.items():
             with_it = [c for c, given in enumerate(answers) if given == answer]
             asked += self.rng.permutation(with_it)[:count].tolist()
-        group = GroupPlan(self._name(kind), chosen.question, answers, tuple(sorted(asked)))
-        self._add(group, chosen.named)
+        self._add(GroupPlan(self._name(kind), chosen.question, answers, tuple(sorted(asked))))
 
     def _name(self, kind: QuestionKind) -> str:
         return f"{self.scene}-{kind}-{self.per_kind[kind]:02d}"
 
-    def _add(self, group: GroupPlan[P], named: frozenset[str]) -> None:
-        question, kind = group.question, group.question.kind
-        key = question.place.object_id, question.place.relation
+    def _add(self, group: GroupPlan[P]) -> None:
+        question, kind, key = group.question, group.question.kind, site_key(group.question.place)
         self.groups.append(group)
         self.filled[key] += group.counts
         self.at_site[kind, key] += 1
         self.per_kind[kind] += 1
         self.asked_for.update(question.types)
-        self.mentioned |= named
+        self.mentioned |= mentioned_types(question.expression.program)
         self.texts.add(question.text)
         self._count(question, len(group.asked))
 

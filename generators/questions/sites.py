@@ -11,6 +11,7 @@ from remqa_data.generators.questions.groups import things_for
 from remqa_data.generators.questions.questions import (
     Candidate,
     P,
+    QuestionSite,
     confusable,
     kinds_for,
     question_rules,
@@ -30,6 +31,11 @@ SiteKey = tuple[str, str]
 """Object id and relation: in a microwave and under it are two places."""
 
 
+def site_key(place: QuestionSite) -> SiteKey:
+    """Which place it is."""
+    return place.object_id, place.relation
+
+
 @dataclass(eq=False)
 class Site(Generic[P]):
     """A place with what can be said and asked about it."""
@@ -41,7 +47,7 @@ class Site(Generic[P]):
     @property
     def key(self) -> SiteKey:
         """Which place it is."""
-        return self.place.object_id, self.place.relation
+        return site_key(self.place)
 
 
 def sites_of(

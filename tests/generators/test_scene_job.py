@@ -7,10 +7,11 @@ import pytest
 
 from remqa_data.generators import scene_job
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.audited_room import AuditedRoom
 from remqa_data.generators.config import load_config
 from remqa_data.generators.questions.allotment import allot, capacities
 from remqa_data.generators.questions.groups import GroupPlan
-from remqa_data.generators.samples import AuditedRoom, Refusal
+from remqa_data.generators.samples import Refusal
 from remqa_data.generators.scene_job import make_room
 from remqa_data.generators.scene_plan import Job
 from remqa_data.tables.rows import QuestionRow

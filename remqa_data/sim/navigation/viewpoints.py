@@ -13,7 +13,7 @@ import numpy.typing as npt
 from remqa_data.catalog import types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
-from remqa_data.geometry.types import F64, I32
+from remqa_data.geometry.types import F64, I32, Flags
 from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.render.camera import Camera
@@ -48,9 +48,9 @@ class AgentPose:
         return Camera(eye, float(self.yaw_deg), float(self.horizon_deg), body.fov_deg, size_px, size_px)
 
 
-def pixels_per_object(view: WorldView, camera: Camera) -> npt.NDArray[np.int64]:
-    """(objects,) number of pixels that show each object, in the scene's order."""
-    return pixel_counts(view.instances(camera), len(view.world.ids))
+def pixels_per_object(view: WorldView, camera: Camera, only: Flags | None = None) -> npt.NDArray[np.int64]:
+    """(objects,) number of pixels that show each object, in the scene's order; with `only`, see `WorldView.instances`."""
+    return pixel_counts(view.instances(camera, only), len(view.world.ids))
 
 
 def pixel_counts(image: I32, objects: int) -> npt.NDArray[np.int64]:
