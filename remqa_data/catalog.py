@@ -69,6 +69,8 @@ class ObjectType(BaseModel):
     size_m : (float, float, float) or None
         Typical width, depth and height of a closed one, of a type that no iTHOR floor plan has; of the others they are
         measured (`templates/sizes.yaml`).
+    hollow_m : float or None
+        How deep the hollow is below one: what lies in it is covered.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -84,6 +86,7 @@ class ObjectType(BaseModel):
     question_type: bool = Field(default=False, strict=True)
     traits: frozenset[str] = frozenset()
     size_m: tuple[PositiveFloat, PositiveFloat, PositiveFloat] | None = None
+    hollow_m: PositiveFloat | None = None
 
     @field_validator("traits")
     @classmethod
@@ -137,6 +140,11 @@ class ObjectType(BaseModel):
     def is_container(self) -> bool:
         """It opens, and things can be in it: what one has to open to look inside."""
         return self.openable and self.receptacle
+
+    @property
+    def has_front(self) -> bool:
+        """One side is its front: not of what is round, nor of what lies about and holds nothing."""
+        return "round_outline" not in self.traits and (self.receptacle or not self.pickupable)
 
     @property
     def toggleable(self) -> bool:

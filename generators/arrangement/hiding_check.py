@@ -26,7 +26,7 @@ from remqa_data.sim.render.view import WorldView
 
 SLIPPED_M = 0.06
 """Hidden things come to rest within this distance of where they were put."""
-COVERED, SUNK_M, NEAR_M = 0.8, 0.03, 0.03
+COVERED, SUNK_M, NEAR_M = 0.8, 0.045, 0.03
 """Under a thing lies what it covers to this share, with its top so little above or below the thing's bottom."""
 TILTED_DEG = 20.0
 """What lies over a hidden thing stays about level."""

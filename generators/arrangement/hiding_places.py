@@ -50,6 +50,8 @@ SOLID_M = 0.02
 """The bottom of a space is this near to what physics lets things rest on."""
 THIN_M = 0.005
 """The thinnest things that lie under others, such as a credit card."""
+HOLLOW_GAP_M = 0.006
+"""Things leave so much free of the width, the depth and the height of the hollow below what covers them."""
 LEANS_DEG = 8.0
 """What is tilted by more than this stands on nothing that could be an area."""
 EMPTY_SHARE = 0.05
@@ -211,7 +213,10 @@ class _Finder:
         return best
 
     def _area_beneath(self, object_id: str, min_side: float, max_side: float) -> Area | None:
-        """The plan of an upright object that stands on something open with nothing on it, with a margin."""
+        """Where things lie under an upright object that stands on something open with nothing on it.
+
+        That is its hollow, if it has one, else its plan with a margin.
+        """
         world, rules = self.world, self.rules
         state, asset = world.state(object_id), world.assets[object_id]
         matrix = state.matrix()
@@ -223,12 +228,16 @@ class _Finder:
         width, depth, _ = asset.spec.size
         if min(width, depth) < min_side or max(width, depth) > max_side:
             return None
-        share = rules.round_share if asset.spec.type in types_with("round_outline") else rules.square_share
-        low = self.boxes[object_id][0]
-        x, y, _ = state.position
+        bottom = float(self.boxes[object_id][0][2])
         yaw = math.degrees(arithmetic.arctan2(matrix[1, 0], matrix[0, 0]))
-        half = (share * width / 2, share * depth / 2)
-        return Area((x, y, float(low[2])), yaw, half, rules.max_under_height_m)
+        if asset.hollow is not None:
+            low, high = np.array(asset.hollow[:3]), np.array(asset.hollow[3:])
+            x, y, _ = (float(v) for v in arithmetic.moved((low + high) / 2, matrix))
+            a, b, room = (float(side) for side in (high - low) - HOLLOW_GAP_M)
+            return Area((x, y, bottom), yaw, (a / 2, b / 2), room)
+        share = rules.round_share if asset.spec.type in types_with("round_outline") else rules.square_share
+        x, y, _ = state.position
+        return Area((x, y, bottom), yaw, (share * width / 2, share * depth / 2), rules.max_under_height_m)
 
     def _carries_something(self, object_id: str) -> bool:
         """Whether anything stands on top of an object."""
@@ -267,14 +276,14 @@ class _Finder:
     def _taken_away(
         self, object_id: str, area: Area, manipulation: Manipulation, targets: Sequence[Vec3 | None]
     ) -> list[HidingPlace]:
-        """The places under an object, which lies a little higher because of what is under it, for where it can go."""
+        """The places under an object, for where it can go; it lies a little higher if it has no hollow for what is under it."""
         world, rules, view = self.world, self.rules, self.sight.view
         snapshot = world.save()
         x, y, z = world.state(object_id).position
         before: dict[AgentPose, F32] = {}
         found: list[tuple[list[GoalPose], Vec3 | None]] = []
         with _Shown(view, world, object_id):
-            raised = (x, y, z + rules.max_under_height_m)
+            raised = (x, y, z + (rules.max_under_height_m if world.assets[object_id].hollow is None else 0.0))
             world.move_alone(object_id, raised)
             hidden = out_of_sight(self.sight, rules, area)
             if hidden is None:
@@ -303,11 +312,8 @@ class _Finder:
     # ---- goals
 
     def _front(self, object_id: str) -> Front | None:
-        """Where an object's front looks; None if it has none, as what is round or lies about."""
-        type_ = self.world.type_of(object_id)
-        if type_ in types_with("round_outline") or (
-            object_type(type_).pickupable and not object_type(type_).receptacle
-        ):
+        """Where an object's front looks; None if it has none."""
+        if not object_type(self.world.type_of(object_id)).has_front:
             return None
         low, high = self.boxes[object_id]
         x, y = (float(v) for v in (low + high)[:2] / 2)
@@ -368,11 +374,12 @@ class _Finder:
         if not provable:
             return None
         areas = best.parts
-        spots = [spot for area in areas for spot in area.spots(self.rules.spot_side_m)]
-        # Two phones need more than the room of two mugs.
-        long_ones = sum(area.capacity((*self.rules.long_thing_m, 0.0), self.rules.gap_m) for area in areas)
-        most = self.rules.max_spots if relation == "in" else self.rules.max_spots_under
-        count = max(1, min(len(spots), long_ones, most))
+        side = self.rules.spot_side_m if relation == "in" else self.rules.spot_side_under_m
+        spots = [spot for area in areas for spot in area.spots(side)]
+        most = min(len(spots), self.rules.max_spots if relation == "in" else self.rules.max_spots_under)
+        if relation == "in":  # two phones need more than the room of two mugs
+            most = min(most, sum(area.capacity((*self.rules.long_thing_m, 0.0), self.rules.gap_m) for area in areas))
+        count = max(1, most)
         return HidingPlace(
             object_id=object_id,
             type=self.world.type_of(object_id),

@@ -38,6 +38,7 @@ class HidingRules(BaseModel):
     other_goals: int = Field(ge=0)
     scout_px: int = Field(gt=0)
     spot_side_m: float = Field(gt=0)
+    spot_side_under_m: float = Field(gt=0)
     long_thing_m: tuple[float, float]
     max_spots: int = Field(gt=0)
     max_spots_under: int = Field(gt=0)

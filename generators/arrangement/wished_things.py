@@ -100,12 +100,12 @@ class WishedThings:
         return puts
 
     def put_all(self, world: World, puts: Mapping[PlaceKey, Sequence[Put]]) -> None:
-        """Things at their spots, a hair above what they lie on, and what covers them raised by their height."""
+        """Things at their spots, a hair above what they lie on; what covers them is raised by their height, or has a hollow."""
         for key in sorted(puts, key=lambda key: self.by_place[key][0].relation):
             # What is "in" comes before what is "under": a box that is raised takes its contents along.
             place, ids = self.by_place[key]
             heights = [np.ptp(world.assets[object_id].bounds()[:, 2]) for object_id in ids]
-            if place.relation == "under" and ids:
+            if place.relation == "under" and ids and world.assets[place.object_id].hollow is None:
                 x, y, z = self.recorded.object(place.object_id).position
                 world.move(place.object_id, (x, y, z + float(max(heights)) + 2 * SKIN_M))
             for object_id, put in zip(ids, puts[key], strict=True):

@@ -31,7 +31,7 @@ from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import shapes_of
 from remqa_data.generators.questions.planning import Planner
 from remqa_data.generators.questions.questions import KINDS, P, question_rules
-from remqa_data.generators.questions.sites import FittingTypes, HasRoom, any_room, sites_of, takes
+from remqa_data.generators.questions.sites import FittingTypes, TakesThings, any_room, sites_of, takes
 from remqa_data.published import QUESTIONS
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata
@@ -73,7 +73,7 @@ def room_capacity(
     fitting_types: FittingTypes[P],
     scene: str,
     room_type: str,
-    has_room: HasRoom[P] | None = None,
+    has_room: TakesThings[P] | None = None,
 ) -> SceneCapacity:
     """How many lots of each kind a room can take at once: a line of `capacities.csv`.
 

@@ -27,11 +27,11 @@ from remqa_data.generators.questions.questions import (
 )
 from remqa_data.generators.questions.sites import (
     FittingTypes,
-    HasRoom,
     InnerFits,
     Option,
     Site,
     SiteKey,
+    TakesThings,
     any_room,
     site_key,
     sites_of,
@@ -64,7 +64,7 @@ def plan_groups(
     spare_groups: Mapping[QuestionKind, int] | None = None,
     clashes: Clashes | None = None,
     inner_fits: InnerFits[P] | None = None,
-    has_room: HasRoom[P] | None = None,
+    has_room: TakesThings[P] | None = None,
     kept: Sequence[GroupPlan[P]] = (),
 ) -> list[GroupPlan[P]]:
     """The questions of one room.
@@ -91,7 +91,7 @@ def plan_groups(
         Given a place, a type and its partner, whether they can lie there so, and clearly not so. Without it, no question
         asks how two things lie to one another.
     has_room : callable, optional
-        See `HasRoom`; by default spots are counted only.
+        See `TakesThings`; by default spots are counted only.
     kept : sequence of GroupPlan
         Groups of an earlier plan that stay, where their places can still be asked about; they count, and get new names.
 
@@ -162,7 +162,7 @@ class Planner(Generic[P]):
     rng: np.random.Generator
     clashes: Clashes = field(default_factory=dict)
     inner_fits: InnerFits[P] | None = None
-    has_room: HasRoom[P] = field(default_factory=lambda: any_room)
+    has_room: TakesThings[P] = field(default_factory=lambda: any_room)
     groups: list[GroupPlan[P]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -256,15 +256,21 @@ class Planner(Generic[P]):
         return False
 
     def _has_room(self, question: Candidate[P], answers: Sequence[str]) -> bool:
-        """Whether the things of a question find room beside those of the other questions about its place."""
+        """Whether the things of a question find room beside those of the other questions about its place.
+
+        So must others, so many that as much comes to light whatever the answer.
+        """
         place = question.place
         own = [g for g in self.groups if g.question.place == place and g.question != question]
         asked = {q.type for q in (question, *(group.question for group in own)) if q.partner is None}
-        for number, answer in enumerate(answers):
-            types = (*things_of(question, answer), *(name for group in own for name in group.things(number)))
-            if types and not self.has_room(place, tuple(sorted(types)), tuple(sorted(asked))):
-                return False
-        return True
+        there = [
+            (*things_of(question, answer), *(name for group in own for name in group.things(number)))
+            for number, answer in enumerate(answers)
+        ]
+        most = max(map(len, there))
+        return all(
+            self.has_room(place, tuple(sorted(types)), tuple(sorted(asked)), most - len(types)) for types in there
+        )
 
     def _widen(self, kind: QuestionKind, shape: Mapping[str, int]) -> bool:
         """Let a group ask in configurations in which it does not ask yet, if one has room for what is to be found there."""
@@ -346,15 +352,15 @@ class Planner(Generic[P]):
         return any(clash <= types for clash in self.clashes.get(key, ()))
 
     def _pools(self, kind: QuestionKind, size: int, options: list[Option[P]]) -> Iterator[list[Option[P]]]:
-        """The options in lots, of which the first that has room is drawn from: bare nouns or not, then by manipulation."""
+        """The options in lots, of which the first that has room is drawn from: by manipulation, then bare nouns or not."""
         shares = self.rules.manipulations[kind]
         total = sum(self.samples[kind, m] for m in shares) + size
         owed = sorted(shares, key=lambda m: (self.samples[kind, m] - shares[m] * total, self.rng.random()))
         bare = bool(self.rng.random() < self._bare_share(kind))
-        for as_drawn in (True, False):
-            lot = [option for option in options if (_is_bare(option.question.expression) == bare) == as_drawn]
-            for manipulation in owed:
-                yield [option for option in lot if option.question.place.manipulation == manipulation]
+        for manipulation in owed:
+            lot = [option for option in options if option.question.place.manipulation == manipulation]
+            for as_drawn in (True, False):
+                yield [option for option in lot if (_is_bare(option.question.expression) == bare) == as_drawn]
 
     def _bare_share(self, kind: QuestionKind) -> float:
         asked = sum(self.samples[kind, m] for m in ("Open", "Pickup", "Move"))

@@ -27,6 +27,8 @@ InnerFits = Callable[[P, str, Partner], bool]
 HasRoom = Callable[[P, tuple[str, ...], tuple[str, ...]], bool]
 """Whether a place has room for things of some types at the same time, each named as often as there are things, such that one
 sees whether things of other types are there; both sorted."""
+TakesThings = Callable[[P, tuple[str, ...], tuple[str, ...], int], bool]
+"""The same, with so many things of a type that is not asked for beside them."""
 SiteKey = tuple[str, str]
 """Object id and relation: in a microwave and under it are two places."""
 
@@ -97,8 +99,8 @@ class Option(Generic[P]):
         return len(self.text.split())
 
 
-def takes(has_room: HasRoom[P], fitting_beside: Callable[[P], Sequence[tuple[str, float]]]) -> HasRoom[P]:
-    """Whether a place has room for things, and fits others than those that are asked for: they come to light instead.
+def takes(has_room: HasRoom[P], fitting_beside: Callable[[P], Sequence[tuple[str, float]]]) -> TakesThings[P]:
+    """Whether a place has room for things, and for others than those that are asked for: they come to light instead.
 
     Parameters
     ----------
@@ -108,15 +110,14 @@ def takes(has_room: HasRoom[P], fitting_beside: Callable[[P], Sequence[tuple[str
         Gives the types that fit a place, with weights.
     """
 
-    def both(place: P, types: tuple[str, ...], asked: tuple[str, ...]) -> bool:
-        others = (name for name, _ in fitting_beside(place))
-        return has_room(place, types, asked) and any(
-            not any(confusable(name, type_) for type_ in asked) for name in others
-        )
+    def both(place: P, types: tuple[str, ...], asked: tuple[str, ...], beside: int) -> bool:
+        found = (name for name, _ in fitting_beside(place))
+        others = (name for name in found if not any(confusable(name, type_) for type_ in asked))
+        return any(has_room(place, tuple(sorted((*types, *(name,) * beside))), asked) for name in others)
 
     return both
 
 
-def any_room(place: P, types: tuple[str, ...], asked: tuple[str, ...]) -> bool:
+def any_room(place: P, types: tuple[str, ...], asked: tuple[str, ...], beside: int) -> bool:
     """That spots are counted is enough."""
     return True

@@ -10,6 +10,7 @@ from types import ModuleType
 import numpy as np
 
 from remqa_data.assets.core.builder import Builder
+from remqa_data.assets.core.hollow import with_hollow
 from remqa_data.assets.core.kind import Kind
 from remqa_data.assets.core.model import Asset, AssetSpec
 from remqa_data.assets.looks.seen_colors import color_word
@@ -44,6 +45,7 @@ from remqa_data.assets.types.small import (
     statues,
     vacuums,
 )
+from remqa_data.catalog import object_type
 from remqa_data.errors import AssetError, UnknownNameError
 
 MODULES: tuple[ModuleType, ...] = (
@@ -106,6 +108,7 @@ def build(spec: AssetSpec) -> Asset:
         is_whole = False
     if not is_whole:
         raise AssetError(f"{spec.type}: cannot be built in the size {spec.size} m")
+    asset = with_hollow(asset, object_type(spec.type).hollow_m)
     return replace(asset, color=color_word(asset.links, asset.color))
 
 

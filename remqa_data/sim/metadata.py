@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import find_objects
 
+from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F32, Box, Flags, Vec3
@@ -89,7 +90,7 @@ class ObjectMetadata:
         How the receptacle holds it: "in" what encloses it or has walls around it, else "on".
     facing_deg : float or None
         Where its front looks, degrees counter-clockwise from +x, 0 to 360: who stands before it sees its left on the
-        left. None if not known.
+        left. None of what has no front, such as a book, and if not known.
     """
 
     id: str
@@ -151,7 +152,7 @@ def object_metadata(world: World) -> dict[str, ObjectMetadata]:
             is_picked_up=object_id == world.held,
             support=support.id if support else None,
             support_kind=support.kind if support else None,
-            facing_deg=facing,
+            facing_deg=facing if object_type(world.type_of(object_id)).has_front else None,
         )
     return records
 

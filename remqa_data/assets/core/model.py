@@ -152,6 +152,8 @@ class Asset:
     """Colour word of what one sees most of."""
     substance: str
     """Material word of what one sees most of."""
+    hollow: Box | None = None
+    """Free room below its base for what lies under it; asset frame."""
 
     @property
     def is_openable(self) -> bool:

@@ -115,10 +115,13 @@ def area_from_below(asset: Asset) -> float:
 
 
 @pytest.mark.parametrize("variant", range(4))
-def test_a_bin_is_hollow_down_to_its_floor(variant: int) -> None:
-    asset = build(AssetSpec("GarbageCan", (0.42, 0.36, 0.54), variant, levels=(0.03,)))
+@pytest.mark.parametrize(
+    ("recorded", "floor"), [(0.08, 0.08), (0.03, 0.055)]
+)  # above the hollow on whose rim it stands
+def test_a_bin_is_empty_down_to_its_floor(variant: int, recorded: float, floor: float) -> None:
+    asset = build(AssetSpec("GarbageCan", (0.42, 0.36, 0.54), variant, levels=(recorded,)))
     (space,) = asset.spaces
-    assert space.box[2] == pytest.approx(0.03 - 0.27, abs=0.002)
+    assert space.box[2] == pytest.approx(floor - 0.27, abs=0.002)
     assert intrusion(asset, space.box) < 0.001
 
 

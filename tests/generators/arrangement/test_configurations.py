@@ -66,7 +66,9 @@ def test_things_are_where_they_were_wished_and_nothing_else_of_their_type_is(roo
             for object_id in ids:
                 if wish.place.relation == "under":
                     below, above = records[object_id].box, records[wish.place.object_id].box
-                    assert below[5] <= above[2] + 0.03
+                    hollow = world.assets[wish.place.object_id].hollow
+                    depth = hollow[5] - hollow[2] if hollow is not None else 0.0
+                    assert below[5] <= above[2] + depth + 0.005
                     assert above[0] <= (below[0] + below[3]) / 2 <= above[3]
 
 

@@ -40,9 +40,7 @@ def microwave(b: Builder) -> None:
     b.cylinder(0.03, 0.005, (x, middle - wall / 2, floor + 0.0025), materials.GRAY_PLASTIC, sections=8, solid=False)
     free = b.h - wall - 0.005 - floor - 0.011
     b.space("inside", (1.3 * plate, 1.3 * plate, free), (x, middle - wall / 2, floor + 0.011 + free / 2), enclosed=True)
-    for sx in (-1.0, 1.0):
-        for sy in (-1, 1):
-            b.cylinder(0.018, feet, (sx * (b.w / 2 - 0.05), sy * 0.36 * b.d, feet / 2), materials.RUBBER, sections=8)
+    b.box((b.w - 0.03, b.d - reach - 0.03, feet), (0, (face + y1) / 2, feet / 2), materials.RUBBER)
     if side:
         panel = materials.BLACK_PLASTIC if b.variant != 1 else body
         b.box((side, b.d / 2 - face, tall), (b.w / 2 - side / 2, (face + y1) / 2, feet + tall / 2), body, radius=soft)

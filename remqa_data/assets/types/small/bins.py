@@ -62,12 +62,12 @@ def garbage_can(b: Builder) -> None:
     """An open bin: round with a rim, square with a bin bag, step bin with its lid up, or wire mesh."""
     color = b.pick(BIN_PLASTICS)
     if b.variant == 0:
-        tub(b, (b.w, b.d), 0.78, b.h, 0.006, color, power=2.0, floor=b.level(0.012, 0.006, 0.3 * b.h))
+        tub(b, (b.w, b.d), 0.78, b.h, 0.006, color, power=2.0, floor=_bin_floor(b))
         _ring(b, (b.w - 0.012, b.d - 0.012), 2.0, b.h - 0.03, 0.024, materials.tinted(color, 0.85), 0.006)
     elif b.variant == 1:
         bag = b.pick((materials.paint("white", gloss=0.4), materials.paint("black", gloss=0.4)))
         size = (b.w - 0.008, b.d - 0.008)
-        tub(b, size, 0.82, b.h - 0.004, 0.008, color, power=7.0, floor=b.level(0.012, 0.006, 0.3 * b.h), lining=bag)
+        tub(b, size, 0.82, b.h - 0.004, 0.008, color, power=7.0, floor=_bin_floor(b), lining=bag)
         _ring(b, size, 7.0, b.h - 0.07, 0.07, bag, 0.004)
         b.box(
             (0.14, 0.006, 0.035), (0, -0.91 * size[1] / 2 - 0.006, 0.5 * b.h), materials.tinted(color, 0.7), solid=False
@@ -80,13 +80,18 @@ def garbage_can(b: Builder) -> None:
         _mesh_bin(b, b.pick((materials.BLACK_METAL, STEEL, materials.WHITE_METAL)))
 
 
+def _bin_floor(b: Builder) -> float:
+    """Height of a bin's inner floor, above the hollow on whose rim it stands."""
+    return b.level(BIN_FLOOR_M, BIN_FLOOR_M, 0.4 * b.h)
+
+
 def _step_bin(b: Builder, metal: Material) -> None:
     """A pedal bin whose lid stands open at the back."""
     pedal = min(0.05, 0.12 * b.d)
     depth = b.d - pedal - 0.02
     y = pedal / 2 - 0.01
     rim = b.h - min(0.42 * b.h, 0.8 * depth)
-    floor = b.level(0.03, 0.02, 0.3 * b.h)
+    floor = _bin_floor(b)
     tub(b, (b.w, depth), 0.97, rim, 0.007, metal, power=2.4, floor=floor, at=(0, y), lining=BLACK_PLASTIC)
     _ring(b, (b.w - 0.01, depth - 0.01), 2.4, 0.0, 0.035, BLACK_PLASTIC, 0.005, at=(0, y))
     _ring(b, (b.w - 0.012, depth - 0.012), 2.4, rim - 0.02, 0.02, BLACK_PLASTIC, 0.004, at=(0, y))
@@ -110,7 +115,7 @@ def _mesh_bin(b: Builder, metal: Material) -> None:
     for x, y in upper:
         path = np.array([[taper * x, taper * y, r], [x, y, b.h - r]])
         b.add(primitives.tube(path, 0.0028, 4), metal)
-    floor = b.level(0.012, 0.006, 0.3 * b.h)
+    floor = _bin_floor(b)
     disc = primitives.ellipse(taper * (b.w - r), taper * (b.d - r), 24)
     b.add(primitives.prism(disc, floor), materials.tinted(metal, 0.9), (0, 0, floor / 2))
     _tub_solids(b, (b.w, b.d), taper, b.h, 0.008, floor, 2.0, (0.0, 0.0))
@@ -285,6 +290,7 @@ def _ring(
     b.add(primitives.prism(outer, height, [inner]), material, (at[0], at[1], z + height / 2))
 
 
+BIN_FLOOR_M = 0.055
 HAMPER_PLASTICS = tuple(materials.paint(color) for color in ("white", "blue", "gray", "pink"))
 BIN_PLASTICS = tuple(materials.paint(color) for color in ("gray", "black", "blue", "green", "white", "red"))
 BLACK_BAG = materials.paint("black", gloss=0.55, rgb=(0.13, 0.13, 0.14))
