@@ -105,8 +105,8 @@ def _variety(questions: pd.DataFrame) -> Iterator[Figure]:
 
 
 def _phrases(questions: pd.DataFrame, expressions: pd.DataFrame) -> Iterator[Figure]:
-    needless = questions["has_landmark"] & (questions["same_type"] == 1)
-    yield _most("landmarks for the only one of its type", int(needless.sum()), 0)
+    needless = questions["has_landmark"] & (questions["called_so"] == 1)
+    yield _most("landmarks for the only thing called so", int(needless.sum()), 0)
     bare = questions["expression"].str.count(" ") == 1
     yield _most("bare phrases where there are several", int((bare & (questions["same_type"] > 1)).sum()), 0)
     yield _most("expressions whose target has no rival in the frame", float((expressions["rivals"] == 0).mean()), 0.4)

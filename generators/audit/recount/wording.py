@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from remqa_data.catalog import object_type
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 
@@ -29,7 +31,8 @@ def asked(root: str | os.PathLike[str]) -> pd.DataFrame:
     -------
     pandas.DataFrame
         The columns `QUESTION_COLUMNS`, and `words` (of the question), `relation` (of the first step), `has_landmark`,
-        `same_type` (objects of the target's type in the room).
+        `same_type` (objects of the target's type in the room), `called_so` (those of types that may be called like it, too:
+        a box of tissues is a box).
     """
     splits = load_manifest(root).splits("questions")
     rows: pd.DataFrame = pd.concat(
@@ -40,11 +43,20 @@ def asked(root: str | os.PathLike[str]) -> pd.DataFrame:
     rows["relation"] = programs.map(lambda program: next((step[1] for step in program if step[0] == "relate"), ""))
     rows["has_landmark"] = programs.map(_has_landmark)
     types = _types_of_rooms(root)
-    rows["same_type"] = [
-        types[scene, number][kind]
-        for scene, number, kind in zip(rows["scene"], rows["configuration"], rows["target_type"], strict=True)
+    rooms = [types[room] for room in zip(rows["scene"], rows["configuration"], strict=True)]
+    rows["same_type"] = [room[kind] for room, kind in zip(rooms, rows["target_type"], strict=True)]
+    rows["called_so"] = [
+        sum(count for other, count in room.items() if _may_be_called(other, kind))
+        for room, kind in zip(rooms, rows["target_type"], strict=True)
     ]
     return rows
+
+
+@cache
+def _may_be_called(type_: str, like: str) -> bool:
+    """Whether the word for one type is among the words for another."""
+    kind, word = object_type(type_), object_type(like).singular
+    return any(f" {word} " in f" {name} " for name in (kind.singular, *kind.synonyms))
 
 
 def expressions_in_frames(root: str | os.PathLike[str]) -> pd.DataFrame:
