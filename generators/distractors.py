@@ -14,7 +14,7 @@ import numpy as np
 from remqa_data.errors import ArrangementError
 from remqa_data.generators.arrangement.hiding_check import Hidden
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.arrangement.hiding_rules import hidden_size
+from remqa_data.generators.arrangement.hiding_rules import hidden_size, plan_ratio
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.questions import confusable, mentioned_types
 from remqa_data.generators.questions.sites import FittingTypes, HasRoom, SiteKey, site_key
@@ -23,6 +23,8 @@ ASKED_FACTOR = 4.0
 """Types that questions about the room ask for are chosen so many times more often."""
 LOW_M = 0.02
 """A thing that is higher than what it stands in for by more than this is chosen less often."""
+ALIKE_POWER = 4
+"""What is half as large as another is drawn one sixteenth as often in its place: as many pixels are to come to light."""
 AGAIN_FACTOR = 3.0
 """A type that was chosen already is chosen so many times less often, each time anew."""
 
@@ -130,6 +132,5 @@ def _that_fits(
 
 def _likeness(one: str, wanted: str) -> float:
     """How well things of a type stand in for another, 0 to 1: of like plan, and no higher, so that they hide no more."""
-    (w, d, h), (v, e, g) = hidden_size(one), hidden_size(wanted)
-    ratio = min(w * d, v * e) / max(w * d, v * e)
-    return ratio * ratio * min(1.0, (g + LOW_M) / h) ** 3
+    height, aim = hidden_size(one)[2], hidden_size(wanted)[2]
+    return plan_ratio(one, wanted) ** ALIKE_POWER * min(1.0, (aim + LOW_M) / height) ** 3

@@ -72,3 +72,13 @@ def largest_size(type_: str) -> Vec3:
     grown = 1.0 + hiding_rules().size_spread
     width, depth, height = (grown * side for side in hidden_size(type_))
     return width, depth, height
+
+
+def plan_ratio(one: str, other: str) -> float:
+    """How nearly things of two types are as large, looked at from above: the smaller plan by the larger, 0 to 1.
+
+    >>> plan_ratio("Fork", "Fork")
+    1.0
+    """
+    (w, d, _), (v, e, _) = hidden_size(one), hidden_size(other)
+    return min(w * d, v * e) / max(w * d, v * e)

@@ -234,8 +234,9 @@ def _in_samples(lots: Mapping[str, int], kind: QuestionKind, total: int) -> dict
 def _even_out(dealt: Lots, rooms: Sequence[SceneCapacity]) -> None:
     """Pass lots on until no room has more than `MOST_LOTS`, or fewer than `FEWEST_LOTS`, as far as others can take or give.
 
-    What a room has too many of goes where it is easy, or else where there is room, if it is not easy here either. A room that
-    has too few takes as many as it can at most, of kinds that rooms can easily take.
+    What a room has too many of goes where it is easy, or else where there is room: what is not easy here either, and anything
+    where all rooms together cannot easily take all. A room that has too few takes as many as it can at most, of kinds that rooms
+    can easily take.
     """
     easy = {room.scene: {kind: min(room.lots[kind], room.most[kind]) for kind in KINDS} for room in rooms}
     plenty = [kind for kind in KINDS if sum(dealt[kind].values()) <= sum(lots[kind] for lots in easy.values())]
@@ -251,18 +252,21 @@ def _even_out(dealt: Lots, rooms: Sequence[SceneCapacity]) -> None:
             _pass_on(dealt, givers, {scene: most[scene]}, easy) for scene in poor
         ):
             break
+    crowded = sum(had.values()) > sum(min(sum(lots.values()), MOST_LOTS) for lots in easy.values())
     for room in rooms:
-        while sum(dealt[kind][room.scene] for kind in KINDS) > MOST_LOTS and _hand_on(dealt, room.scene, rooms):
-            pass
+        for kept in (room.lots, dict.fromkeys(KINDS, 0)) if crowded else (room.lots,):
+            while sum(dealt[kind][room.scene] for kind in KINDS) > MOST_LOTS and _hand_on(
+                dealt, room.scene, kept, rooms
+            ):
+                pass
 
 
-def _hand_on(dealt: Lots, giver: str, rooms: Sequence[SceneCapacity]) -> bool:
-    """Let another room that is not full have one lot of what a room has more of than is easy, though it is not easy there."""
-    easy = next(room.lots for room in rooms if room.scene == giver)
+def _hand_on(dealt: Lots, giver: str, kept: Mapping[QuestionKind, int], rooms: Sequence[SceneCapacity]) -> bool:
+    """Let another room that is not full have one lot of what a room has more of than it keeps, though it is not easy there."""
     for room in rooms:
         for kind in KINDS:
             is_full = sum(dealt[other][room.scene] for other in KINDS) >= MOST_LOTS
-            if not is_full and dealt[kind][giver] > easy[kind] and dealt[kind][room.scene] < room.most[kind]:
+            if not is_full and dealt[kind][giver] > kept[kind] and dealt[kind][room.scene] < room.most[kind]:
                 dealt[kind][giver] -= 1
                 dealt[kind][room.scene] += 1
                 return True

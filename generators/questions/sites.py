@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic
 
+from remqa_data.generators.arrangement.hiding_rules import plan_ratio
 from remqa_data.generators.questions.expressions import Expression
 from remqa_data.generators.questions.groups import things_for
 from remqa_data.generators.questions.questions import (
@@ -29,6 +30,8 @@ HasRoom = Callable[[P, tuple[str, ...], tuple[str, ...]], bool]
 sees whether things of other types are there; both sorted."""
 TakesThings = Callable[[P, tuple[str, ...], tuple[str, ...], int], bool]
 """The same, with so many things of a type that is not asked for beside them."""
+LEAST_PLAN_RATIO = 0.35
+"""What comes to light instead of a thing is at least so large, and not as many times larger."""
 SiteKey = tuple[str, str]
 """Object id and relation: in a microwave and under it are two places."""
 
@@ -100,7 +103,9 @@ class Option(Generic[P]):
 
 
 def takes(has_room: HasRoom[P], fitting_beside: Callable[[P], Sequence[tuple[str, float]]]) -> TakesThings[P]:
-    """Whether a place has room for things, and for others than those that are asked for: they come to light instead.
+    """Whether a place has room for things, and for others that come to light instead of those that are asked for.
+
+    For each of these there are some that are about as large, so that neither number nor pixels tell the answer.
 
     Parameters
     ----------
@@ -112,8 +117,10 @@ def takes(has_room: HasRoom[P], fitting_beside: Callable[[P], Sequence[tuple[str
 
     def both(place: P, types: tuple[str, ...], asked: tuple[str, ...], beside: int) -> bool:
         found = (name for name, _ in fitting_beside(place))
-        others = (name for name in found if not any(confusable(name, type_) for type_ in asked))
-        return any(has_room(place, tuple(sorted((*types, *(name,) * beside))), asked) for name in others)
+        others = [name for name in found if not any(confusable(name, type_) for type_ in asked)]
+        return all(any(plan_ratio(name, type_) >= LEAST_PLAN_RATIO for name in others) for type_ in asked) and any(
+            has_room(place, tuple(sorted((*types, *(name,) * beside))), asked) for name in others
+        )
 
     return both
 
