@@ -235,8 +235,8 @@ def _even_out(dealt: Lots, rooms: Sequence[SceneCapacity]) -> None:
     """Pass lots on until no room has more than `MOST_LOTS`, or fewer than `FEWEST_LOTS`, as far as others can take or give.
 
     What a room has too many of goes where it is easy, or else where there is room: what is not easy here either, and anything
-    where all rooms together cannot easily take all. A room that has too few takes as many as it can at most, of kinds that rooms
-    can easily take.
+    where all rooms together cannot easily take all. A room that has too few takes as many as it can at most, of kinds that
+    rooms can easily take.
     """
     easy = {room.scene: {kind: min(room.lots[kind], room.most[kind]) for kind in KINDS} for room in rooms}
     plenty = [kind for kind in KINDS if sum(dealt[kind].values()) <= sum(lots[kind] for lots in easy.values())]
