@@ -10,14 +10,23 @@ from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.actions import arm as actions_arm
 from remqa_data.thor.actions import navigation as actions_navigation
 from remqa_data.thor.actions import objects as actions_objects
+from remqa_data.thor.actions import rays as actions_rays
 from remqa_data.thor.actions import scene as actions_scene
 from remqa_data.thor.actions import search as actions_search
+from remqa_data.thor.actions import states as actions_states
 from remqa_data.thor.state.dispatch import call, checked
 from remqa_data.thor.state.events import Reply, reply
 from remqa_data.thor.state.settings import FrameSize, Images
 from remqa_data.thor.state.simulator import SimulatorState
 
-ACTIONS = checked(actions_scene.ACTIONS | actions_navigation.ACTIONS | actions_search.ACTIONS | actions_objects.ACTIONS)
+ACTIONS = checked(
+    actions_scene.ACTIONS
+    | actions_navigation.ACTIONS
+    | actions_search.ACTIONS
+    | actions_rays.ACTIONS
+    | actions_objects.ACTIONS
+    | actions_states.ACTIONS
+)
 """What the agent without an arm can do."""
 ARM_ACTIONS = ACTIONS | checked(actions_arm.ACTIONS)
 """What the agent with an arm can do; it picks up and lets go in its own way."""

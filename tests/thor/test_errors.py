@@ -29,7 +29,8 @@ from remqa_data.thor import Controller
         ({"action": "Pass", "foo": 1}, "InvalidArgument", "action: Pass has an invalid argument: foo"),
         ({"action": "MoveAhead", "moveMagnitude": "far"}, "InvalidArgument", "has an invalid argument: moveMagnitude"),
         ({"action": "MoveAhead", "moveMagnitude": float("nan")}, "InvalidArgument", "moveMagnitude"),
-        ({"action": "MoveAhead", "forceAction": 1}, "InvalidArgument", "forceAction"),
+        ({"action": "MoveAhead", "forceAction": "perhaps"}, "InvalidArgument", "forceAction"),
+        ({"action": "GetReachablePositions", "maxStepCount": 1.5}, "InvalidArgument", "maxStepCount"),
         ({"action": "Teleport", "position": 5}, "InvalidArgument", "has an invalid argument: position"),
         ({"action": "Teleport", "position": {"x": "left", "y": 0, "z": 0}}, "InvalidArgument", "position.x"),
         ({"action": "Teleport", "position": {"x": 0, "y": 0, "z": 0}, "x": 1}, "AmbiguousAction", "Ambiguous action"),
@@ -61,6 +62,26 @@ def test_arguments_of_numpy_are_read(kitchen) -> None:
         "Teleport", position={"x": np.float32(1.5), "y": np.float64(0.9), "z": np.int64(0)}, horizon=np.float32(0)
     )
     assert kitchen.last_event.metadata["agent"]["position"]["x"] == 1.5
+
+
+def test_arguments_of_json_are_read(kitchen) -> None:
+    asked = kitchen.step("MoveRight", moveMagnitude=0.25, forceAction=True)
+    kitchen.reset()
+    again = kitchen.step("MoveRight", moveMagnitude="0.25", forceAction=1)
+    assert again.metadata == asked.metadata
+    kitchen.reset()
+    assert kitchen.step("Teleport", horizon="30").metadata["agent"]["cameraHorizon"] == 30.0
+
+
+@pytest.mark.parametrize(
+    "argument",
+    [{"simplifyPhysics": True}, {"autoSimulation": False}, {"actionSimulationSeconds": 0.5}, {"fixedDeltaTime": 0.02}],
+)
+def test_arguments_without_a_meaning_change_nothing(kitchen, argument) -> None:
+    plain = kitchen.step("RotateRight")
+    assert plain
+    kitchen.reset()
+    assert kitchen.step("RotateRight", **argument).metadata == plain.metadata
 
 
 def test_the_missing_extra_is_named(monkeypatch) -> None:

@@ -191,3 +191,12 @@ def test_shortest_path_to_a_point(at_start) -> None:
     assert (corners[-1]["x"], corners[-1]["z"]) == (-1.0, 1.0)
     assert not at_start.step("GetShortestPathToPoint", x=50.0, y=0, z=50.0)
     assert not at_start.step("GetShortestPath", objectType="Cabinet")  # there are several
+
+
+def test_looks_somewhere_whatever_it_looked_at_before(kitchen) -> None:
+    kitchen.step("RotateRight", degrees=30)
+    for _ in range(2):
+        agent = kitchen.step("RotateLook", rotation=45, horizon=30).metadata["agent"]
+        assert (agent["rotation"]["y"], agent["cameraHorizon"]) == (pytest.approx(45.0), 30.0)
+    assert not kitchen.step("RotateLook", rotation=90, horizon=80)
+    assert kitchen.last_event.metadata["agent"] == agent

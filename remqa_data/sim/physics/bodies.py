@@ -163,6 +163,14 @@ class Bodies:
                     found.add(Part(name, 0 if name == STRUCTURE_NAME else self._link_of(name, int(point[4]))))
         return found
 
+    def first_hit(self, start: Vec3, end: Vec3) -> tuple[str, Vec3] | None:
+        """What a ray from one point to another meets first, and where, snapped; None if nothing."""
+        ((body, _, _, point, _),) = self.client.rayTestBatch([start], [end])
+        if body < 0:
+            return None
+        x, y, z = arithmetic.snapped(point).tolist()
+        return self._names[body], (x, y, z)
+
     def depths_when_open(self, object_id: str, state: ObjectState) -> dict[str, float]:
         """How deep the moving parts of an object would be in other things if it were in a state, metres, by name."""
         joints = _joints(self._assets[object_id])

@@ -124,6 +124,10 @@ class World:
         """How deep the moving parts of an object would be in other things, and in "structure", at an openness; metres."""
         return self._bodies.depths_when_open(object_id, replace(self.state(object_id), openness=openness))
 
+    def first_hit(self, start: Vec3, end: Vec3) -> tuple[str, Vec3] | None:
+        """The object, or "structure", whose collision boxes a ray meets first, and where, metres; None if none."""
+        return self._bodies.first_hit(start, end)
+
     def bears_something(self, object_id: str) -> bool:
         """Whether anything rests on or in an object, if only partly, and would fall without it."""
         return bool(riders(self, self._bodies, object_id, or_lean=True))

@@ -83,6 +83,13 @@ def teleport(
     return simulator.agent.teleport(x, z, yaw, horizon, standing, forceAction)
 
 
+def rotate_look(
+    simulator: SimulatorState, rotation: PartialVector | None = None, horizon: float | None = None
+) -> ActionResult:
+    """Look somewhere, however the agent looked before; what is not given stays as it is."""
+    return teleport(simulator, rotation=rotation, horizon=horizon)
+
+
 def crouch(simulator: SimulatorState) -> ActionResult:
     """Lower the camera."""
     return simulator.agent.crouch()
@@ -102,6 +109,7 @@ ACTIONS: dict[str, Action] = {
     "MoveLeft": move_left,
     "MoveRight": move_right,
     "RotateLeft": rotate_left,
+    "RotateLook": rotate_look,
     "RotateRight": rotate_right,
     "Stand": stand,
     "Teleport": teleport,

@@ -18,8 +18,11 @@ Action = Callable[..., ActionResult]
 WITH_EVERY_ACTION = frozenset(
     {
         "action",
-        "sequenceId",
+        "actionSimulationSeconds",
         "agentId",
+        "autoSimulation",
+        "sequenceId",
+        "simplifyPhysics",
         "renderImage",
         "renderDepthImage",
         "renderInstanceSegmentation",
@@ -35,8 +38,8 @@ WITH_EVERY_ACTION = frozenset(
         "visibilityDistance",
     }
 )
-"""What AI2-THOR's Python side may add to any action, which pictures it asks for, and how an arm or agent moves: here it
-is there at once. An action that has such a parameter gets it; from the others it is kept away."""
+"""What AI2-THOR's Python side may add to any action, which pictures it asks for, and how long things take to move: here
+they are there at once. An action that has such a parameter gets it; from the others it is kept away."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +51,11 @@ class CheckedAction:
 
 
 def checked(actions: Mapping[str, Action]) -> dict[str, CheckedAction]:
-    """Actions with a check of their arguments, by name."""
-    config = ConfigDict(strict=True, allow_inf_nan=False, arbitrary_types_allowed=True)
+    """Actions with a check of their arguments, by name.
+
+    As in Unity's JSON, "100" is a number where one is asked for, and 1 and "true" are true.
+    """
+    config = ConfigDict(allow_inf_nan=False, arbitrary_types_allowed=True)
     return {
         name: CheckedAction(validate_call(config=config)(action), frozenset(inspect.signature(action).parameters))
         for name, action in actions.items()

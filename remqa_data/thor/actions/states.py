@@ -1,0 +1,131 @@
+"""Many objects at once: what is switched on and off, what is opened and closed, and what else AI2-THOR can set."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from typing_extensions import TypedDict
+
+from remqa_data.catalog import ObjectType, object_type
+from remqa_data.errors import MisuseError
+from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.handling import OVERLAP_M
+from remqa_data.sim.physics.world import World
+from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.simulator import SimulatorState
+
+
+class ObjectToggle(TypedDict):
+    """Whether all objects of a type are switched on."""
+
+    objectType: str
+    isOn: bool
+
+
+def set_object_toggles(simulator: SimulatorState, objectToggles: list[ObjectToggle]) -> ActionResult:
+    """Switch all objects of some types on or off; a type that the room has not is passed over."""
+    for toggle in objectToggles:
+        if not object_type(toggle["objectType"]).toggleable:
+            return ActionResult(False, f"{toggle['objectType']} is not toggleable")
+    world = simulator.room.world
+    for toggle in objectToggles:
+        _switch(simulator, {name for name in world.ids if world.type_of(name) == toggle["objectType"]}, toggle["isOn"])
+    return ActionResult(True)
+
+
+def set_state_of_all_objects(
+    simulator: SimulatorState, stateChange: str | None = None, forceAction: bool = False, StateChange: str | None = None
+) -> ActionResult:
+    """Give all objects that can have a state this state, or its opposite.
+
+    Parameters
+    ----------
+    simulator : SimulatorState
+        The room.
+    stateChange, StateChange : str
+        A property of AI2-THOR's: "CanOpen" opens and closes; "CanToggleOnOff" switches.
+    forceAction : bool
+        True for open, on, dirty and so on; False for the opposite.
+    """
+    change = stateChange or StateChange
+    if change is None:
+        message = "action: SetStateOfAllObjects is missing the following arguments: stateChange"
+        raise MisuseError("MissingArguments", message)
+    if change == "CanOpen":
+        _set_openness(simulator.room.world, forceAction)
+    elif change == "CanToggleOnOff":
+        world = simulator.room.world
+        _switch(simulator, {name for name in world.ids if object_type(world.type_of(name)).toggleable}, forceAction)
+    elif change not in NEVER_CHANGES:
+        known = ", ".join(["CanOpen", "CanToggleOnOff", *NEVER_CHANGES])
+        return ActionResult(False, f"{change} is no state change: choose one of {known}")
+    elif forceAction and (able := _able(simulator.room.world, NEVER_CHANGES[change])):
+        return ActionResult(False, f"{change} is not simulated here, so {able} keeps its state")
+    return ActionResult(True)
+
+
+def accept(simulator: SimulatorState, **ignored: Any) -> ActionResult:
+    """Do nothing: what this sets (how fast, how hot, how breakable, in which quality) means nothing here."""
+    return ActionResult(True)
+
+
+NEVER_CHANGES: dict[str, Callable[[ObjectType], bool]] = {
+    "CanBeCooked": lambda kind: kind.cookable,
+    "CanBeDirty": lambda kind: kind.dirtyable,
+    "CanBeFilled": lambda kind: kind.fillable,
+    "CanBeSliced": lambda kind: kind.sliceable,
+    "CanBeUsedUp": lambda kind: kind.used_up,
+    "CanBreak": lambda kind: kind.breakable,
+}
+"""What AI2-THOR can set and this simulation has not, with what could have it: nothing is ever cooked, dirty or broken."""
+
+WITHOUT_EFFECT = (
+    "ChangeOpenSpeed",
+    "ChangeQuality",
+    "ChangeTimeScale",
+    "MakeAllObjectsMoveable",
+    "MakeAllObjectsUnbreakable",
+    "MakeAllPickupableObjectsMoveable",
+    "MakeObjectsOfTypeUnbreakable",
+    "MakeObjectsStaticKinematicMassThreshold",
+    "SetDecayTemperatureBool",
+    "SetGlobalRoomTempDecayTime",
+    "SetRandomSeed",
+    "SetRoomTempDecayTimeForType",
+)
+
+ACTIONS: dict[str, Action] = {
+    "SetObjectToggles": set_object_toggles,
+    "SetStateOfAllObjects": set_state_of_all_objects,
+    **{name: accept for name in WITHOUT_EFFECT},
+}
+
+
+def _switch(simulator: SimulatorState, chosen: set[str], on: bool) -> None:
+    toggled = simulator.room.records.toggled
+    (toggled.update if on else toggled.difference_update)(chosen)
+
+
+def _set_openness(world: World, is_open: bool) -> None:
+    """Open all as far as they can be opened beside each other, in the room's order, or close all."""
+    for name in world.ids:
+        if name != world.held and world.assets[name].is_openable:
+            world.open(name, next(share for share in _OPENNESSES if _fits(world, name, share)) if is_open else 0.0)
+
+
+_OPENNESSES = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
+
+
+def _fits(world: World, object_id: str, openness: float) -> bool:
+    """Whether what opens meets nothing that it does not touch anyway; what lies in it comes along."""
+    if openness == 0.0:
+        return True
+    before, carried = world.depths_when_open(object_id, world.state(object_id).openness), world.contents(object_id)
+    then = world.depths_when_open(object_id, min(openness, world.most_open(object_id)))
+    return all(depth <= max(OVERLAP_M, before.get(other, 0.0)) or other in carried for other, depth in then.items())
+
+
+def _able(world: World, fits: Callable[[ObjectType], bool]) -> str | None:
+    """The first object that could have a state, if any."""
+    return next((name for name in world.ids if fits(object_type(world.type_of(name)))), None)

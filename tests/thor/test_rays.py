@@ -1,0 +1,58 @@
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+FRIDGE = "Fridge|-02.10|+00.00|+01.07"
+BEFORE_FRIDGE = {"position": {"x": -0.75, "y": 0.9, "z": 1.5}, "rotation": 270, "horizon": 30}
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(row=st.integers(0, 299), column=st.integers(0, 299), rotation=st.sampled_from([0.0, 45.0, 200.0, 270.0]))
+def test_a_point_of_the_frame_is_where_its_depth_says(kitchen, row, column, rotation) -> None:
+    event = kitchen.step("Teleport", **{**BEFORE_FRIDGE, "rotation": rotation}, renderDepthImage=True)
+    depth = event.depth_frame[row, column]
+    assert depth < 19.0
+    event = kitchen.step("GetCoordinateFromRaycast", x=(column + 0.5) / 300, y=(row + 0.5) / 300)
+    point, eye = event.metadata["actionReturn"], event.metadata["cameraPosition"]
+    away = np.array([point[axis] - eye[axis] for axis in "xyz"])
+    pitch, yaw = np.radians([30.0, rotation])
+    ahead = np.array([np.cos(pitch) * np.sin(yaw), -np.sin(pitch), np.cos(pitch) * np.cos(yaw)])
+    right = np.array([np.cos(yaw), 0.0, -np.sin(yaw)])
+    assert away @ ahead == pytest.approx(depth, rel=1e-4)
+    assert away @ right == pytest.approx(depth * ((column + 0.5) / 150 - 1), abs=1e-3)
+    assert away @ np.cross(ahead, right) == pytest.approx(depth * (1 - (row + 0.5) / 150), abs=1e-3)
+
+
+def test_the_middle_of_the_frame_shows_the_floor(kitchen) -> None:
+    kitchen.step("Teleport", position={"x": 1.0, "y": 0.9, "z": 0.0}, rotation=90, horizon=60)
+    floor_y = kitchen.last_event.metadata["cameraPosition"]["y"] - 1.576
+    point = kitchen.step("GetCoordinateFromRaycast", x=0.5, y=0.5).metadata["actionReturn"]
+    assert point["y"] == pytest.approx(floor_y, abs=0.01)
+    assert point["x"] == pytest.approx(1.0 + 1.576 / np.tan(np.radians(60)), abs=0.03)
+    event = kitchen.step("GetCoordinateFromRaycast", x=1.2, y=0.5)
+    assert event.metadata["errorMessage"] == "x and y must be in [0:1] not (x=1.2, y=0.5)."
+
+
+def test_a_ray_meets_what_stands_in_its_way(kitchen) -> None:
+    kitchen.step("TeleportFull", **BEFORE_FRIDGE, standing=True)
+    eye, behind = {"x": -0.75, "y": 1.0, "z": 1.07}, {"x": -2.1, "y": 1.0, "z": 1.07}
+    hit = kitchen.step("PerformRaycast", origin=eye, destination=behind).metadata["actionReturn"]
+    assert hit["objectId"] == FRIDGE
+    box = kitchen.last_event.get_object(FRIDGE)["axisAlignedBoundingBox"]
+    front = box["center"]["x"] + box["size"]["x"] / 2
+    assert hit["hit"]["x"] == pytest.approx(front, abs=0.1)
+    assert hit["distance"] == pytest.approx(-0.75 - hit["hit"]["x"], abs=1e-6)
+    wall = kitchen.step("PerformRaycast", origin={"x": 1.0, "y": 2.3, "z": 0.0}, destination={"x": 9, "y": 2.3, "z": 0})
+    assert wall.metadata["actionReturn"]["objectId"] is None
+    event = kitchen.step("PerformRaycast", origin=eye, destination={**eye, "x": -0.7})
+    assert "nothing is hit between (-0.75, 1, 1.07) and (-0.7, 1, 1.07)" in event.metadata["errorMessage"]
+
+
+def test_what_is_held_is_in_no_rays_way(kitchen) -> None:
+    apple = "Apple|-00.47|+01.15|+00.48"
+    place = kitchen.last_event.get_object(apple)["position"]
+    ray = {"origin": {**place, "y": place["y"] + 0.5}, "destination": place}
+    assert kitchen.step("PerformRaycast", **ray).metadata["actionReturn"]["objectId"] == apple
+    kitchen.step("PickupObject", objectId=apple, forceAction=True)
+    assert not kitchen.step("PerformRaycast", **ray)

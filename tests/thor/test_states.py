@@ -1,0 +1,79 @@
+import pytest
+
+SWITCH = "LightSwitch|+02.33|+01.31|-00.16"
+
+
+def test_toggles_all_objects_of_a_type(kitchen) -> None:
+    burners = [o["objectId"] for o in kitchen.last_event.metadata["objects"] if o["objectType"] == "StoveKnob"]
+    assert len(burners) > 1
+    event = kitchen.step("SetObjectToggles", objectToggles=[{"objectType": "StoveKnob", "isOn": True}])
+    on = {o["objectId"] for o in event.metadata["objects"] if o["isToggled"]}
+    assert on == set(burners)
+    toggles = [{"objectType": "StoveKnob", "isOn": False}, {"objectType": "LightSwitch", "isOn": "true"}]
+    event = kitchen.step("SetObjectToggles", objectToggles=toggles)
+    assert [o["objectId"] for o in event.metadata["objects"] if o["isToggled"]] == [SWITCH]
+
+
+def test_what_it_refuses_to_toggle(kitchen) -> None:
+    toggles = [{"objectType": "LightSwitch", "isOn": True}, {"objectType": "Apple", "isOn": True}]
+    event = kitchen.step("SetObjectToggles", objectToggles=toggles)
+    assert event.metadata["errorMessage"] == "Apple is not toggleable"
+    assert not event.get_object(SWITCH)["isToggled"]
+    assert not kitchen.step("SetObjectToggles", objectToggles=[{"objectType": "Aple", "isOn": True}])
+    with pytest.raises(ValueError, match=r"objectToggles\.0\.isOn"):
+        kitchen.step("SetObjectToggles", objectToggles=[{"objectType": "Apple"}])
+
+
+@pytest.mark.parametrize("name", ["stateChange", "StateChange"])
+def test_all_is_switched(kitchen, name) -> None:
+    event = kitchen.step("SetStateOfAllObjects", **{name: "CanToggleOnOff"}, forceAction=True)
+    records = event.metadata["objects"]
+    assert {o["isToggled"] for o in records if o["toggleable"]} == {True}
+    assert {o["isToggled"] for o in records if not o["toggleable"]} == {False}
+    event = kitchen.step("SetStateOfAllObjects", **{name: "CanToggleOnOff"}, forceAction=False)
+    assert not any(o["isToggled"] for o in event.metadata["objects"])
+
+
+@pytest.mark.parametrize("scene", ["FloorPlan1", "FloorPlan303"])
+def test_all_is_opened_and_shut_again(kitchen, scene) -> None:
+    start = kitchen.reset(scene)
+    world = kitchen.server.session._simulator.room.world
+    event = kitchen.step("SetStateOfAllObjects", stateChange="CanOpen", forceAction=True)
+    opened = [o for o in event.metadata["objects"] if o["openable"]]
+    assert len(opened) > 5
+    assert sum(o["isOpen"] for o in opened) > len(opened) / 2
+    for record in opened:
+        depths = world.depths_when_open(record["objectId"], record["openness"])
+        shut = world.depths_when_open(record["objectId"], 0.0)
+        assert all(depth <= max(0.005, shut.get(other, 0.0)) for other, depth in depths.items()), record["objectId"]
+    event = kitchen.step("SetStateOfAllObjects", stateChange="CanOpen", forceAction=False)
+    assert not any(o["isOpen"] for o in event.metadata["objects"])
+    places = {o["objectId"]: o["position"] for o in event.metadata["objects"]}
+    assert all(places[o["objectId"]] == pytest.approx(o["position"], abs=0.01) for o in start.metadata["objects"])
+
+
+def test_states_that_nothing_has_here(kitchen) -> None:
+    start = kitchen.last_event.metadata["objects"]
+    event = kitchen.step("SetStateOfAllObjects", stateChange="CanBeFilled", forceAction=False)
+    assert event  # all is empty anyway
+    assert event.metadata["objects"] == start
+    event = kitchen.step("SetStateOfAllObjects", stateChange="CanBeDirty", forceAction=True)
+    assert not event
+    assert "CanBeDirty is not simulated here" in event.metadata["errorMessage"]
+    assert "CanOpen" in kitchen.step("SetStateOfAllObjects", stateChange="CanFly").metadata["errorMessage"]
+    with pytest.raises(ValueError, match="missing the following arguments: stateChange"):
+        kitchen.step("SetStateOfAllObjects", forceAction=True)
+
+
+@pytest.mark.parametrize(
+    ("action", "arguments"),
+    [
+        ("SetRandomSeed", {"seed": 5}),
+        ("MakeAllObjectsMoveable", {}),
+        ("ChangeOpenSpeed", {"openSpeed": 2.0}),
+        ("SetDecayTemperatureBool", {"allowDecayTemperature": False}),
+    ],
+)
+def test_what_sets_nothing_is_accepted(kitchen, action, arguments) -> None:
+    before = kitchen.step("Pass").metadata
+    assert kitchen.step(action, **arguments).metadata == {**before, "lastAction": action}
