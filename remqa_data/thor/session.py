@@ -8,6 +8,7 @@ from typing import Any
 from remqa_data.errors import MisuseError, RemqaError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.actions import arm as actions_arm
+from remqa_data.thor.actions import hand as actions_hand
 from remqa_data.thor.actions import navigation as actions_navigation
 from remqa_data.thor.actions import objects as actions_objects
 from remqa_data.thor.actions import rays as actions_rays
@@ -25,6 +26,7 @@ ACTIONS = checked(
     | actions_search.ACTIONS
     | actions_rays.ACTIONS
     | actions_objects.ACTIONS
+    | actions_hand.ACTIONS
     | actions_states.ACTIONS
 )
 """What the agent without an arm can do."""

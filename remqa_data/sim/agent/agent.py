@@ -154,11 +154,15 @@ class Agent(Body):
         """Let go of what is held; it falls in front of the agent, or under the hand where the arm is in use."""
         if self.held is None:
             return ActionResult(False, "nothing is held")
+        return self._released(handling.drop_at(self.world, self.drop_spots()))
+
+    def drop_spots(self) -> list[Vec3]:
+        """Where it lets go of what it holds, the best first: metres in the room."""
         spots = [self.arm.hand(self.base)] if self.hands == "arm" else []
         cos, sin = direction(self.yaw_deg)
         for ahead, height in handling.DROP_SPOTS_M:
             spots.append((self.x + ahead * cos, self.y + ahead * sin, self.world.scene.floor_z + height))
-        return self._released(handling.drop_at(self.world, spots))
+        return spots
 
     def move_object(self, object_id: str, position: Vec3, force: bool = False) -> ActionResult:
         """Bring the centre of an object somewhere near, metres, with what is in or on it; what is under it stays."""

@@ -6,7 +6,7 @@ Every function leaves the world either with the thing done and all at rest, or a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
@@ -15,7 +15,7 @@ import numpy as np
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.physics.support import supports
-from remqa_data.sim.physics.world import World
+from remqa_data.sim.physics.world import SETTLE_STEPS, World
 
 DROP_SPOTS_M = ((0.45, 0.9), (0.6, 0.9), (0.45, 1.3), (0.35, 1.1), (0.6, 0.4), (0.75, 0.9))
 """Where a thing is let go: how far before the agent and how high above the floor, the best first."""
@@ -27,6 +27,8 @@ LATTICE_M = 0.05
 TRIES = 3
 """How many free places of a receptacle are tried: from some, things roll or tip off."""
 SLIDE_STEP_M = 0.025
+FLIGHT_STEPS = 960
+"""What is thrown has come to rest after so many steps of physics at the most."""
 OPEN_ENOUGH = 0.3
 """A thing can be put into a closed space that is open at least this much."""
 
@@ -74,25 +76,31 @@ def put_into(world: World, receptacle_id: str, near: tuple[float, float]) -> Rel
     return Release(None, f"no free place for {held} in {receptacle_id}")
 
 
-def drop_at(world: World, spots: Sequence[Vec3]) -> Release:
-    """Let go of what is held at the first of some points where there is room for it, and let it fall."""
+def drop_at(world: World, spots: Sequence[Vec3], velocity: Vec3 | None = None) -> Release:
+    """Let go of what is held at the first of some points where there is room for it, and let it fall.
+
+    With a velocity, m/s, it is thrown.
+    """
     held = world.held
     assert held is not None
     before = world.save()
     for spot in spots:
         if _is_free(world, held, spot):
             world.put(spot)
-            settle(world)
+            if velocity is None:
+                settle(world)
+            else:
+                settle(world, FLIGHT_STEPS, {held: velocity})
             if world.state(held).position != spot:  # it fell, and not out of the room
                 return Release(held)
             world.restore(before)
     return Release(None, f"no room to drop {held}")
 
 
-def settle(world: World) -> None:
+def settle(world: World, steps: int = SETTLE_STEPS, velocities: Mapping[str, Vec3] | None = None) -> None:
     """Let all come to rest; what physics would push through the floor or out of the room stays where it was."""
     before = world.save()
-    world.settle()
+    world.settle(steps, velocities)
     for object_id, state in before.states.items():
         if not state.is_fixed and object_id != world.held and not _is_in_room(world, object_id):
             world.move(object_id, state.position, state.quaternion)

@@ -105,6 +105,10 @@ class Bodies:
                 angle, speed = arithmetic.snapped([angle, speed]).tolist()
                 self.client.resetJointState(body, joint, angle, speed)
 
+    def set_velocity(self, object_id: str, velocity: Vec3) -> None:
+        """Set a free object in motion, m/s."""
+        self.client.resetBaseVelocity(self._of[object_id], velocity, (0.0, 0.0, 0.0))
+
     def are_still(self, object_ids: Iterable[str]) -> bool:
         """Whether none of some objects moves or turns to speak of."""
         for object_id in object_ids:

@@ -7,7 +7,7 @@ closed box, and PyBullet's centre of mass is put there too, so that no conversio
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from types import TracebackType
@@ -148,13 +148,16 @@ class World:
 
     # ---- acting
 
-    def settle(self, steps: int = SETTLE_STEPS) -> None:
+    def settle(self, steps: int = SETTLE_STEPS, velocities: Mapping[str, Vec3] | None = None) -> None:
         """Let physics move the free objects until all are at rest, at most for a number of steps of 1/240 s.
 
+        With velocities, m/s by object id, some are in motion at first.
         Then they are held where they are. The outcome depends on the poses only, not on what happened before: PyBullet
         starts afresh, because its contact cache and the order of its pairs would remember.
         """
         self._reload()
+        for object_id, velocity in (velocities or {}).items():
+            self._bodies.set_velocity(object_id, velocity)
         free = [i for i, state in self._states.items() if not state.is_fixed and i != self.held]
         was_still = False
         for done in range(0, steps, CHECK_STEPS):
@@ -269,9 +272,10 @@ class World:
         found = self._bodies.nearby(object_id, self.box(object_id), margin_m)
         return sorted(found.items(), key=lambda pair: pair[1])
 
-    def move_alone(self, object_id: str, position: Vec3) -> None:
+    def move_alone(self, object_id: str, position: Vec3, quaternion: Quaternion | None = None) -> None:
         """Put an object somewhere else and leave what is in or on it where it is."""
-        self._put_at(object_id, replace(self.state(object_id), position=_vec3(position)))
+        state = self.state(object_id)
+        self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion))
 
     @contextmanager
     def without_collisions(self, object_id: str) -> Iterator[None]:

@@ -58,9 +58,15 @@ def pick_up_object(
     forceAction: bool = False,
     manualInteract: bool = False,
 ) -> ActionResult:
-    """Take an object into the hand."""
+    """Take an object into the hand; with `manualInteract` the hand is where the object was."""
     target = _target(simulator, "PickupObject", objectId, x, y)
-    return target if isinstance(target, ActionResult) else simulator.agent.pick_up(target, forceAction)
+    if isinstance(target, ActionResult):
+        return target
+    where = simulator.room.world.box(target).mean(axis=0)
+    result = simulator.agent.pick_up(target, forceAction)
+    if result.success and manualInteract:
+        simulator.agent.hand_offset = simulator.agent.offset_of(where)
+    return result
 
 
 def put_object(

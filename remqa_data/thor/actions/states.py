@@ -98,7 +98,7 @@ WITHOUT_EFFECT = (
 ACTIONS: dict[str, Action] = {
     "SetObjectToggles": set_object_toggles,
     "SetStateOfAllObjects": set_state_of_all_objects,
-    **{name: accept for name in WITHOUT_EFFECT},
+    **dict.fromkeys(WITHOUT_EFFECT, accept),
 }
 
 

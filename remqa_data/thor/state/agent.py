@@ -7,14 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from remqa_data.geometry.types import F64, I32
-from remqa_data.sim.agent.agent import Agent, Hands
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import F64, I32, Vec3
+from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
 from remqa_data.sim.metadata import scaled_min_pixels
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import WorldView
 from remqa_data.thor.state.settings import FrameSize, Settings
+
+HAND: Vec3 = (0.0, -0.16, 0.38)
+"""Where AI2-THOR's agent without an arm holds things: metres to the right of its camera, above and ahead of it."""
 
 
 class ThorAgent(Agent):
@@ -30,6 +34,11 @@ class ThorAgent(Agent):
         Of its pictures; may change later.
     **pose
         `horizon_deg` and `is_standing`, as of `Agent`.
+
+    Attributes
+    ----------
+    hand_offset : tuple of float
+        Where the hand is without an arm, metres to the right of the camera, above and ahead of it.
     """
 
     def __init__(
@@ -43,7 +52,7 @@ class ThorAgent(Agent):
         frame: FrameSize,
         **pose: Any,
     ) -> None:
-        self.frame = frame
+        self.frame, self.hand_offset = frame, HAND
         body = Embodiment(
             fov_deg=settings.field_of_view,
             step_m=settings.grid_size,
@@ -56,6 +65,34 @@ class ThorAgent(Agent):
     def camera(self, width: int | None = None, height: int | None = None) -> Camera:
         """Its eye, by default with the size of its frames."""
         return super().camera(width or self.frame.width, height or self.frame.height)
+
+    def hand_at(self, offset: Vec3 | None = None) -> Vec3:
+        """Where the hand is, or with an offset would be; metres in the room."""
+        if self.hands == "arm":
+            return self.arm.hand(self.base)
+        camera = self.camera()
+        x, y, z = arithmetic.snapped(
+            camera.position + arithmetic.turned(offset or self.hand_offset, camera.rotation().T)
+        ).tolist()
+        return x, y, z
+
+    def offset_of(self, point: F64) -> Vec3:
+        """The hand's offset at which it is at a (3,) point of the room."""
+        camera = self.camera()
+        right, up, ahead = arithmetic.turned(point - np.asarray(camera.position), camera.rotation()).tolist()
+        return right, up, ahead
+
+    def pick_up(self, object_id: str, force: bool = False) -> ActionResult:
+        """Take an object into the hand, which is where it usually is."""
+        result = super().pick_up(object_id, force)
+        if result.success:
+            self.hand_offset = HAND
+        return result
+
+    def drop_spots(self) -> list[Vec3]:
+        """Where it lets go: where its hand is, if it has been moved."""
+        moved = [self.hand_at()] if self.hands != "arm" and self.hand_offset != HAND else []
+        return moved + super().drop_spots()
 
     def visible_objects(self, distance_m: float | None = None) -> list[str]:
         """Ids of the objects that its frame shows, in the scene's order; with a distance, those nearer in plan."""

@@ -19,9 +19,6 @@ from remqa_data.thor.state.simulator import LoadedFloorPlan, SimulatorState
 
 Files = dict[str, list[bytes]]
 
-HAND_AHEAD_M, HAND_BELOW_M = 0.38, 0.16
-"""Where AI2-THOR's agent without an arm holds things: before and below its camera."""
-
 
 @dataclass(frozen=True)
 class Reply:
@@ -67,7 +64,7 @@ def reply(simulator: SimulatorState, action: str, result: ActionResult, code: st
             drawn = room.view.render(third.camera(simulator.frame))
             _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, simulator.settings.far_plane)
     visible = frozenset(room.agent.seen_in(objects, simulator.settings.visibility_distance))
-    hand = room.agent.arm.hand(room.agent.base) if simulator.settings.has_arm else _hand(camera)
+    hand = room.agent.hand_at()
     metadata["objects"] = room.records.listing(room.agent_position(), visible, hand, simulator.shown_objects)
     metadata["sceneBounds"] = box_metadata(room.box())
     metadata["colors"] = room.palette.metadata() if images.colors else None
@@ -158,15 +155,9 @@ def _agent(room: LoadedFloorPlan, camera: Camera, hand: Vec3) -> Metadata:
         "fov": camera.fov_deg,
         "inventoryObjects": held,
         "heldObjectPose": {
-            "localPosition": {"x": 0.0, "y": -HAND_BELOW_M, "z": HAND_AHEAD_M},
+            "localPosition": dict(zip("xyz", agent.hand_offset, strict=True)),
             "localRotation": {"x": 0.0, "y": 0.0, "z": 0.0},
             "position": to_thor(hand),
             "rotation": dict(rotation),
         },
     }
-
-
-def _hand(camera: Camera) -> Vec3:
-    _, up, forward = camera.rotation()
-    x, y, z = (camera.position + HAND_AHEAD_M * forward - HAND_BELOW_M * up).tolist()
-    return x, y, z

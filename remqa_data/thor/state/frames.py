@@ -17,7 +17,8 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import TypedDict
 
-from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Quaternion
 
@@ -76,6 +77,24 @@ def turn_to_thor(quaternion: Quaternion) -> F64:
     What looks along the room's +y is not turned at all.
     """
     return np.asarray(SWAP @ rotation_of(quaternion) @ _ASSET_TO_THOR.T)
+
+
+def turn_to_room(turn: F64) -> Quaternion:
+    """The inverse of `turn_to_thor`, snapped."""
+    return snapped_quaternion(quaternion_of(arithmetic.product(arithmetic.product(SWAP, turn), _ASSET_TO_THOR)))
+
+
+def turn_of_euler(rotation: Vector) -> F64:
+    """(3, 3) rotation in AI2-THOR's frame of its three angles, degrees; the inverse of `euler_to_thor`.
+
+    >>> euler_to_thor(turn_of_euler({"x": 30.0, "y": 200.0, "z": 350.0}))
+    {'x': 30.0, 'y': 200.0, 'z': 350.0}
+    """
+    (sx, cx), (sy, cy), (sz, cz) = (arithmetic.sin_cos_deg(rotation[axis]) for axis in ("x", "y", "z"))
+    about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
+    about_y = np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
+    about_z = np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
+    return arithmetic.product(arithmetic.product(about_y, about_x), about_z)
 
 
 def euler_to_thor(m: F64) -> Vector:

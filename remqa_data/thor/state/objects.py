@@ -14,13 +14,14 @@ import numpy as np
 
 from remqa_data.catalog import object_type
 from remqa_data.floorplans.load import recorded_poses
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Vec3
-from remqa_data.scene import Scene
+from remqa_data.scene import Quaternion, Scene
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
-from remqa_data.thor.state.frames import Vector, corners_to_thor, euler_to_thor, to_thor, turn_to_thor
+from remqa_data.thor.state.frames import Vector, corners_to_thor, euler_to_thor, to_thor, turn_to_room, turn_to_thor
 
 Metadata = dict[str, Any]
 """A part of an event's metadata: what AI2-THOR would send as JSON."""
@@ -63,8 +64,20 @@ class ObjectRecords:
 
     def rotation(self, object_id: str) -> Vector:
         """How AI2-THOR says an object is turned: as recorded, and with it since, whichever side its front is on."""
+        return euler_to_thor(self.turn(object_id))
+
+    def turn(self, object_id: str) -> F64:
+        """(3, 3) how AI2-THOR says an object is turned, in its frame."""
         turn, frame = turn_to_thor(self._world.state(object_id).quaternion), self._frames.get(object_id)
-        return euler_to_thor(turn if frame is None else turn @ frame.turn)
+        return turn if frame is None else arithmetic.product(turn, frame.turn)
+
+    def pose_of(self, object_id: str, pivot: Vec3, turn: F64) -> tuple[Vec3, Quaternion]:
+        """Pose of an object's box, if `position` and `turn` are to be these; metres in the room, snapped."""
+        frame = self._frames.get(object_id)
+        quaternion = turn_to_room(turn if frame is None else arithmetic.product(turn, frame.turn.T))
+        offset = np.zeros(3) if frame is None else arithmetic.turned(frame.pivot, rotation_of(quaternion))
+        x, y, z = arithmetic.snapped(np.asarray(pivot) - offset).tolist()
+        return (x, y, z), quaternion
 
     def listing(
         self, agent: Vec3, visible: Collection[str], hand: Vec3, only: Collection[str] | None

@@ -1,0 +1,196 @@
+"""What the agent without an arm does with what it holds: moves it, turns it, throws it.
+
+Directions are the camera's. What is held stops before what is in its way, and is out of the room all the same: in no
+picture, and in nobody's way.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from remqa_data.catalog import object_type
+from remqa_data.errors import MisuseError
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import F64, Vec3
+from remqa_data.scene import Quaternion
+from remqa_data.sim.agent import handling
+from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.physics.world import World
+from remqa_data.thor.actions.objects import PUSH_S
+from remqa_data.thor.state.agent import ThorAgent
+from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.frames import PartialVector, Vector, turn_of_euler, whole, yaw_to_thor
+from remqa_data.thor.state.simulator import SimulatorState
+
+STEP_M = 0.025
+"""On its way, what is held is looked at in such steps."""
+MOST_THROW_M_S = 5.0
+"""Nothing is thrown faster: in one step of physics it would fly through things."""
+
+
+def move_held_object(
+    simulator: SimulatorState, ahead: float = 0.0, right: float = 0.0, up: float = 0.0, forceVisible: bool = False
+) -> ActionResult:
+    """Move what is held, metres; with `forceVisible` its middle stays in the frame."""
+    agent, world = simulator.agent, simulator.room.world
+    refusal = _refusal(agent)
+    if refusal is not None:
+        return refusal
+    x, y, z = np.add(agent.hand_offset, (right, up, ahead)).tolist()
+    if math.hypot(x, y, z) > simulator.settings.visibility_distance:
+        return ActionResult(
+            False,
+            f"the hand would be {math.hypot(x, y, z):.3g} m from the camera: it reaches "
+            f"{simulator.settings.visibility_distance:g} m, the visibilityDistance",
+        )
+    if forceVisible and not _is_in_frame(agent, (x, y, z)):
+        return ActionResult(False, "the hand would be out of the frame, and forceVisible is set")
+    blocker = _blocker(world, np.asarray(agent.hand_at()), np.asarray(agent.hand_at((x, y, z))))
+    if blocker is not None:
+        return ActionResult(False, f"{blocker} is blocking {world.held} from moving")
+    agent.hand_offset = (x, y, z)
+    return ActionResult(True)
+
+
+def move_held_object_ahead(
+    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
+) -> ActionResult:
+    """Move what is held away, by default by one cell of the grid."""
+    return move_held_object(simulator, ahead=_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+
+
+def move_held_object_back(
+    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
+) -> ActionResult:
+    """Draw what is held nearer."""
+    return move_held_object(simulator, ahead=-_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+
+
+def move_held_object_right(
+    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
+) -> ActionResult:
+    """Move what is held to the right."""
+    return move_held_object(simulator, right=_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+
+
+def move_held_object_left(
+    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
+) -> ActionResult:
+    """Move what is held to the left."""
+    return move_held_object(simulator, right=-_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+
+
+def move_held_object_up(
+    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
+) -> ActionResult:
+    """Lift what is held."""
+    return move_held_object(simulator, up=_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+
+
+def move_held_object_down(
+    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
+) -> ActionResult:
+    """Lower what is held."""
+    return move_held_object(simulator, up=-_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+
+
+def rotate_held_object(
+    simulator: SimulatorState,
+    pitch: float | None = None,
+    yaw: float | None = None,
+    roll: float | None = None,
+    rotation: PartialVector | None = None,
+) -> ActionResult:
+    """Turn what is held, degrees about the agent's axes: by pitch, yaw and roll, or to a rotation."""
+    by: Vector = {"x": pitch or 0.0, "y": yaw or 0.0, "z": roll or 0.0}
+    if rotation is not None and (pitch, yaw, roll) != (None, None, None):
+        message = "Ambiguous action: a rotation was given twice, as a vector and as pitch, yaw, roll"
+        raise MisuseError("AmbiguousAction", message)
+    agent, world, records = simulator.agent, simulator.room.world, simulator.room.records
+    refusal = _refusal(agent)
+    if refusal is not None:
+        return refusal
+    held = str(world.held)
+    body = turn_of_euler({"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0})
+    if rotation is not None:
+        turn = arithmetic.product(body, turn_of_euler(whole(rotation)))
+    else:
+        about_body = arithmetic.product(arithmetic.product(body, turn_of_euler(by)), body.T)
+        turn = arithmetic.product(about_body, records.turn(held))
+    _, quaternion = records.pose_of(held, (0.0, 0.0, 0.0), turn)
+    blocker = _blocker_of_turn(world, np.asarray(agent.hand_at()), quaternion)
+    if blocker is not None:
+        return ActionResult(False, f"{blocker} is blocking {held} from turning")
+    world.move_alone(held, world.state(held).position, quaternion)
+    return ActionResult(True)
+
+
+def throw_object(simulator: SimulatorState, moveMagnitude: float, forceAction: bool = False) -> ActionResult:
+    """Throw what is held where the camera looks, with a force in newtons that acts for one physics step of AI2-THOR."""
+    agent, world = simulator.agent, simulator.room.world
+    if world.held is None:
+        return ActionResult(False, "Nothing in Hand to Throw!")
+    if moveMagnitude <= 0.0:
+        return ActionResult(False, f"moveMagnitude {moveMagnitude:g} is not a force: give newtons")
+    mass = object_type(world.type_of(world.held)).mass_kg or 1.0
+    ahead = agent.camera().rotation()[2]
+    x, y, z = arithmetic.snapped(min(moveMagnitude * PUSH_S / mass, MOST_THROW_M_S) * ahead).tolist()
+    released = handling.drop_at(world, [agent.hand_at(), *agent.drop_spots()], (x, y, z))
+    return ActionResult(released.object_id is not None, released.error)
+
+
+ACTIONS: dict[str, Action] = {
+    "MoveHeldObject": move_held_object,
+    "MoveHeldObjectAhead": move_held_object_ahead,
+    "MoveHeldObjectBack": move_held_object_back,
+    "MoveHeldObjectDown": move_held_object_down,
+    "MoveHeldObjectLeft": move_held_object_left,
+    "MoveHeldObjectRight": move_held_object_right,
+    "MoveHeldObjectUp": move_held_object_up,
+    "RotateHeldObject": rotate_held_object,
+    "ThrowObject": throw_object,
+}
+
+
+def _refusal(agent: ThorAgent) -> ActionResult | None:
+    if agent.hands == "arm":
+        return ActionResult(False, "the arm moves what it holds: MoveArm")
+    return ActionResult(False, "nothing is held") if agent.held is None else None
+
+
+def _distance(simulator: SimulatorState, metres: float | None) -> float:
+    return simulator.settings.grid_size if metres is None else metres
+
+
+def _is_in_frame(agent: ThorAgent, offset: Vec3) -> bool:
+    right, up, ahead = offset
+    sine, cosine = arithmetic.sin_cos_deg(agent.embodiment.fov_deg / 2)
+    tall = ahead * float(sine / cosine)
+    return abs(up) <= tall and abs(right) <= tall * agent.frame.width / agent.frame.height
+
+
+def _blocker(world: World, start: F64, end: F64) -> str | None:
+    """What the held object meets on its way; what it is in already does not count."""
+    quaternion = world.state(str(world.held)).quaternion
+    touching = _met(world, start, quaternion)
+    count = max(1, math.ceil(float(arithmetic.length(end - start)) / STEP_M))
+    met = (_met(world, start + k / count * (end - start), quaternion) - touching for k in range(1, count + 1))
+    return next((min(names) for names in met if names), None)
+
+
+def _blocker_of_turn(world: World, hand: F64, quaternion: Quaternion) -> str | None:
+    """What the held object would meet if it were turned."""
+    touching = _met(world, hand, world.state(str(world.held)).quaternion)
+    return min(_met(world, hand, quaternion) - touching, default=None)
+
+
+def _met(world: World, hand: F64, quaternion: Quaternion) -> set[str]:
+    """What the held object would be in, if the hand were at a (3,) point; it stays where it is."""
+    before, held = world.save(), str(world.held)
+    x, y, z = arithmetic.snapped(hand).tolist()
+    world.move_alone(held, (x, y, z), quaternion)
+    met = {other for other, gap in world.overlapping(held) if gap < -handling.OVERLAP_M}
+    world.restore(before)
+    return met

@@ -1,0 +1,171 @@
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.thor.test_objects import APPLE, BEFORE_APPLE
+
+
+@pytest.fixture
+def holding(kitchen):
+    """The apple is held, on open floor."""
+    assert kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    assert kitchen.step("Teleport", position={"x": 1.5, "y": 0.9, "z": 0.0}, rotation=180, horizon=0)
+    return kitchen
+
+
+def place(event) -> np.ndarray:
+    """Middle of the apple, metres in AI2-THOR's frame."""
+    return np.array(list(event.get_object(APPLE)["axisAlignedBoundingBox"]["center"].values()))
+
+
+def degrees(event) -> list[float]:
+    """The apple's rotation, from -90 to 270."""
+    return [(angle + 90.0) % 360.0 - 90.0 for angle in event.get_object(APPLE)["rotation"].values()]
+
+
+@pytest.mark.parametrize(
+    ("direction", "expected"),
+    [
+        ("Ahead", (0, 0, -0.1)),  # it looks along -z
+        ("Back", (0, 0, 0.1)),
+        ("Right", (-0.1, 0, 0)),
+        ("Left", (0.1, 0, 0)),
+        ("Up", (0, 0.1, 0)),
+        ("Down", (0, -0.1, 0)),
+    ],
+)
+def test_moves_what_it_holds(holding, direction, expected) -> None:
+    before = place(holding.last_event)
+    event = holding.step(f"MoveHeldObject{direction}", moveMagnitude=0.1)
+    assert event, event.metadata["errorMessage"]
+    assert place(event) - before == pytest.approx(expected, abs=1e-5)
+    pose = event.metadata["heldObjectPose"]
+    assert list(pose["position"].values()) == pytest.approx(place(event), abs=1e-5)
+    assert event.get_object(APPLE)["isPickedUp"]
+
+
+@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(right=st.floats(-0.2, 0.2), up=st.floats(-0.2, 0.2), ahead=st.floats(-0.2, 0.2))
+def test_there_and_back_again(holding, right, up, ahead) -> None:
+    before = place(holding.last_event)
+    event = holding.step("MoveHeldObject", right=right, up=up, ahead=ahead)
+    assert place(event) - before == pytest.approx((-right, up, -ahead), abs=1e-5)
+    event = holding.step("MoveHeldObject", right=-right, up=-up, ahead=-ahead)
+    assert place(event) == pytest.approx(before, abs=1e-5)
+
+
+def test_a_hand_goes_so_far_and_no_farther(holding) -> None:
+    before = place(holding.last_event)
+    assert "visibilityDistance" in holding.step("MoveHeldObjectUp", moveMagnitude=2.0).metadata["errorMessage"]
+    event = holding.step("MoveHeldObjectUp", moveMagnitude=0.6, forceVisible=True)
+    assert "out of the frame" in event.metadata["errorMessage"]
+    assert place(event) == pytest.approx(before, abs=1e-6)
+    assert holding.step("MoveHeldObjectUp", moveMagnitude=0.6)
+    event = holding.step("MoveHeldObjectUp", moveMagnitude=0.4)  # the ceiling is higher than this
+    assert event, event.metadata["errorMessage"]
+
+
+def test_what_is_in_the_way_is_named(kitchen) -> None:
+    kitchen.step("TeleportFull", **BEFORE_APPLE)
+    kitchen.step("PickupObject", objectId=APPLE)
+    before = place(kitchen.step("RotateLook", horizon=0))
+    event = kitchen.step("MoveHeldObjectDown", moveMagnitude=0.6)
+    assert not event
+    assert f"is blocking {APPLE} from moving" in event.metadata["errorMessage"]
+    assert place(event) == pytest.approx(before, abs=1e-6)
+
+
+def test_the_hand_starts_anew(holding) -> None:
+    usual = holding.last_event.metadata["heldObjectPose"]["localPosition"]
+    assert usual == {"x": 0.0, "y": -0.16, "z": 0.38}
+    assert holding.step("MoveHeldObjectLeft", moveMagnitude=0.2)
+    assert holding.step("DropHandObject")
+    event = holding.step("PickupObject", objectId=APPLE, forceAction=True)
+    assert event.metadata["heldObjectPose"]["localPosition"] == usual
+
+
+def test_an_object_is_held_where_it_was(kitchen) -> None:
+    before = place(kitchen.step("TeleportFull", **BEFORE_APPLE))
+    event = kitchen.step("PickupObject", objectId=APPLE, manualInteract=True)
+    assert event.get_object(APPLE)["isPickedUp"]
+    assert place(event) == pytest.approx(before, abs=1e-4)
+    event = kitchen.step(
+        "MoveHeldObjectUp", moveMagnitude=0.1
+    )  # along the camera's axis, which looks down by 30 degrees
+    assert place(event)[1] - before[1] == pytest.approx(0.1 * np.cos(np.radians(30)), abs=1e-4)
+
+
+def test_what_is_dropped_falls_from_the_hand(holding) -> None:
+    holding.step("MoveHeldObject", right=0.3, ahead=0.2)
+    before = place(holding.last_event)
+    after = place(holding.step("DropHandObject"))
+    assert after[1] < 0.1
+    assert np.hypot(*(after - before)[[0, 2]]) < 0.25  # it rolls a little
+
+
+def test_turns_what_it_holds(holding) -> None:
+    start = holding.last_event.get_object(APPLE)["rotation"]
+    event = holding.step("RotateHeldObject", yaw=30)
+    assert (event.get_object(APPLE)["rotation"]["y"] - start["y"]) % 360 == pytest.approx(30.0, abs=1e-3)
+    event = holding.step("RotateHeldObject", rotation={"x": 0, "y": 15, "z": 0})
+    assert degrees(event) == pytest.approx([0.0, 195.0, 0.0], abs=1e-3)
+    event = holding.step("RotateHeldObject", pitch=90)
+    assert degrees(event)[0] == pytest.approx(75.0, abs=1e-3)  # its front was 15 degrees beside the agent's
+    for _ in range(3):
+        event = holding.step("RotateHeldObject", pitch="90")
+    assert degrees(event) == pytest.approx([0.0, 195.0, 0.0], abs=1e-3)
+    with pytest.raises(ValueError, match="Ambiguous action"):
+        holding.step("RotateHeldObject", pitch=10, rotation={"x": 0, "y": 0, "z": 0})
+
+
+def test_what_is_thrown_flies_where_the_camera_looks(holding) -> None:
+    before, agent = place(holding.last_event), holding.last_event.metadata["agent"]["position"]
+    event = holding.step("ThrowObject", moveMagnitude=10.0)
+    assert event, event.metadata["errorMessage"]
+    after = place(event)
+    assert not event.get_object(APPLE)["isPickedUp"]
+    assert agent["z"] - after[2] > agent["z"] - before[2] + 0.3
+    assert after[1] < 0.2
+    world = holding.server.session._simulator.room.world
+    rested = world.save()
+    world.settle()
+    moved = [np.subtract(world.state(name).position, rested.states[name].position) for name in world.ids]
+    assert np.abs(moved).max() < 0.002  # all is at rest
+
+
+@pytest.mark.parametrize("newtons", [2.0, 30.0, 5000.0])
+@pytest.mark.parametrize("rotation", [0, 90, 225])
+def test_what_is_thrown_stays_in_the_room_and_in_nothing(holding, newtons, rotation) -> None:
+    start = holding.step("Teleport", rotation=rotation)
+    event = holding.step("ThrowObject", moveMagnitude=newtons)
+    assert event, event.metadata["errorMessage"]
+    world = holding.server.session._simulator.room.world
+    corners = np.array(event.metadata["sceneBounds"]["cornerPoints"])
+    assert (place(event) > corners.min(axis=0)).all()
+    assert (place(event) < corners.max(axis=0)).all()
+    moved = [
+        o["objectId"] for o in event.metadata["objects"] if o["position"] != start.get_object(o["objectId"])["position"]
+    ]
+    assert APPLE in moved
+    for name in moved:
+        assert min((gap for _, gap in world.overlapping(name)), default=0.0) > -0.005, name
+
+
+def test_the_same_throw_ends_in_the_same_place(holding) -> None:
+    saved = holding.server.session._simulator.room.world.save()
+    first = holding.step("ThrowObject", moveMagnitude=20.0).metadata
+    holding.server.session._simulator.room.world.restore(saved)
+    assert holding.step("ThrowObject", moveMagnitude=20.0).metadata == first
+
+
+def test_what_takes_something_in_the_hand(kitchen) -> None:
+    for action in ("MoveHeldObject", "MoveHeldObjectAhead", "RotateHeldObject"):
+        assert kitchen.step(action).metadata["errorMessage"] == "nothing is held"
+    assert kitchen.step("ThrowObject", moveMagnitude=50.0).metadata["errorMessage"] == "Nothing in Hand to Throw!"
+    kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    assert "newtons" in kitchen.step("ThrowObject", moveMagnitude=0).metadata["errorMessage"]
+
+
+def test_an_arm_moves_what_it_holds_itself(armed) -> None:
+    assert "MoveArm" in armed.step("MoveHeldObjectAhead").metadata["errorMessage"]
