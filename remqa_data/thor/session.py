@@ -11,6 +11,7 @@ from remqa_data.thor.actions import arm as actions_arm
 from remqa_data.thor.actions import hand as actions_hand
 from remqa_data.thor.actions import navigation as actions_navigation
 from remqa_data.thor.actions import objects as actions_objects
+from remqa_data.thor.actions import placing as actions_placing
 from remqa_data.thor.actions import rays as actions_rays
 from remqa_data.thor.actions import scene as actions_scene
 from remqa_data.thor.actions import search as actions_search
@@ -27,6 +28,7 @@ ACTIONS = checked(
     | actions_rays.ACTIONS
     | actions_objects.ACTIONS
     | actions_hand.ACTIONS
+    | actions_placing.ACTIONS
     | actions_states.ACTIONS
 )
 """What the agent without an arm can do."""

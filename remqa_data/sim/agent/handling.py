@@ -12,6 +12,7 @@ from itertools import islice
 
 import numpy as np
 
+from remqa_data.assets.core.model import Space
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.physics.support import supports
@@ -53,11 +54,11 @@ def put_into(world: World, receptacle_id: str, near: tuple[float, float]) -> Rel
     """Put what is held into or onto a receptacle, at the free place nearest to a point; it must stay there."""
     held = world.held
     assert held is not None
-    asset = world.assets[receptacle_id]
-    is_open = asset.is_openable and world.state(receptacle_id).openness >= OPEN_ENOUGH
-    spaces = [space for space in asset.spaces if is_open or not space.enclosed]
+    spaces = open_spaces(world, receptacle_id)
     if not spaces:
-        return Release(None, f"{receptacle_id} is {'closed' if asset.spaces else 'not a receptacle'}")
+        return Release(
+            None, f"{receptacle_id} is {'closed' if world.assets[receptacle_id].spaces else 'not a receptacle'}"
+        )
     low, high = world.box(held) - np.array(world.state(held).position)
     links = world.link_poses(receptacle_id)
     spots = [
@@ -67,13 +68,26 @@ def put_into(world: World, receptacle_id: str, near: tuple[float, float]) -> Rel
     ]
     spots.sort(key=lambda spot: math.dist(spot[:2], near))
     before = world.save()
-    for spot in islice((spot for spot in spots if _is_free(world, held, spot)), TRIES):
+    for spot in islice((spot for spot in spots if is_free(world, held, spot)), TRIES):
         world.put(spot)
         settle(world)
-        if _support(world, held) == receptacle_id:
+        if support_of(world, held) == receptacle_id:
             return Release(held)
         world.restore(before)
     return Release(None, f"no free place for {held} in {receptacle_id}")
+
+
+def open_spaces(world: World, receptacle_id: str) -> list[Space]:
+    """The spaces of a receptacle into which a thing can be put as it is now: not those that are closed."""
+    asset = world.assets[receptacle_id]
+    is_open = asset.is_openable and world.state(receptacle_id).openness >= OPEN_ENOUGH
+    return [space for space in asset.spaces if is_open or not space.enclosed]
+
+
+def lattice(link: F64, box: F64) -> Iterator[Vec3]:
+    """Points of the floor of a (2, 3) box of a link, metres in the room."""
+    for x, y, z in _spots(link, box, np.zeros(3), np.zeros(3)):
+        yield float(x), float(y), float(z) - GAP_M
 
 
 def drop_at(world: World, spots: Sequence[Vec3], velocity: Vec3 | None = None) -> Release:
@@ -85,7 +99,7 @@ def drop_at(world: World, spots: Sequence[Vec3], velocity: Vec3 | None = None) -
     assert held is not None
     before = world.save()
     for spot in spots:
-        if _is_free(world, held, spot):
+        if is_free(world, held, spot):
             world.put(spot)
             if velocity is None:
                 settle(world)
@@ -136,7 +150,7 @@ def slide(
     before, start = world.save(), np.array(world.state(object_id).position)
     touching = {other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M}
     touching.update(world.contents(object_id))
-    held_by = _support(world, object_id)
+    held_by = support_of(world, object_id)
     sine, cosine = arithmetic.sin_cos(heading)
     way = np.array([cosine, sine, 0.0])
     gone, blocker = 0.0, ""
@@ -154,7 +168,7 @@ def slide(
     if gone == 0.0:
         world.restore(before)
     elif world.state(object_id).is_fixed:
-        if _support(world, object_id) != held_by:
+        if support_of(world, object_id) != held_by:
             world.restore(before)  # physics does not move what is fixed, so it would hang in the air
             return Slide(0.0, "the edge")
     else:
@@ -174,12 +188,14 @@ def _spots(link: F64, box: F64, low: F64, high: F64) -> Iterator[F64]:
             yield floor + np.array([0.0, 0.0, GAP_M - low[2]])
 
 
-def _is_free(world: World, object_id: str, spot: Vec3) -> bool:
+def is_free(world: World, object_id: str, spot: Vec3) -> bool:
+    """Whether an object, which is put there, touches nothing at a point."""
     world.move_alone(object_id, spot)
     return not world.overlapping(object_id)
 
 
-def _support(world: World, object_id: str) -> str | None:
+def support_of(world: World, object_id: str) -> str | None:
+    """Id of what holds an object, if anything does."""
     found = supports(world, {name: world.box(name) for name in world.ids}).get(object_id)
     return found.id if found else None
 

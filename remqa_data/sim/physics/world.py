@@ -27,6 +27,8 @@ from remqa_data.sim.physics.carrying import riders
 from remqa_data.sim.physics.state import ObjectState
 
 SETTLE_STEPS, CHECK_STEPS = 240, 20
+AWAY: Vec3 = (0.0, 0.0, -1000.0)
+"""Where things are that were taken out of the room, metres."""
 
 _Kept = dict[str, tuple[ObjectState, F64]]
 """What was found of objects, with the state that they were in."""
@@ -241,7 +243,7 @@ class World:
             raise ActionError(f"{object_id} is not pickupable")
         if self.held is not None:
             raise ActionError(f"cannot pick up {object_id}: already holding {self.held}")
-        self._set_fixed(object_id, False)
+        self.set_fixed(object_id, False)
         self.held = object_id
         self.revision += 1
         self._bodies.set_collisions(object_id, False)
@@ -277,6 +279,30 @@ class World:
         state = self.state(object_id)
         self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion))
 
+    def set_fixed(self, object_id: str, is_fixed: bool) -> None:
+        """Say whether physics leaves an object where it is."""
+        # PyBullet cannot free a fixed body, so the world is loaded anew: bodies keep their order, and so their effect.
+        state = self.state(object_id)
+        if state.is_fixed == is_fixed:
+            return
+        self._states[object_id] = replace(state, is_fixed=is_fixed)
+        self._reload()
+        self.revision += 1
+
+    def put_away(self, object_id: str) -> None:
+        """Take an object, and not what is in or on it, out of the room: it lies far below, where nothing meets it."""
+        if object_id == self.held:
+            self.put(AWAY)
+        self.set_fixed(object_id, True)
+        self.move_alone(object_id, AWAY)
+
+    def put_back(self, object_id: str, state: ObjectState) -> None:
+        """Give an object a state that it had before; no check for obstacles."""
+        if object_id == self.held:
+            self.put(state.position)
+        self.set_fixed(object_id, state.is_fixed)
+        self._put_at(object_id, state)
+
     @contextmanager
     def without_collisions(self, object_id: str) -> Iterator[None]:
         """For the length of a block, physics and rays pass through an object."""
@@ -297,7 +323,7 @@ class World:
         if self.held is not None and self.held != snapshot.held:
             self._bodies.set_collisions(self.held, True)
         for object_id, state in snapshot.states.items():
-            self._set_fixed(object_id, state.is_fixed)
+            self.set_fixed(object_id, state.is_fixed)
         for object_id, state in snapshot.states.items():
             if state is not self._states[object_id]:
                 self._put_at(object_id, state)
@@ -345,15 +371,6 @@ class World:
     def _put_at(self, object_id: str, state: ObjectState) -> None:
         self._states[object_id] = state
         self._bodies.place(object_id, state)
-        self.revision += 1
-
-    def _set_fixed(self, object_id: str, is_fixed: bool) -> None:
-        """PyBullet cannot free a fixed body, so the world is loaded anew: bodies keep their order, and so their effect."""
-        state = self._states[object_id]
-        if state.is_fixed == is_fixed:
-            return
-        self._states[object_id] = replace(state, is_fixed=is_fixed)
-        self._reload()
         self.revision += 1
 
     def _move_by(self, object_id: str, motion: F64) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from remqa_data.catalog import object_type
 from remqa_data.errors import MisuseError
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.types import F64
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import ActionResult
@@ -45,7 +45,7 @@ def move_held_object(
             f"the hand would be {math.hypot(x, y, z):.3g} m from the camera: it reaches "
             f"{simulator.settings.visibility_distance:g} m, the visibilityDistance",
         )
-    if forceVisible and not _is_in_frame(agent, (x, y, z)):
+    if forceVisible and not agent.has_in_frame((x, y, z)):
         return ActionResult(False, "the hand would be out of the frame, and forceVisible is set")
     blocker = _blocker(world, np.asarray(agent.hand_at()), np.asarray(agent.hand_at((x, y, z))))
     if blocker is not None:
@@ -162,13 +162,6 @@ def _refusal(agent: ThorAgent) -> ActionResult | None:
 
 def _distance(simulator: SimulatorState, metres: float | None) -> float:
     return simulator.settings.grid_size if metres is None else metres
-
-
-def _is_in_frame(agent: ThorAgent, offset: Vec3) -> bool:
-    right, up, ahead = offset
-    sine, cosine = arithmetic.sin_cos_deg(agent.embodiment.fov_deg / 2)
-    tall = ahead * float(sine / cosine)
-    return abs(up) <= tall and abs(right) <= tall * agent.frame.width / agent.frame.height
 
 
 def _blocker(world: World, start: F64, end: F64) -> str | None:

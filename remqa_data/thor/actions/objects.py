@@ -170,7 +170,8 @@ def _target(
 ) -> str | ActionResult:
     """The id of the object that an action is about, or why there is none."""
     if object_id is not None:
-        return object_id
+        is_away = object_id in simulator.room.records.away
+        return ActionResult(False, f"{object_id} is not in the scene") if is_away else object_id
     if x is None or y is None:
         raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
     return simulator.agent.object_at(x, y) or ActionResult(False, f"no object at ({x:g}, {y:g})")

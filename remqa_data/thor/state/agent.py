@@ -82,6 +82,13 @@ class ThorAgent(Agent):
         right, up, ahead = arithmetic.turned(point - np.asarray(camera.position), camera.rotation()).tolist()
         return right, up, ahead
 
+    def has_in_frame(self, offset: Vec3) -> bool:
+        """Whether a point, metres to the right of the camera, above and ahead of it, is in its frame, seen or not."""
+        right, up, ahead = offset
+        sine, cosine = arithmetic.sin_cos_deg(self.embodiment.fov_deg / 2)
+        tall = ahead * float(sine / cosine)
+        return abs(up) <= tall and abs(right) <= tall * self.frame.width / self.frame.height
+
     def pick_up(self, object_id: str, force: bool = False) -> ActionResult:
         """Take an object into the hand, which is where it usually is."""
         result = super().pick_up(object_id, force)

@@ -39,10 +39,13 @@ class ObjectRecords:
     ----------
     toggled : set of str
         Ids of the objects that are switched on. Nothing in the world depends on it.
+    away : dict of str to ObjectState
+        The objects that are out of the scene, with the state that they were in; they are not listed.
     """
 
     def __init__(self, world: World) -> None:
         self.toggled: set[str] = set()
+        self.away: dict[str, ObjectState] = {}
         self._world = world
         self._frames = _frames(world.scene)
         self._static = {object_id: _static(world, object_id) for object_id in world.ids}
@@ -65,6 +68,11 @@ class ObjectRecords:
     def rotation(self, object_id: str) -> Vector:
         """How AI2-THOR says an object is turned: as recorded, and with it since, whichever side its front is on."""
         return euler_to_thor(self.turn(object_id))
+
+    def id_of(self, name: str) -> str | None:
+        """The object with this `name` or id, if there is one."""
+        names = {str(record["name"]): object_id for object_id, record in self._static.items()}
+        return name if name in self._static else names.get(name)
 
     def turn(self, object_id: str) -> F64:
         """(3, 3) how AI2-THOR says an object is turned, in its frame."""
@@ -99,7 +107,7 @@ class ObjectRecords:
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
         listed = []
         for object_id, distance in zip(self._world.ids, distances, strict=True):
-            if only is not None and object_id not in only:
+            if object_id in self.away or (only is not None and object_id not in only):
                 continue
             record = {**self._static[object_id], **self._moving[object_id], **self._holding[object_id]}
             record["position"] = dict(record["position"])

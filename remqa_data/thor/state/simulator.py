@@ -9,6 +9,7 @@ from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose, pixels_per_object
+from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 from remqa_data.thor.state.agent import ThorAgent
@@ -40,6 +41,8 @@ class LoadedFloorPlan:
     ----------
     world, view, agent, records, palette
         The simulated room, its renderer, the agent in it, the objects' metadata and their colours.
+    at_rest : Snapshot
+        The world as it was loaded.
     """
 
     def __init__(self, scene: str, settings: Settings, frame: FrameSize) -> None:
@@ -48,16 +51,30 @@ class LoadedFloorPlan:
         self.world.settle()
         self.view = WorldView(self.world)
         self.palette = Palette(self.world.ids, [self.world.type_of(object_id) for object_id in self.world.ids])
-        self._at_rest = self.world.save()
+        self.at_rest = self.world.save()
+        self.records = ObjectRecords(self.world)
         self._start = _start_pose(self.view, reachable_grid(self.world))
         self.restart(settings, frame)
 
     def restart(self, settings: Settings, frame: FrameSize) -> None:
         """Put everything back to where it was when the room was loaded."""
-        self.world.restore(self._at_rest)
+        self.world.restore(self.at_rest)
+        self.show_all_but({})
         self.records = ObjectRecords(self.world)
         position, yaw_deg = self._start
         self.agent = ThorAgent(self.world, self.view, position, yaw_deg, settings=settings, frame=frame)
+
+    def take_away(self, object_id: str) -> None:
+        """Take an object out of the scene."""
+        state = self.world.state(object_id)
+        self.world.put_away(object_id)
+        self.show_all_but({**self.records.away, object_id: state})
+
+    def show_all_but(self, away: dict[str, ObjectState]) -> None:
+        """Say which objects are out of the scene, with the state that they were in."""
+        for object_id in {*self.records.away, *away}:
+            self.view.hide(object_id, object_id in away)
+        self.records.away = away
 
     def embody(self, settings: Settings) -> None:
         """Give the agent other settings, where it is."""

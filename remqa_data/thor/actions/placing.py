@@ -1,0 +1,226 @@
+"""Where things are said to be: taken out of the scene and put back, set to poses, placed at points.
+
+What is moved comes to rest: it falls from where it was put, and a piece of furniture stands still afterwards. What would
+end up in something else is refused, and the room is as before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NotRequired
+
+import numpy as np
+from typing_extensions import TypedDict
+
+from remqa_data.catalog import object_type
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import Vec3
+from remqa_data.sim.agent import handling
+from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.physics.state import ObjectState
+from remqa_data.sim.physics.world import World
+from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.frames import PartialVector, to_room, to_thor, turn_of_euler, whole
+from remqa_data.thor.state.simulator import LoadedFloorPlan, SimulatorState
+
+SAME_M, SAME_COSINE = 1e-4, 1.0 - 1e-9
+"""A pose that is so near to where an object is, or was when the room was loaded, is that pose."""
+AT_REST_M = 0.001
+"""What physics moves by no more was at rest."""
+ON_FLOOR_M = 0.02
+"""A ray from above meets a receptacle so near to the floor of its space where nothing lies."""
+
+
+class ObjectPose(TypedDict):
+    """Where an object is to be, by its name in the metadata or by its id."""
+
+    objectName: NotRequired[str]
+    objectId: NotRequired[str]
+    position: PartialVector
+    rotation: PartialVector
+
+
+def remove_from_scene(simulator: SimulatorState, objectId: str) -> ActionResult:
+    """Take an object out of the scene; what lay on it falls."""
+    room = simulator.room
+    if room.world.state(objectId) and objectId in room.records.away:
+        return ActionResult(False, f"{objectId} is not in the scene")
+    bears = room.world.bears_something(objectId)
+    room.take_away(objectId)
+    if bears:
+        handling.settle(room.world)
+    return ActionResult(True)
+
+
+def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
+    """Put an object back to where it was when it was taken out of the scene."""
+    room, world = simulator.room, simulator.room.world
+    if world.state(objectId) and objectId not in room.records.away:
+        return ActionResult(True)
+    before, away = world.save(), dict(room.records.away)
+    world.put_back(objectId, away[objectId])
+    if blocker := _sunken(world, [objectId]):
+        world.restore(before)
+        return ActionResult(False, f"{objectId} cannot come back: {blocker} is where it was")
+    room.show_all_but({name: state for name, state in away.items() if name != objectId})
+    _settle(world)
+    return ActionResult(True)
+
+
+def set_object_poses(
+    simulator: SimulatorState, objectPoses: list[ObjectPose], placeStationary: bool = True, forceAction: bool = False
+) -> ActionResult:
+    """Put all that is pickupable or moveable where it is said to be; what is not mentioned leaves the scene.
+
+    With `forceAction`, things may be put into each other, and physics drives them apart.
+    """
+    room, world = simulator.room, simulator.room.world
+    poses: dict[str, ObjectPose] = {}
+    for pose in objectPoses:
+        name = pose.get("objectId") or pose.get("objectName") or ""
+        object_id = room.records.id_of(name)
+        if object_id is None or not _is_loose(world, object_id):
+            return ActionResult(False, f"No Pickupable or Moveable object of name {name} found in scene.")
+        if object_id in poses:
+            return ActionResult(False, f"{name} is given two poses: objects cannot be copied here")
+        poses[object_id] = pose
+    if not poses:
+        return ActionResult(True)
+    before, away, moved = world.save(), dict(room.records.away), []
+    for object_id, pose in poses.items():
+        state = _wanted(room, object_id, pose)
+        if state is not world.state(object_id) or object_id == world.held:
+            world.put_back(object_id, state)
+            moved.append(object_id)
+    gone = {
+        name: away.get(name, before.states[name]) for name in world.ids if name not in poses and _is_loose(world, name)
+    }
+    for name in gone:
+        world.put_away(name)
+    blocker = None if forceAction else _sunken(world, moved)
+    blocker = blocker or _come_to_rest(room, moved)
+    if blocker is not None:
+        world.restore(before)
+        return ActionResult(False, f"the poses put an object into {blocker}")
+    room.show_all_but({**{name: state for name, state in away.items() if name not in poses}, **gone})
+    return ActionResult(True)
+
+
+def place_object_at_point(
+    simulator: SimulatorState,
+    objectId: str,
+    position: PartialVector,
+    rotation: PartialVector | None = None,
+    forceKinematic: bool = False,
+) -> ActionResult:
+    """Put the bottom of an object's box at a point, with what is in or on it, and let it come to rest."""
+    room, world = simulator.room, simulator.room.world
+    if world.state(objectId) and objectId in room.records.away:
+        return ActionResult(False, f"{objectId} is not in the scene")
+    if not _is_loose(world, objectId):
+        return ActionResult(False, f"{objectId} is neither pickupable nor moveable")
+    before = world.save()
+    if objectId == world.held:
+        world.put(world.state(objectId).position)
+    quaternion = world.state(objectId).quaternion
+    if rotation is not None:
+        quaternion = room.records.pose_of(objectId, (0.0, 0.0, 0.0), turn_of_euler(whole(rotation)))[1]
+    moved = [objectId, *world.move(objectId, world.state(objectId).position, quaternion)]
+    low, high = world.box(objectId)
+    bottom = np.array([*(low + high)[:2] / 2, low[2] - handling.GAP_M])
+    x, y, z = arithmetic.snapped(
+        world.state(objectId).position + np.asarray(to_room(whole(position))) - bottom
+    ).tolist()
+    world.move(objectId, (x, y, z))
+    blocker = _sunken(world, moved) or _come_to_rest(room, moved)
+    if blocker is not None:
+        world.restore(before)
+        return ActionResult(False, f"spawn area not clear ({blocker} is in the way), can't place object at that point")
+    return ActionResult(True)
+
+
+def get_spawn_coordinates_above_receptacle(
+    simulator: SimulatorState, objectId: str, anywhere: bool = True
+) -> ActionResult:
+    """Points of a receptacle on which nothing lies; only those in the frame and within reach if not `anywhere`."""
+    agent, world = simulator.agent, simulator.room.world
+    if not object_type(world.type_of(objectId)).receptacle:
+        return ActionResult(False, f"{objectId} is not a receptacle")
+    links = world.link_poses(objectId)
+    found: list[Vec3] = []
+    for space in handling.open_spaces(world, objectId):
+        for x, y, z in handling.lattice(links[space.link], np.array(space.box).reshape(2, 3)):
+            hit = world.first_hit((x, y, z + space.box[5] - space.box[2]), (x, y, z - ON_FLOOR_M))
+            if hit is not None and hit[0] == objectId and abs(hit[1][2] - z) <= ON_FLOOR_M:
+                found.append(hit[1])
+    if not anywhere:
+        offsets = [agent.offset_of(np.asarray(point)) for point in found]
+        reach = simulator.settings.visibility_distance
+        found = [
+            point
+            for point, offset in zip(found, offsets, strict=True)
+            if agent.has_in_frame(offset) and float(arithmetic.length(offset)) <= reach
+        ]
+    return ActionResult(True, value=[to_thor(point) for point in found])
+
+
+ACTIONS: dict[str, Action] = {
+    "DisableObject": remove_from_scene,
+    "EnableObject": enable_object,
+    "GetSpawnCoordinatesAboveReceptacle": get_spawn_coordinates_above_receptacle,
+    "PlaceObjectAtPoint": place_object_at_point,
+    "RemoveFromScene": remove_from_scene,
+    "SetObjectPoses": set_object_poses,
+}
+
+
+def _is_loose(world: World, object_id: str) -> bool:
+    kind = object_type(world.type_of(object_id))
+    return kind.pickupable or kind.moveable
+
+
+def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectState:
+    """The state that a pose asks for: the one that the object has, or had when the room was loaded, if that is it."""
+    loaded, now = room.at_rest.states[object_id], room.world.state(object_id)
+    position, quaternion = room.records.pose_of(
+        object_id, to_room(whole(pose["position"])), turn_of_euler(whole(pose["rotation"]))
+    )
+    wanted = replace(now, position=position, quaternion=quaternion, is_fixed=loaded.is_fixed)
+    for known in (now, replace(loaded, openness=now.openness) if now.openness != loaded.openness else loaded):
+        apart = arithmetic.length(np.subtract(known.position, position))
+        if apart < SAME_M and abs(float(arithmetic.dot(known.quaternion, quaternion))) > SAME_COSINE:
+            return known
+    return wanted
+
+
+def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str]) -> str | None:
+    """Let what was moved fall, and furniture stand still then; what an object is in afterwards, if it is in any."""
+    world = room.world
+    furniture = [
+        name for name in moved if world.state(name).is_fixed and world.state(name) is not room.at_rest.states[name]
+    ]
+    for name in furniture:
+        world.set_fixed(name, False)
+    _settle(world)
+    for name in furniture:
+        world.set_fixed(name, True)
+    return _sunken(world, [name for name in moved if world.state(name) is not room.at_rest.states[name]])
+
+
+def _settle(world: World) -> None:
+    """Let all come to rest; if all was at rest but for a hair, nothing moves at all."""
+    before = world.save()
+    handling.settle(world)
+    moved = [np.subtract(world.state(name).position, state.position) for name, state in before.states.items()]
+    if (arithmetic.length(moved) <= AT_REST_M).all():
+        world.restore(before)
+
+
+def _sunken(world: World, moved: Sequence[str]) -> str | None:
+    """What one of some objects is in, by more than things that touch are."""
+    for name in moved:
+        for other, gap in world.overlapping(name):
+            if gap < -handling.OVERLAP_M:
+                return other
+    return None

@@ -1,0 +1,164 @@
+import numpy as np
+import pytest
+
+from tests.thor.test_objects import APPLE, FRIDGE, ISLAND, STOOL, pose
+
+TOASTER = "Toaster|-01.84|+00.90|+00.13"
+
+
+def poses(event) -> list[dict]:
+    """What SetObjectPoses is given to bring back a state."""
+    loose = [o for o in event.metadata["objects"] if o["pickupable"] or o["moveable"]]
+    return [{"objectName": o["name"], "position": o["position"], "rotation": o["rotation"]} for o in loose]
+
+
+def position(event, object_id) -> list[float]:
+    return list(event.get_object(object_id)["position"].values())
+
+
+def assert_at_rest_and_apart(controller, object_ids) -> None:
+    world = controller.server.session._simulator.room.world
+    for name in object_ids:
+        assert min((gap for _, gap in world.overlapping(name)), default=0.0) > -0.005, name
+    rested = world.save()
+    world.settle()
+    moved = [np.subtract(world.state(name).position, rested.states[name].position) for name in world.ids]
+    assert np.abs(moved).max() < 0.002
+
+
+def test_poses_bring_an_earlier_state_back(kitchen) -> None:
+    start = kitchen.last_event
+    assert kitchen.step("SetObjectPoses", objectPoses=poses(start)).metadata["objects"] == start.metadata["objects"]
+    kitchen.step("PlaceObjectAtPoint", objectId=STOOL, position={"x": 1.2, "y": 0.0, "z": 1.2})
+    kitchen.step("PlaceObjectAtPoint", objectId=APPLE, position={"x": 0.5, "y": 1.13, "z": 1.0})
+    kitchen.step("PickupObject", objectId="Bread|-00.52|+01.17|-00.03", forceAction=True)
+    assert kitchen.last_event.metadata["inventoryObjects"]
+    event = kitchen.step("SetObjectPoses", objectPoses=poses(start))
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["inventoryObjects"] == []
+    for record in start.metadata["objects"]:
+        assert position(event, record["objectId"]) == pytest.approx(list(record["position"].values()), abs=0.002)
+    assert position(event, STOOL) == position(start, STOOL)
+
+
+def test_what_has_no_pose_leaves_the_scene(kitchen) -> None:
+    start = kitchen.last_event
+    apple = {"objectId": APPLE, "position": {"x": -0.35, "y": 1.6, "z": 0.46}, "rotation": {"x": 0, "y": 90, "z": 0}}
+    event = kitchen.step("SetObjectPoses", objectPoses=[apple])
+    assert event, event.metadata["errorMessage"]
+    assert [o["objectId"] for o in event.metadata["objects"] if o["pickupable"] or o["moveable"]] == [APPLE]
+    assert event.get_object(APPLE)["parentReceptacles"] == [ISLAND]  # it has fallen onto it
+    assert_at_rest_and_apart(kitchen, [APPLE])
+    assert not np.array_equal(event.frame, start.frame)
+    assert "not in the scene" in kitchen.step("PickupObject", objectId=TOASTER).metadata["errorMessage"]
+    event = kitchen.step("SetObjectPoses", objectPoses=poses(start))
+    assert {o["objectId"] for o in event.metadata["objects"]} == {o["objectId"] for o in start.metadata["objects"]}
+
+
+def test_poses_that_are_refused_change_nothing(kitchen) -> None:
+    start, all_poses = kitchen.last_event, poses(kitchen.last_event)
+    (bread,) = [p for p in all_poses if p["objectName"].startswith("Bread")]
+    (apple,) = [p for p in all_poses if p["objectName"].startswith("Apple")]
+    for wrong, words in (
+        ([{**bread, "objectName": "Bread_1"}], "No Pickupable or Moveable object of name Bread_1 found in scene."),
+        ([{**bread, "objectName": FRIDGE}], "No Pickupable or Moveable object"),
+        ([bread, bread], "two poses"),
+        ([{**apple, "position": bread["position"]}, bread], "the poses put an object into"),
+    ):
+        event = kitchen.step("SetObjectPoses", objectPoses=wrong)
+        assert words in event.metadata["errorMessage"]
+        assert event.metadata["objects"] == start.metadata["objects"]
+    with pytest.raises(ValueError, match=r"objectPoses\.0\.rotation"):
+        kitchen.step("SetObjectPoses", objectPoses=[{"objectId": APPLE, "position": {"x": 0, "y": 0, "z": 0}}])
+
+
+def test_an_object_is_placed_where_there_is_room(kitchen) -> None:
+    points = kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=ISLAND).metadata["actionReturn"]
+    assert len(points) > 100
+    for point in points[:: len(points) // 4]:
+        event = kitchen.step("PlaceObjectAtPoint", objectId=APPLE, position=point)
+        if event:
+            box = event.get_object(APPLE)["axisAlignedBoundingBox"]
+            assert box["center"]["y"] - box["size"]["y"] / 2 == pytest.approx(point["y"], abs=0.01)
+            assert (box["center"]["x"], box["center"]["z"]) == pytest.approx((point["x"], point["z"]), abs=0.02)
+            assert event.get_object(APPLE)["parentReceptacles"] == [ISLAND]
+            assert_at_rest_and_apart(kitchen, [APPLE])
+        else:
+            assert "spawn area not clear" in event.metadata["errorMessage"]
+    assert position(kitchen.last_event, APPLE) != position(kitchen.reset(), APPLE)
+
+
+def test_furniture_falls_to_rest_and_stands_still(kitchen) -> None:
+    event = kitchen.step(
+        "PlaceObjectAtPoint",
+        objectId=TOASTER,
+        position={"x": 1.2, "y": 0.5, "z": 0.0},
+        rotation={"x": 0, "y": 45, "z": 0},
+    )
+    assert event, event.metadata["errorMessage"]
+    assert position(event, TOASTER)[1] < 0.05
+    assert event.get_object(TOASTER)["rotation"]["y"] == pytest.approx(45.0, abs=1.0)
+    assert kitchen.server.session._simulator.room.world.state(TOASTER).is_fixed
+    assert_at_rest_and_apart(kitchen, [TOASTER])
+
+
+def test_what_is_held_is_placed_too(kitchen) -> None:
+    kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    event = kitchen.step("PlaceObjectAtPoint", objectId=APPLE, position={"x": 1.2, "y": 0.3, "z": 0.0})
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["inventoryObjects"] == []
+    assert position(event, APPLE)[1] < 0.1
+
+
+def test_what_is_in_the_way_of_a_point(kitchen) -> None:
+    start = kitchen.last_event
+    box = start.get_object(FRIDGE)["axisAlignedBoundingBox"]
+    front = {**box["center"], "x": box["center"]["x"] + box["size"]["x"] / 2}
+    event = kitchen.step("PlaceObjectAtPoint", objectId=STOOL, position={**front, "y": 0.0})
+    assert event.metadata["errorMessage"].startswith("spawn area not clear (")
+    assert event.metadata["objects"] == start.metadata["objects"]
+    event = kitchen.step("PlaceObjectAtPoint", objectId=FRIDGE, position={"x": 1.2, "y": 0.0, "z": 0.0})
+    assert "neither pickupable nor moveable" in event.metadata["errorMessage"]
+
+
+def test_points_above_a_receptacle(kitchen) -> None:
+    kitchen.step("TeleportFull", **pose(-1.0, 0.5, 90, 30))
+    anywhere = kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=ISLAND, anywhere=True).metadata[
+        "actionReturn"
+    ]
+    near = kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=ISLAND, anywhere=False).metadata["actionReturn"]
+    assert 0 < len(near) < len(anywhere)
+    eye = np.array(list(kitchen.last_event.metadata["cameraPosition"].values()))
+    assert all(np.linalg.norm(np.array(list(point.values())) - eye) <= 1.5 for point in near)
+    assert kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=FRIDGE).metadata["actionReturn"] == []
+    assert not kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=APPLE)
+
+
+@pytest.mark.parametrize("action", ["RemoveFromScene", "DisableObject"])
+def test_what_is_removed_is_gone_and_comes_back(kitchen, action) -> None:
+    start = kitchen.step("TeleportFull", **pose(-1.0, 0.5, 90, 30), renderInstanceSegmentation=True)
+    assert APPLE in start.instance_masks
+    gone = kitchen.step(action, objectId=APPLE, renderInstanceSegmentation=True)
+    assert gone
+    assert APPLE not in gone.instance_masks
+    assert APPLE not in {o["objectId"] for o in gone.metadata["objects"]}
+    assert not kitchen.step(action, objectId=APPLE)
+    back = kitchen.step("EnableObject", objectId=APPLE)
+    assert position(back, APPLE) == pytest.approx(position(start, APPLE), abs=0.001)
+    assert np.array_equal(back.frame, start.frame)
+
+
+def test_what_lay_on_what_is_removed_falls(kitchen) -> None:
+    height = position(kitchen.last_event, APPLE)[1]
+    event = kitchen.step("RemoveFromScene", objectId=ISLAND)
+    assert position(event, APPLE)[1] < height - 0.01
+    assert_at_rest_and_apart(kitchen, [APPLE])
+
+
+def test_nothing_comes_back_into_something_else(kitchen) -> None:
+    place = kitchen.last_event.get_object(APPLE)["position"]
+    kitchen.step("DisableObject", objectId=APPLE)
+    event = kitchen.step("PlaceObjectAtPoint", objectId="Bread|-00.52|+01.17|-00.03", position={**place, "y": 1.13})
+    assert event, event.metadata["errorMessage"]
+    assert "cannot come back: Bread" in kitchen.step("EnableObject", objectId=APPLE).metadata["errorMessage"]
+    assert {o["objectId"] for o in kitchen.reset().metadata["objects"]} > {APPLE}
