@@ -30,7 +30,7 @@ HasRoom = Callable[[P, tuple[str, ...], tuple[str, ...]], bool]
 sees whether things of other types are there; both sorted."""
 TakesThings = Callable[[P, tuple[str, ...], tuple[str, ...], int], bool]
 """The same, with so many things of a type that is not asked for beside them."""
-LEAST_PLAN_RATIO = 0.5
+LEAST_PLAN_RATIO = 0.35
 """What comes to light instead of a thing is at least so large, and not as many times larger."""
 SiteKey = tuple[str, str]
 """Object id and relation: in a microwave and under it are two places."""
