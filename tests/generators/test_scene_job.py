@@ -16,7 +16,7 @@ from remqa_data.generators.scene_job import make_room
 from remqa_data.generators.scene_plan import Job
 from remqa_data.tables.rows import QuestionRow
 
-ROOM = "FloorPlan401"
+ROOM = "FloorPlan405"
 CONFIG = load_config(Path(__file__).parents[2] / "configs" / "tiny.yaml")
 (QUOTA,) = allot(capacities([ROOM]), {"train": {"EXISTENCE": 4}})
 

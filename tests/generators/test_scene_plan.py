@@ -17,7 +17,7 @@ from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.scene_plan import Job, RoomPlanner
 from remqa_data.scene import Scene
 
-ROOM = "FloorPlan411"
+ROOM = "FloorPlan421"
 
 
 @pytest.fixture(scope="module")

@@ -40,7 +40,7 @@ def microwave(b: Builder) -> None:
     b.cylinder(0.03, 0.005, (x, middle - wall / 2, floor + 0.0025), materials.GRAY_PLASTIC, sections=8, solid=False)
     free = b.h - wall - 0.005 - floor - 0.011
     b.space("inside", (1.3 * plate, 1.3 * plate, free), (x, middle - wall / 2, floor + 0.011 + free / 2), enclosed=True)
-    b.box((b.w - 0.03, b.d - reach - 0.03, feet), (0, (face + y1) / 2, feet / 2), materials.RUBBER)
+    b.box((b.w - 0.08, b.d - reach - 0.06, feet), (0, (face + y1) / 2, feet / 2), materials.RUBBER)
     if side:
         panel = materials.BLACK_PLASTIC if b.variant != 1 else body
         b.box((side, b.d / 2 - face, tall), (b.w / 2 - side / 2, (face + y1) / 2, feet + tall / 2), body, radius=soft)
