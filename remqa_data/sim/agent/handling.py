@@ -124,7 +124,7 @@ def blocker_at(world: World, object_id: str, position: Vec3) -> str | None:
     """What fixed thing an object would overlap somewhere else; None if none. What is loose would be pushed aside."""
     was, carried = world.state(object_id).position, set(world.contents(object_id))
     world.move_alone(object_id, position)
-    met = [other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M and other not in carried]
+    met = [other for other in sunk_into(world, object_id) if other not in carried]
     world.move_alone(object_id, was)
     return next((other for other in met if other not in world.ids or world.state(other).is_fixed), None)
 
@@ -148,8 +148,7 @@ def slide(
         Names what else is in the way of the object's centre being at a position, or gives None.
     """
     before, start = world.save(), np.array(world.state(object_id).position)
-    touching = {other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M}
-    touching.update(world.contents(object_id))
+    touching = {*sunk_into(world, object_id), *world.contents(object_id)}
     held_by = support_of(world, object_id)
     sine, cosine = arithmetic.sin_cos(heading)
     way = np.array([cosine, sine, 0.0])
@@ -158,7 +157,7 @@ def slide(
         x, y, z = (start + step * way).tolist()
         refused = is_refused((x, y, z))
         world.move(object_id, (x, y, z))
-        met = [other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M and other not in touching]
+        met = [other for other in sunk_into(world, object_id) if other not in touching]
         if met or refused:
             blocker = refused or met[0]
             x, y, z = (start + gone * way).tolist()
@@ -192,6 +191,11 @@ def is_free(world: World, object_id: str, spot: Vec3) -> bool:
     """Whether an object, which is put there, touches nothing at a point."""
     world.move_alone(object_id, spot)
     return not world.overlapping(object_id)
+
+
+def sunk_into(world: World, object_id: str) -> list[str]:
+    """What an object is in by more than things are that touch, the deepest first."""
+    return [other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M]
 
 
 def support_of(world: World, object_id: str) -> str | None:

@@ -184,6 +184,6 @@ def _met(world: World, hand: F64, quaternion: Quaternion) -> set[str]:
     before, held = world.save(), str(world.held)
     x, y, z = arithmetic.snapped(hand).tolist()
     world.move_alone(held, (x, y, z), quaternion)
-    met = {other for other, gap in world.overlapping(held) if gap < -handling.OVERLAP_M}
+    met = set(handling.sunk_into(world, held))
     world.restore(before)
     return met

@@ -44,7 +44,7 @@ class ObjectPose(TypedDict):
 def remove_from_scene(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Take an object out of the scene; what lay on it falls."""
     room = simulator.room
-    if room.world.state(objectId) and objectId in room.records.away:
+    if _is_away(room, objectId):
         return ActionResult(False, f"{objectId} is not in the scene")
     bears = room.world.bears_something(objectId)
     room.take_away(objectId)
@@ -56,7 +56,7 @@ def remove_from_scene(simulator: SimulatorState, objectId: str) -> ActionResult:
 def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Put an object back to where it was when it was taken out of the scene."""
     room, world = simulator.room, simulator.room.world
-    if world.state(objectId) and objectId not in room.records.away:
+    if not _is_away(room, objectId):
         return ActionResult(True)
     before, away = world.save(), dict(room.records.away)
     world.put_back(objectId, away[objectId])
@@ -116,7 +116,7 @@ def place_object_at_point(
 ) -> ActionResult:
     """Put the bottom of an object's box at a point, with what is in or on it, and let it come to rest."""
     room, world = simulator.room, simulator.room.world
-    if world.state(objectId) and objectId in room.records.away:
+    if _is_away(room, objectId):
         return ActionResult(False, f"{objectId} is not in the scene")
     if not _is_loose(world, objectId):
         return ActionResult(False, f"{objectId} is neither pickupable nor moveable")
@@ -175,6 +175,12 @@ ACTIONS: dict[str, Action] = {
 }
 
 
+def _is_away(room: LoadedFloorPlan, object_id: str) -> bool:
+    """Whether an object is out of the scene; an error if the room has no such object."""
+    room.world.state(object_id)
+    return object_id in room.records.away
+
+
 def _is_loose(world: World, object_id: str) -> bool:
     kind = object_type(world.type_of(object_id))
     return kind.pickupable or kind.moveable
@@ -219,8 +225,4 @@ def _settle(world: World) -> None:
 
 def _sunken(world: World, moved: Sequence[str]) -> str | None:
     """What one of some objects is in, by more than things that touch are."""
-    for name in moved:
-        for other, gap in world.overlapping(name):
-            if gap < -handling.OVERLAP_M:
-                return other
-    return None
+    return next((other for name in moved for other in handling.sunk_into(world, name)), None)

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, to_room, to_thor, whole
@@ -23,11 +20,7 @@ def get_coordinate_from_raycast(simulator: SimulatorState, x: float, y: float) -
     metres = float(depth[row, column])
     if metres <= 0.0:
         return ActionResult(False, f"nothing is seen at ({x:g}, {y:g})")
-    tall = math.tan(math.radians(camera.fov_deg) / 2)
-    right, up, ahead = camera.rotation()
-    sideways = (2 * (column + 0.5) / camera.width - 1) * tall * camera.width / camera.height
-    upwards = (1 - 2 * (row + 0.5) / camera.height) * tall
-    return ActionResult(True, value=to_thor(camera.position + metres * (ahead + sideways * right + upwards * up)))
+    return ActionResult(True, value=to_thor(camera.unproject(depth)[row, column]))
 
 
 def perform_raycast(simulator: SimulatorState, origin: PartialVector, destination: PartialVector) -> ActionResult:
@@ -41,7 +34,7 @@ def perform_raycast(simulator: SimulatorState, origin: PartialVector, destinatio
         return ActionResult(False, f"nothing is hit between {_words(origin)} and {_words(destination)}")
     name, point = hit
     is_object = name in simulator.room.world.ids
-    value = {"objectId": name if is_object else None, "hit": to_thor(point), "distance": _distance(start, point)}
+    value = {"objectId": name if is_object else None, "hit": to_thor(point), "distance": math.dist(start, point)}
     return ActionResult(True, value=value)
 
 
@@ -49,10 +42,6 @@ ACTIONS: dict[str, Action] = {
     "GetCoordinateFromRaycast": get_coordinate_from_raycast,
     "PerformRaycast": perform_raycast,
 }
-
-
-def _distance(start: Vec3, end: Vec3) -> float:
-    return float(np.linalg.norm(np.subtract(end, start)))
 
 
 def _words(point: PartialVector) -> str:
