@@ -100,7 +100,7 @@ class ImageConfig(_Section):
 
     size_px: Annotated[int, Field(ge=32, le=MOST_IMAGE_PX)]
     rgb_format: RgbFormat
-    light: Light = "direct"
+    light: Light = "baked"
 
 
 class Config(_Section):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -99,11 +99,12 @@ def preview(
         Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")
     ] = Path("preview.png"),
     size: Annotated[int, typer.Option(min=32, max=2048, help="Width and height of each view in pixels.")] = 300,
+    light: Annotated[Literal["baked", "direct"], typer.Option(help="How the room is lit.")] = "baked",
 ) -> None:
     """Draw a room: a map with walls, objects and reachable cells, and eight views."""
     from remqa_data.generators.figures.preview import write_preview
 
-    write_preview(scene, picture, size_px=size)
+    write_preview(scene, picture, size_px=size, light=light)
     output().say(str(picture))
     output().result(picture=picture)
 

@@ -15,14 +15,14 @@ def invoke(*arguments: str) -> Result:
 
 
 @pytest.fixture
-def drawn(monkeypatch) -> list[tuple[str, Path, int]]:
+def drawn(monkeypatch) -> list[tuple[str, Path, int, str]]:
     """Stands in for the drawing of rooms: knows FloorPlan1 only, and notes what it is asked for."""
-    calls: list[tuple[str, Path, int]] = []
+    calls: list[tuple[str, Path, int, str]] = []
 
-    def write_preview(scene: str, path: Path, size_px: int) -> None:
+    def write_preview(scene: str, path: Path, size_px: int, light: str) -> None:
         if scene != "FloorPlan1":
             raise UnknownNameError("scene", scene, ["FloorPlan1"])
-        calls.append((scene, path, size_px))
+        calls.append((scene, path, size_px, light))
 
     module = ModuleType("remqa_data.generators.figures.preview")
     module.write_preview = write_preview  # type: ignore[attr-defined]
@@ -72,10 +72,11 @@ def test_an_unknown_type_is_one_line_with_the_nearest_names_and_writes_nothing(t
     assert not (tmp_path / "sheets").exists()
 
 
-def test_preview_passes_scene_path_and_size(drawn):
-    result = invoke("preview", "FloorPlan1", "-o", "room.png", "--size", "64")
+@pytest.mark.parametrize(("words", "light"), [((), "baked"), (("--light", "direct"), "direct")])
+def test_preview_passes_scene_path_size_and_light(drawn, words, light):
+    result = invoke("preview", "FloorPlan1", "-o", "room.png", "--size", "64", *words)
     assert (result.exit_code, result.output) == (0, "room.png\n")
-    assert drawn == [("FloorPlan1", Path("room.png"), 64)]
+    assert drawn == [("FloorPlan1", Path("room.png"), 64, light)]
 
 
 def test_an_unknown_scene_is_one_line_with_the_nearest_names(drawn):
@@ -96,7 +97,7 @@ def test_an_unknown_scene_is_one_line_with_the_nearest_names(drawn):
     ],
 )
 def test_an_error_on_purpose_is_one_line(error, line, drawn, monkeypatch):
-    def fail(scene: str, path: Path, size_px: int) -> None:
+    def fail(scene: str, path: Path, size_px: int, light: str) -> None:
         raise error
 
     monkeypatch.setattr(sys.modules["remqa_data.generators.figures.preview"], "write_preview", fail)
@@ -105,7 +106,7 @@ def test_an_error_on_purpose_is_one_line(error, line, drawn, monkeypatch):
 
 
 def test_a_bug_is_not_hidden(drawn, monkeypatch):
-    def fail(scene: str, path: Path, size_px: int) -> None:
+    def fail(scene: str, path: Path, size_px: int, light: str) -> None:
         raise ZeroDivisionError
 
     monkeypatch.setattr(sys.modules["remqa_data.generators.figures.preview"], "write_preview", fail)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 from remqa_data.errors import UnknownNameError
@@ -10,7 +11,7 @@ from remqa_data.floorplans.ithor.table import recorded_objects, unity_rotation
 from remqa_data.floorplans.sampled import scenes as sampled
 from remqa_data.floorplans.sampled.naming import is_sampled, sampled_index
 from remqa_data.geometry.types import F64
-from remqa_data.scene import Scene
+from remqa_data.scene import Light, Scene
 
 
 def scene_names() -> tuple[str, ...]:
@@ -18,17 +19,23 @@ def scene_names() -> tuple[str, ...]:
     return ithor.scene_names()
 
 
-def load_scene(name: str) -> Scene:
+def load_scene(name: str, light: Light = "baked") -> Scene:
     """A floor plan as a scene, or a sampled room such as "Sampled-kitchen-000000" of seed 0.
+
+    Parameters
+    ----------
+    name : str
+        Such as "FloorPlan1".
+    light : {"baked", "direct"}
+        How it is drawn.
 
     Raises
     ------
     UnknownNameError
         If there is no such floor plan; names the nearest.
     """
-    if is_sampled(name):
-        return sampled.sampled_scene(sampled_index(name), seed=0)
-    return ithor.load_scene(name)
+    scene = sampled.sampled_scene(sampled_index(name), seed=0) if is_sampled(name) else ithor.load_scene(name)
+    return replace(scene, light=light)
 
 
 class RecordedPose(NamedTuple):
