@@ -32,6 +32,7 @@ SOURCES = (
     "sim/render/antialias",
     "sim/render/camera",
     "sim/render/mipmap",
+    "sim/render/mirrors",
     "sim/render/outline",
     "sim/render/pixels",
     "sim/render/raster",

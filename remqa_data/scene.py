@@ -208,7 +208,9 @@ def _structure_box(where: str, scene: Scene, part: StructureBox) -> Iterator[str
 
 
 def _material(where: str, finish: Material) -> Iterator[str]:
-    yield from _within(f"{where}: rgb, gloss or glow", (*finish.rgb, finish.gloss, finish.glow), 0.0, 1.0)
+    yield from _within(
+        f"{where}: rgb, gloss, glow or mirror", (*finish.rgb, finish.gloss, finish.glow, finish.mirror), 0.0, 1.0
+    )
     if finish.repeat_m is not None:
         yield from _within(f"{where}.repeat_m", [finish.repeat_m], 1e-3, limits.MOST_FAR_M, " m")
     if finish.texture is not None and finish.texture not in TEXTURE_NAMES:

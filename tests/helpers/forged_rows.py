@@ -205,6 +205,7 @@ def room_forgeries() -> Iterator[Forgery]:
         ("a texture repeated at 0 m", {"texture": "wood", "repeat_m": 0}),
         ("a colour of nan", {"rgb": [nan, 0, 0]}),
         ("a gloss of 1e30", {"gloss": 1e30}),
+        ("a mirror that shows twice what is there", {"mirror": 2.0}),
     ):
         yield _room(
             what,

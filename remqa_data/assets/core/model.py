@@ -39,6 +39,8 @@ class Material:
         Strength of the highlight, 0 (matt) to 1.
     glow : float
         0 for lit by the room, 1 for a surface that shines by itself (lamp, sky behind a window).
+    mirror : float
+        Share of what it shows that is a reflection of the room where light is baked, 0 to 1 (a perfect mirror).
     """
 
     substance: str
@@ -48,6 +50,7 @@ class Material:
     repeat_m: float | None = 1.0
     gloss: float = 0.0
     glow: float = 0.0
+    mirror: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

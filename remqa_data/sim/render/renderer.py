@@ -13,6 +13,7 @@ from remqa_data.sim.light.patches import Patches, light_faces, patches
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render.antialias import smooth_edges
 from remqa_data.sim.render.camera import AnyCamera, View
+from remqa_data.sim.render.mirrors import Mirrors, no_mirrors
 from remqa_data.sim.render.raster import Buffers, Geometry, Placed, part_faces, place_part, rasterise
 from remqa_data.sim.render.scene_arrays import RenderPart, build_geometry, build_materials, surface_instances
 from remqa_data.sim.render.shade import Lights, shade, write_depth_and_instances
@@ -53,6 +54,8 @@ class Renderer:
         Light from everywhere, linear; 0.3 to 0.6 looks like a room by day. Not used with a volume.
     volume : Volume, optional
         Indirect light, see `remqa_data.sim.light`; what moves takes it from where it is.
+    mirrors : Mirrors, optional
+        What the mirrors among the parts' surfaces show; without, they show the texture of their material.
     background : tuple of float
         sRGB in 0..1 of pixels where nothing is.
     shadow_size : int
@@ -67,6 +70,7 @@ class Renderer:
         lights: Sequence[Vec3] = ((0.0, 0.0, 2.4),),
         ambient: float = AMBIENT,
         volume: Volume | None = None,
+        mirrors: Mirrors | None = None,
         background: Vec3 = BACKGROUND,
         shadow_size: int = 512,
     ) -> None:
@@ -90,6 +94,7 @@ class Renderer:
         self._stale_maps = np.ones(6, dtype=np.bool_)
         self._frame_buffers: dict[tuple[int, int], Buffers] = {}
         self._volume = volume
+        self._mirrors = no_mirrors(len(self._instances)) if mirrors is None else mirrors
         self._patches = _NO_PATCHES if volume is None else patches(self._geometry.vertices, self._geometry.faces)
         self._stale_light = np.ones(count, dtype=np.bool_)
         self.set_poses(range(count), poses)
@@ -145,6 +150,7 @@ class Renderer:
             self._lights,
             self._shadows if shadows else _NO_SHADOWS,
             self._patches,
+            self._mirrors,
             rgb,
         )
         if antialias:

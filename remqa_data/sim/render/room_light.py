@@ -33,8 +33,13 @@ def room_light(scene: Scene) -> Volume:
 
     Baking takes a second; the last rooms are kept, so that other configurations of a room cost nothing.
     """
+    return _baked(static_scene(scene))
+
+
+def static_scene(scene: Scene) -> Scene:
+    """The room with only what stands fixed in it, all closed."""
     fixed = (replace(o, openness=0.0, parents=()) for o in scene.objects if o.is_fixed)
-    return _baked(scene.with_objects(tuple(fixed)))
+    return scene.with_objects(tuple(fixed))
 
 
 @lru_cache(maxsize=4)
@@ -64,15 +69,23 @@ def _balanced(volume: Volume) -> Volume:
 
 def static_faces(scene: Scene) -> Faces:
     """Everything in a room that never moves, and the closed doors and drawers."""
-    parts = [RenderPart(surfaces, 0) for surfaces in structure_surfaces(scene)]
-    poses, fronts = [np.eye(4)] * len(parts), [np.zeros(3)] * len(parts)
+    parts, poses = static_parts(scene)
+    fronts = [np.zeros(3)] * len(structure_surfaces(scene))
     for placed in scene.objects:
-        pose = _pose(placed)
-        for number, link in enumerate(build(placed.asset).links):
-            parts.append(RenderPart(link.surfaces, 0))
-            poses.append(pose)
-            fronts.append(-pose[:3, 1] if number else np.zeros(3))  # the front of an asset is at -y
+        moving = len(build(placed.asset).links) - 1
+        fronts += [np.zeros(3), *[-_pose(placed)[:3, 1]] * moving]  # the front of an asset is at -y
     return _faces(build_geometry(parts), poses, np.array(fronts), parts)
+
+
+def static_parts(scene: Scene) -> tuple[list[RenderPart], list[F64]]:
+    """The building's parts, then all links of all objects as they are when closed; and their (4, 4) poses."""
+    parts = [RenderPart(surfaces, 0) for surfaces in structure_surfaces(scene)]
+    poses = [np.eye(4)] * len(parts)
+    for placed in scene.objects:
+        links = build(placed.asset).links
+        parts += [RenderPart(link.surfaces, 0) for link in links]
+        poses += [_pose(placed)] * len(links)
+    return parts, poses
 
 
 def _pose(placed: SceneObject) -> F64:

@@ -78,6 +78,7 @@ def build_materials(parts: Sequence[RenderPart]) -> tuple[Materials, I32]:
             texture=np.array([number[m.texture] if m.texture else 0 for m in materials], dtype=np.int32),
             gloss=np.array([m.gloss for m in materials], dtype=np.float32),
             glow=np.array([m.glow for m in materials], dtype=np.float32),
+            mirror=np.array([m.mirror for m in materials], dtype=np.float32),
         ),
         np.concatenate([_texels(name) for name in (None, *names)]),
     )

@@ -17,6 +17,7 @@ from remqa_data.sim.light.patches import Patches, sample_of
 from remqa_data.sim.render import pixels as px
 from remqa_data.sim.render.camera import View
 from remqa_data.sim.render.mipmap import apply_textures
+from remqa_data.sim.render.mirrors import Mirrors, reflect
 from remqa_data.sim.render.raster import FAR_M, Buffers, Geometry, Placed
 from remqa_data.sim.render.shadow import Shadows, find_shadows
 
@@ -36,6 +37,8 @@ class Materials(NamedTuple):
     """(s,)."""
     glow: F32
     """(s,)."""
+    mirror: F32
+    """(s,) share of its light that a reflection is, where there is a map of it."""
 
 
 class Lights(NamedTuple):
@@ -86,16 +89,22 @@ def shade(
     lights: Lights,
     shadows: Shadows,
     patches: Patches,
+    mirrors: Mirrors,
     rgb: U8,
 ) -> None:
-    """Write the (h, w, 3) uint8 picture; with empty patches, light from everywhere is the same everywhere."""
+    """Write the (h, w, 3) uint8 picture; with empty patches, light from everywhere is the same everywhere.
+
+    The maps of mirrors hold light as pictures show it, so they are mixed in when all else is as it will be shown.
+    """
     height, width = buffers.slot.shape
     sheet = np.zeros(px.FLOATS, dtype=np.float32)
     fetches = np.zeros(px.INTS, dtype=np.int32)
     for y in range(height):
         for start in range(0, width, px.BLOCK_PX):
             count = min(px.BLOCK_PX, width - start)
-            _fetch(geometry, placed, view, buffers, materials, lights.background, patches, y, start, count, sheet)
+            shows_mirror = _fetch(
+                geometry, placed, view, buffers, materials, lights.background, patches, mirrors, y, start, count, sheet
+            )
             _place(view, y + 0.5 - 0.5 * height, start + 0.5 - 0.5 * width, sheet, count)
             apply_textures(texels, sheet, fetches, count)
             find_shadows(shadows, sheet, fetches, count)
@@ -104,6 +113,8 @@ def shade(
             _light(view, lights, sheet, count)
             if len(patches.light) > 0:
                 _roll_off(sheet, count)
+            if shows_mirror:
+                reflect(geometry, view, buffers, materials.mirror, mirrors, y, start, sheet, count)
             _encode(sheet, fetches, count)
             for i in range(min(count, px.BLOCK_PX)):
                 for channel in range(3):
@@ -119,17 +130,21 @@ def _fetch(
     materials: Materials,
     background: F32,
     patches: Patches,
+    mirrors: Mirrors,
     y: int,
     start: int,
     count: int,
     sheet: F32,
-) -> None:
-    """Write material, texture coordinates, normal, depth and baked light, one run of the same triangle at a time."""
+) -> bool:
+    """Write material, texture coordinates, normal, depth and baked light, one run of the same triangle at a time.
+
+    Returns whether any pixel shows a mirror that there is a map of.
+    """
     height, width = buffers.slot.shape
     one = np.float32(1.0)
     line = np.float32(y + 0.5 - 0.5 * height)
     left = np.float32(start + 0.5 - 0.5 * width)
-    stop = 0
+    stop, shows_mirror = 0, False
     while stop < count:
         first = stop
         slot = buffers.slot[y, start + first]
@@ -151,6 +166,7 @@ def _fetch(
         face = buffers.record_face[slot]
         a, b, c = geometry.faces[face, 0], geometry.faces[face, 1], geometry.faces[face, 2]
         surface = geometry.face_surface[face]
+        shows_mirror |= mirrors.of_surface[surface] >= 0
         texture = np.float32(materials.texture[surface])
         albedo = materials.albedo[surface]
         red, green, blue = albedo[0], albedo[1], albedo[2]
@@ -194,6 +210,7 @@ def _fetch(
             run[px.LIGHT_BLUE + i] = lbc + lba * at_a + lbb * at_b
         if len(patches.light) > 0 and patches.steps[face] > 1:
             _mix_samples(patches, face, run, stop - first)
+    return shows_mirror
 
 
 @exact

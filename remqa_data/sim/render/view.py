@@ -14,6 +14,7 @@ from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import AnyCamera
 from remqa_data.sim.render.renderer import Renderer, RenderPart
 from remqa_data.sim.render.room_light import room_light
+from remqa_data.sim.render.room_mirrors import mirrors_of, room_mirrors
 from remqa_data.sim.render.scene_arrays import structure_surfaces
 
 if TYPE_CHECKING:
@@ -71,11 +72,14 @@ class WorldView:
         self._asked_to_hide: set[str] = set()
         self._out_of_room: str | None = None
         self._revision: int | None = None
+        is_baked = world.scene.light == "baked"
+        bases = {object_id: rows.start for object_id, rows in self._parts_of.items()}
         self.renderer = Renderer(
             parts,
             poses,
             lights=world.scene.lights,
-            volume=room_light(world.scene) if world.scene.light == "baked" else None,
+            volume=room_light(world.scene) if is_baked else None,
+            mirrors=mirrors_of(room_mirrors(world.scene), parts, bases) if is_baked else None,
         )
 
     def sync(self) -> None:
