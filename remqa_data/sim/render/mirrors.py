@@ -167,7 +167,10 @@ def _follow(texels: F32, base: int, size: int, guess: _F, ox: _F, oy: _F, oz: _F
 def _nearness(texels: F32, base: int, size: int, x: _F, y: _F, z: _F) -> _F:
     """How far a point is, as a share of how far one sees in its direction: 1 where it lies on what is seen."""
     side, across, down, depth = _place(size, x, y, z)
-    return depth * texels[base + ((side * size + min(int(down), size - 1)) * size + min(int(across), size - 1)) * 4 + 3]
+    nearness: _F = (
+        depth * texels[base + ((side * size + min(int(down), size - 1)) * size + min(int(across), size - 1)) * 4 + 3]
+    )
+    return nearness
 
 
 @exact

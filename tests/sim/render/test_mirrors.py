@@ -88,9 +88,12 @@ def hue(rgb: np.ndarray) -> np.ndarray:
 
 
 def agreement(boxes: np.ndarray, colours: np.ndarray) -> float:
-    """Share of the glass pixels that look as they should, or as the pixel to the left or right should."""
+    """Share of the glass pixels that look as they should, or as the pixel to the left or right should.
+
+    White ones do not count: all light on them has a hue.
+    """
     is_like = np.any([np.roll(boxes, step, axis=1) == colours for step in (-1, 0, 1)], axis=0)
-    return float(is_like[boxes >= 0].mean())
+    return float(is_like[(boxes >= 0) & (boxes != FINISHES.index(WHITE))].mean())
 
 
 def test_what_stands_opposite_is_seen_from_ahead_and_the_wall_beside_it_from_aside() -> None:
