@@ -37,9 +37,9 @@ PACKED = 10
 """What a place hides is put there in so many ways before it counts as impossible."""
 SEEDS = 12
 """Each variant of a type comes in so many looks: iTHOR has fewer."""
-LOOKS = 6
+LOOKS = 10
 """So many looks are tried for one that stands out from what the thing lies in."""
-UNLIKE_DE = 35.0
+UNLIKE_DE = 45.0
 """Colours so far apart (CIE76, without light) are told apart in the shade of a cabinet."""
 BESIDE_M = 0.4
 """So far from some recorded thing is the place that the id of a new thing names."""

@@ -93,11 +93,16 @@ class Renderer:
         self._shadow_slots = np.empty((shadow_size, shadow_size), dtype=np.int32)
         self._stale_maps = np.ones(6, dtype=np.bool_)
         self._frame_buffers: dict[tuple[int, int], Buffers] = {}
+        self._stale_light = np.ones(count, dtype=np.bool_)
+        self.set_light(volume, mirrors)
+        self.set_poses(range(count), poses)
+
+    def set_light(self, volume: Volume | None, mirrors: Mirrors | None = None) -> None:
+        """Light everything by what was baked; parameters as of the class."""
         self._volume = volume
         self._mirrors = no_mirrors(len(self._instances)) if mirrors is None else mirrors
         self._patches = _NO_PATCHES if volume is None else patches(self._geometry.vertices, self._geometry.faces)
-        self._stale_light = np.ones(count, dtype=np.bool_)
-        self.set_poses(range(count), poses)
+        self._stale_light[:] = True
 
     def set_pose(self, part: int, pose: npt.ArrayLike) -> None:
         """Put one part elsewhere; `pose` is (4, 4), from its frame to the world."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import lru_cache
 
@@ -26,6 +27,8 @@ LEVEL = AMBIENT
 """Mean indirect light; what a room without baked light has, which is brighter from above and below."""
 BALANCE = 0.75
 """Share of the common colour of a room's light that is taken away."""
+EXPOSURE = 1.3
+"""Indirect light is shown so many times brighter than its mean asks for, and what is dark by more: answers lie in shade."""
 
 
 def room_light(scene: Scene) -> Volume:
@@ -44,11 +47,11 @@ def static_scene(scene: Scene) -> Scene:
 
 @lru_cache(maxsize=4)
 def _baked(scene: Scene) -> Volume:
-    return _balanced(indirect_light(scene))
+    return _exposed(_balanced(indirect_light(scene)))
 
 
 def indirect_light(scene: Scene) -> Volume:
-    """The indirect light of a room as it is, before the camera balances its white."""
+    """The indirect light of a room as it is, before the camera balances its white and exposes for the shade."""
     x0, y0, x1, y1 = scene.bounds
     low, high = (x0, y0, scene.floor_z), (x1, y1, scene.floor_z + scene.height)
     lights = room_lights(scene.lights)
@@ -65,6 +68,17 @@ def _balanced(volume: Volume) -> Volume:
     share = arithmetic.snapped(means.mean() / np.maximum(means, 1e-9))
     volume.light[:] *= (1.0 + BALANCE * (share - 1.0)).astype(np.float32)
     return volume
+
+
+def _exposed(volume: Volume) -> Volume:
+    """The same, brighter, with the square root of how much darker than the mean a place is taken away.
+
+    So the insides of what is opened stand out as well as under even light, while corners still darken.
+    """
+    light = volume.light
+    level = np.maximum((light[..., :1] + light[..., 1:2] + light[..., 2:]) / 3.0, volume.least).astype(np.float64)
+    light *= (EXPOSURE / np.sqrt(level / LEVEL)).astype(np.float32)
+    return volume._replace(least=volume.least * EXPOSURE / math.sqrt(volume.least / LEVEL))
 
 
 def static_faces(scene: Scene) -> Faces:

@@ -72,15 +72,8 @@ class WorldView:
         self._asked_to_hide: set[str] = set()
         self._out_of_room: str | None = None
         self._revision: int | None = None
-        is_baked = world.scene.light == "baked"
-        bases = {object_id: rows.start for object_id, rows in self._parts_of.items()}
-        self.renderer = Renderer(
-            parts,
-            poses,
-            lights=world.scene.lights,
-            volume=room_light(world.scene) if is_baked else None,
-            mirrors=mirrors_of(room_mirrors(world.scene), parts, bases) if is_baked else None,
-        )
+        self.renderer = Renderer(parts, poses, lights=world.scene.lights)
+        self._waits_for_light = world.scene.light == "baked"
 
     def sync(self) -> None:
         """Follow the world's poses, and what is held; `render` does it by itself."""
@@ -103,8 +96,10 @@ class WorldView:
         self._show_or_hide(object_id)
 
     def render(self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True) -> Observation:
-        """Draw the world as it is now."""
+        """Draw the world as it is now; the first picture of a room with baked light takes a second."""
         self.sync()
+        if self._waits_for_light:
+            self._bake()
         frame: Frame = self.renderer.render(camera, shadows=shadows, antialias=antialias)
         return Observation(frame.rgb, frame.depth, self._object_of[frame.instances], self._link_of[frame.instances])
 
@@ -127,6 +122,12 @@ class WorldView:
         self.sync()
         depth, parts = self.renderer.render_instances(camera, only)
         return depth, np.asarray(self._object_of[parts])
+
+    def _bake(self) -> None:
+        """Not before it is seen: most rooms that are planned are never drawn."""
+        self._waits_for_light = False
+        scene, bases = self.world.scene, {object_id: rows.start for object_id, rows in self._parts_of.items()}
+        self.renderer.set_light(room_light(scene), mirrors_of(room_mirrors(scene), self.renderer.parts, bases))
 
     def _show_or_hide(self, object_id: str) -> None:
         is_seen = object_id not in self._asked_to_hide and object_id != self._out_of_room

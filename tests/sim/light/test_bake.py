@@ -12,7 +12,7 @@ from remqa_data.sim.light.voxels import Faces, surface_points, voxelise
 from remqa_data.sim.navigation.grid import reachable_grid
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.renderer import room_lights
-from remqa_data.sim.render.room_light import _balanced, indirect_light, static_faces
+from remqa_data.sim.render.room_light import LEVEL, _balanced, _exposed, indirect_light, static_faces
 
 NO_LAMPS = Lamps(np.zeros((0, 3)), np.zeros(0, np.float32), 4.0)
 
@@ -99,6 +99,17 @@ def test_the_colour_that_all_light_has_is_mostly_taken_away() -> None:
     volume = Volume(np.zeros(3), light, 1.0, np.ones((2, 2, 2), np.bool_), 0.1)
     balanced = _balanced(volume).light[0, 0, 0, 0]
     assert balanced == pytest.approx((2 * (1 - 0.75 / 3), 1 + 0.75 / 3, 1 + 0.75 / 3), rel=1e-5)
+
+
+def test_the_dark_is_shown_brighter_than_it_is_and_still_darker_than_the_rest() -> None:
+    """By hand: 1.3 times as bright at the mean, and what is 16 times darker is shown 4 times darker."""
+    light = np.full((2, 1, 1, 6, 3), LEVEL, np.float32)
+    light[1] /= 16
+    volume = Volume(np.zeros(3), light, 1.0, np.ones((2, 1, 1), np.bool_), LEVEL / 81)
+    exposed = _exposed(volume)
+    assert exposed.light[0, 0, 0, 0] == pytest.approx(np.full(3, 1.3 * LEVEL), rel=1e-5)
+    assert exposed.light[1, 0, 0, 0] == pytest.approx(np.full(3, 1.3 * LEVEL / 4), rel=1e-5)
+    assert exposed.least == pytest.approx(1.3 * LEVEL / 9)
 
 
 def test_baking_twice_gives_the_same_bits() -> None:
