@@ -19,6 +19,7 @@ import env
 import evaluator
 import generation
 import imports
+import light
 import questions
 import raster
 import thor
@@ -28,7 +29,7 @@ from measure import QUIET_CORES, Benchmark, Stored, Table, number
 
 from remqa_data.files import atomic_path
 
-SCRIPTS = (raster, generation, workers, questions, dataset, evaluator, env, thor, imports)
+SCRIPTS = (raster, light, generation, workers, questions, dataset, evaluator, env, thor, imports)
 WITH_DATASET = (dataset, evaluator)
 DOCUMENT = Path("docs/PERFORMANCE.md")
 BLOCK = re.compile(r"(<!-- figures: (\w+) -->\n).*?(<!-- end of figures -->)", re.DOTALL)
