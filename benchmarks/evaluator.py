@@ -162,7 +162,7 @@ def replay(root: Path) -> dict[str, float]:
         started = time.perf_counter()
         scores = score(open_submission(path), truth, workers=2)
         seconds = time.perf_counter() - started
-    assert scores.measures["S_QA"].all()
+    assert scores.measures["S_MQA"].all()
     return {"questions": len(rows), "seconds": seconds}
 
 

@@ -176,6 +176,33 @@ def compare(
 
 
 @app.command()
+def rank(
+    paths: Annotated[list[Path], typer.Argument(metavar="RESULTS.json...", help="Of the same questions.")],
+    out: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write it as Markdown too.")
+    ] = None,
+) -> None:
+    """Order submissions, the best first: those to the track remqa by S_MQA."""
+    from rich.console import Console
+
+    from remqa_data.evaluation.report.ranking import rank as run
+    from remqa_data.evaluation.report.ranking import ranking_grid, ranking_markdown, ranking_notes
+    from remqa_data.evaluation.report.tables import print_grid
+    from remqa_data.files import atomic_path
+
+    ranked = run(paths)
+    say = output()
+    if not (say.is_quiet or say.is_json):
+        print_grid(Console(), ranking_grid(ranked))
+    for line in ranking_notes(ranked):
+        say.say(line)
+    if out is not None:
+        with atomic_path(out) as temporary:
+            temporary.write_text(ranking_markdown(ranked), encoding="utf-8")
+    say.result(ranking=[{"rank": one.rank, "file": one.path, "agent": one.agent} for one in ranked])
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of results.json."""
     from remqa_data.evaluation.scoring.results import schema_json

@@ -6,8 +6,9 @@ with their sources. Boxes are x1, y1, x2, y2 in pixels, half open; lengths are m
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -28,15 +29,57 @@ BLOCK = 1 << 15
 """Pairs of boxes that are compared at a time: what fits into a core's cache."""
 
 
-class Stages(NamedTuple):
-    """The three conjunctive successes of the published benchmark, each (n,) bool.
+Condition = Literal["navigated", "localised", "manipulated", "answered"]
+"""What can be asked of an episode: it is there and sees the target; its box is right; it did what had to be done
+(`remqa_data.sim.agent.outcome`); its answer is right."""
 
-    Their means are S_N, S_L and S_QA: every one is a ratio over all episodes.
+
+@dataclass(frozen=True)
+class ChainedSuccess:
+    """A success that asks several things at once; its mean is a ratio over all episodes.
+
+    Attributes
+    ----------
+    name : str
+    conditions : tuple of str
+        All of which it asks.
+    meaning : str
+        For people; docs/METRICS.md has the definition.
     """
 
-    navigated: Bools
-    localised: Bools
-    answered: Bools
+    name: str
+    conditions: tuple[Condition, ...]
+    meaning: str
+
+
+CHAIN: tuple[ChainedSuccess, ...] = (
+    ChainedSuccess(
+        "S_N",
+        ("navigated",),
+        "navigated: the agent has stopped at most 1 m from a pose that reaches the target, and sees the target",
+    ),
+    ChainedSuccess(
+        "S_L",
+        ("navigated", "localised"),
+        "S_N, and its box of the target overlaps the true one with an IoU of at least 0.5",
+    ),
+    ChainedSuccess(
+        "S_QA",
+        ("navigated", "localised", "answered"),
+        "S_L, and its answer is right, whether it has manipulated or not",
+    ),
+    ChainedSuccess(
+        "S_M",
+        ("navigated", "localised", "manipulated"),
+        "S_L, and it has done to the target what the question takes, so that what was hidden lies open",
+    ),
+    ChainedSuccess(
+        "S_MQA",
+        ("navigated", "localised", "manipulated", "answered"),
+        "S_M, and its answer is right; submissions are ranked by this",
+    ),
+)
+"""The published three, then the two of the strict chain, which credits no answer that was not looked for."""
 
 
 def box_iou(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
@@ -149,24 +192,34 @@ def navigation_success(distance_m: npt.ArrayLike, is_visible: npt.ArrayLike) -> 
     return np.asarray(near & np.asarray(is_visible, dtype=bool))
 
 
-def stages(navigated: npt.ArrayLike, iou: npt.ArrayLike, is_correct: npt.ArrayLike) -> Stages:
-    """The conjunctive successes: navigated; that, and localised; those, and answered correctly.
+def is_localised(iou: npt.ArrayLike) -> Bools:
+    """(n,) whether a box is near enough to that of the target in the final view before the manipulation.
+
+    >>> is_localised([0.5, 0.4])
+    array([ True, False])
+    """
+    return np.asarray(is_hit(iou, LOCALISED_IOU))
+
+
+def chained(conditions: Mapping[Condition, npt.ArrayLike]) -> dict[str, Bools]:
+    """By name, the (n,) successes of `CHAIN`.
 
     Parameters
     ----------
-    navigated : (n,) bool
-    iou : (n,) float
-        Of the predicted and the true box of the target in the final view before the manipulation.
-    is_correct : (n,) bool
+    conditions : mapping of (n,) bool
+        Which episodes fulfil each condition.
 
     Examples
     --------
-    >>> stages([True, True, False], [0.5, 0.4, 0.9], [True, True, True]).answered
-    array([ True, False, False])
+    >>> yes = [True, True]
+    >>> found = chained({"navigated": yes, "localised": yes, "manipulated": [True, False], "answered": yes})
+    >>> found["S_QA"], found["S_MQA"]
+    (array([ True,  True]), array([ True, False]))
     """
-    went = np.asarray(navigated, dtype=bool)
-    found = np.asarray(went & is_hit(iou, LOCALISED_IOU))
-    return Stages(went, found, np.asarray(found & np.asarray(is_correct, dtype=bool)))
+    return {
+        success.name: np.logical_and.reduce([np.asarray(conditions[name], dtype=bool) for name in success.conditions])
+        for success in CHAIN
+    }
 
 
 def is_right_answer(answers: Sequence[str | None], truths: Sequence[str]) -> Bools:

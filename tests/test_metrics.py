@@ -10,13 +10,15 @@ from hypothesis.extra.numpy import arrays
 
 from remqa_data.geometry.boxes import iou_2d, is_hit
 from remqa_data.metrics import (
+    CHAIN,
     box_iou,
+    chained,
     distance_to_goal_m,
+    is_localised,
     is_right_answer,
     navigation_success,
     path_lengths_m,
     spl,
-    stages,
 )
 
 coordinates = st.floats(0, 300, allow_nan=False)
@@ -119,15 +121,37 @@ def test_hits_at_the_threshold_count() -> None:
     iou = box_iou([0, 0, 2, 1], [0, 0, 1, 1])
     assert is_hit(iou, 0.5)
     assert not is_hit(iou, 0.6)
-    assert stages([True, True], [0.5 - 1e-12, 0.4999], [True, True]).localised.tolist() == [True, False]
+    assert is_localised([0.5 - 1e-12, 0.4999, np.nan]).tolist() == [True, False, False]
 
 
-@given(arrays(bool, 20), arrays(np.float64, 20, elements=st.floats(0, 1)), arrays(bool, 20))
-def test_each_stage_implies_those_before(went: np.ndarray, iou: np.ndarray, right: np.ndarray) -> None:
-    found = stages(went, iou, right)
-    assert (found.navigated >= found.localised).all()
-    assert (found.localised >= found.answered).all()
-    assert (found.answered <= right).all()
+def test_chained_successes_by_hand() -> None:
+    found = chained(
+        {
+            "navigated": [True, True, True, True, False],
+            "localised": [True, True, True, False, True],
+            "manipulated": [True, True, False, True, True],
+            "answered": [True, False, True, True, True],
+        }
+    )
+    assert {name: column.tolist() for name, column in found.items()} == {
+        "S_N": [True, True, True, True, False],
+        "S_L": [True, True, True, False, False],
+        "S_QA": [True, False, True, False, False],
+        "S_M": [True, True, False, False, False],
+        "S_MQA": [True, False, False, False, False],
+    }
+
+
+@given(*[arrays(bool, 20)] * 4)
+def test_who_fulfils_more_conditions_succeeds_in_fewer_episodes(
+    went: np.ndarray, found: np.ndarray, did: np.ndarray, right: np.ndarray
+) -> None:
+    successes = chained({"navigated": went, "localised": found, "manipulated": did, "answered": right})
+    pairs = [(a, b) for a in CHAIN for b in CHAIN if set(a.conditions) < set(b.conditions)]
+    assert len(pairs) == 9
+    for fewer, more in pairs:
+        assert (successes[fewer.name] >= successes[more.name]).all()
+    assert (successes["S_MQA"] == successes["S_M"] & successes["S_QA"]).all()
 
 
 def test_answers_are_compared_without_case_and_spaces() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from remqa_data.errors import ResultsError
 from remqa_data.evaluation.report.tables import Grid, in_words, rounded
 from remqa_data.evaluation.scoring.results import NOT_REPLAYED, Results, load_results
 from remqa_data.evaluation.scoring.statistics import Difference, difference
+from remqa_data.evaluation.submission.tracks import TRACKS
 
 
 @dataclass(frozen=True)
@@ -41,28 +43,44 @@ def compare(first: Path, second: Path, seed: int = 0) -> list[Comparison]:
     ResultsError
         If a file is none, or they are not about the same questions.
     """
-    a, b = load_results(first), load_results(second)
-    same = {
-        "track": a.track == b.track,
-        "split": a.split == b.split,
-        "dataset": a.dataset == b.dataset,
-        "definitions (config)": a.config == b.config,
-        "questions": a.samples.get("id") == b.samples.get("id"),
-    }
-    for what, is_same in same.items():
-        if not is_same:
-            raise ResultsError(f"{first} and {second} cannot be compared: they are not of the same {what}")
-    if not _has_columns(a) or not _has_columns(b):
-        raise ResultsError(f"{first} and {second} cannot be compared: a column of samples is missing or too short")
+    a, b = load_comparable([first, second])
     scenes = np.unique(np.array(a.samples["scene"]), return_inverse=True)[1]
     found = []
     for name in a.measures:
-        if name not in b.measures:
+        if None in (a.metric(name).value, b.metric(name).value):
             continue  # only a replay knows it
         left, right = (np.array(results.samples[name], dtype=np.float64) for results in (a, b))
         change = difference(left, right, scenes, np.random.default_rng(seed))
         found.append(Comparison(name, float(left.mean()), float(right.mean()), change))
     return found
+
+
+def load_comparable(paths: Sequence[Path]) -> list[Results]:
+    """Read some results.json.
+
+    Raises
+    ------
+    ResultsError
+        If a file is none, or they are not about the same questions.
+    """
+    results = [load_results(path) for path in paths]
+    for path, other in zip(paths, results, strict=True):
+        for what, of in _SAME.items():
+            if of(other) != of(results[0]):
+                raise ResultsError(f"{paths[0]} and {path} cannot be compared: they are not of the same {what}")
+        if not _has_columns(other):
+            raise ResultsError(f"{path} cannot be compared: a column of samples is missing or too short")
+    return results
+
+
+_SAME: dict[str, Callable[[Results], object]] = {
+    "track": lambda results: results.track,
+    "split": lambda results: results.split,
+    "dataset": lambda results: results.dataset,
+    "definitions (config)": lambda results: results.config,
+    "questions": lambda results: results.samples.get("id"),
+    "measures": lambda results: results.measures,
+}
 
 
 def comparison_grid(first: Path, second: Path, compared: list[Comparison]) -> Grid:
@@ -89,13 +107,27 @@ def comparison_grid(first: Path, second: Path, compared: list[Comparison]) -> Gr
 def comparison_notes(first: Path, second: Path, compared: list[Comparison]) -> list[str]:
     """What a reader of the comparison must know."""
     one = compared[0].difference
-    lines = [f"{path}: {NOT_REPLAYED}" for path in (first, second) if load_results(path).replayed is False]
+    results = [load_results(path) for path in (first, second)]
+    lines = [
+        f"{path}: {NOT_REPLAYED}" for path, of in zip((first, second), results, strict=True) if of.replayed is False
+    ]
     return [
         *lines,
+        _verdict(compared, TRACKS[results[0].track].main_measures),
         f"Paired over {one.questions} questions in {one.scenes} scenes; intervals by bootstrap over scenes, p by swapping "
         "the two in whole scenes.",
         "Detectable: the smallest true difference that a test at 5 % finds in 80 % of such test splits.",
     ]
+
+
+def _verdict(compared: list[Comparison], main_measures: Sequence[str]) -> str:
+    """Which is ranked first; by how much, and whether that is luck, is in the table."""
+    by_name = {one.name: one for one in compared}
+    main = next(by_name[name] for name in main_measures if name in by_name)
+    order = (
+        "A and B are level" if main.first == main.second else "A before B" if main.first > main.second else "B before A"
+    )
+    return f"Ranked by {in_words(main.name)}: {order}."
 
 
 def _has_columns(results: Results) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
 
@@ -12,7 +13,7 @@ from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import UnknownNameError
 from remqa_data.evaluation.report.tables import in_words
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
-from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, box_of, load_room, place_of, walk
+from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, box_of, does, load_room, place_of, walk
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.scoring.scoring import attempt_of
 from remqa_data.evaluation.submission.reader import Submission
@@ -27,6 +28,14 @@ from remqa_data.tables.rows import EmbodimentRow
 
 MAX_FAILURES = 24
 SHOWN_DETAILS = ("steps", "goal_distance_m", "target_visible", "iou", "manipulated")
+REASONS = {
+    "S_N": "navigation",
+    "success": "navigation",
+    "S_L": "localisation",
+    "S_M": "manipulation",
+    "answer_accuracy": "answer",
+}
+"""What went wrong where a measure is the first that is not fulfilled."""
 TRUE_COLOR, PREDICTED_COLOR, PATH_COLOR, GOAL_COLOR = (40, 170, 70), (225, 60, 40), (30, 90, 220), (225, 60, 40)
 JPEG_QUALITY = 85
 MAP_MARGIN, MAP_CUT_M = 1.12, 2.0
@@ -72,7 +81,7 @@ def find_failures(results: Results, submission: Submission, truth: GroundTruth) 
 
     Agents walk again in the simulator if their actions were replayed; otherwise only stored frames are shown.
     """
-    failed = [place for place, ok in enumerate(results.samples[TRACKS[truth.track].main_measure]) if not ok]
+    failed = [place for place, ok in enumerate(results.samples[results.main_measure]) if not ok]
     chosen = np.unique(np.linspace(0, len(failed) - 1, min(MAX_FAILURES, len(failed))).round().astype(int))
     rows = _rows(submission, truth, [failed[i] for i in chosen], replay=results.replayed is not False)
     build = _expressions if truth.track == "rec" else _questions
@@ -150,17 +159,16 @@ def _facts(results: Results, truth: GroundTruth, place: int, row: dict[str, obje
 
 def _reason(results: Results, place: int) -> str:
     """The first thing that went wrong with a question."""
-    fine = {name: bool(column[place]) for name, column in results.samples.items()}
-    if not fine["answered"]:
+    measured = {name: column[place] for name, column in results.samples.items() if column[place] is not None}
+    if not measured["answered"]:
         return "nothing was submitted"
-    if fine.get("success"):
+    if measured.get("success"):
         return "too many steps"
-    steps = {"S_N": "navigation", "success": "navigation", "S_L": "localisation", "answer_accuracy": "answer"}
-    return next(reason for name, reason in steps.items() if not fine.get(name, True))
+    return next(reason for name, reason in REASONS.items() if not measured.get(name, True))
 
 
 def _walked(truth: GroundTruth, rows: dict[int, dict[str, object]]) -> dict[int, tuple[Picture, ...]]:
-    """By place, the agent's final view and its way on a map."""
+    """By place, the agent's final view, its way on a map, and what its manipulation shows it."""
     by_room: dict[Room, list[Attempt]] = {}
     for place, row in rows.items():
         if row:
@@ -173,7 +181,7 @@ def _walked(truth: GroundTruth, rows: dict[int, dict[str, object]]) -> dict[int,
         if not attempts:
             continue
         with closing(load_room(stored["scene_json"], stored["scene"], EmbodimentRow(**stored["embodiment"]))) as replay:
-            plan = _Map(replay)
+            plan, first = _Map(replay), replay.world.save()
             for attempt in attempts:
                 poses, _ = walk(replay, attempt)
                 seen = replay.observe()
@@ -184,8 +192,16 @@ def _walked(truth: GroundTruth, rows: dict[int, dict[str, object]]) -> dict[int,
                 pictures[attempt.place] = (
                     _picture("agent's final view: true box green, submitted red", view),
                     _picture("way from above, dot to arrow; goal poses are rings", way),
+                    *_after_manipulation(replay, attempt),
                 )
+                replay.world.restore(first)
     return pictures
+
+
+def _after_manipulation(replay: Replay, attempt: Attempt) -> Iterator[Picture]:
+    """What the agent sees next, where the room lets it manipulate something."""
+    if attempt.manipulation is not None and does(replay, attempt.manipulation):
+        yield _picture("agent's view after its manipulation", replay.observe().rgb)
 
 
 class _Map:

@@ -70,7 +70,7 @@ def write_report(path: Path, results: Results, submission: Submission, truth: Gr
     environment.filters["rounded"] = rounded
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     script = SCRIPT.read_text(encoding="utf-8")
-    main_measure = TRACKS[results.track].main_measure
+    main_measure = results.main_measure
     page = template.render(
         results=results,
         title=TRACKS[results.track].title,
@@ -120,7 +120,8 @@ def _plots(results: Results) -> list[Plot]:
 
 def _plotted(results: Results) -> tuple[str, ...]:
     """Names of the measures that plots show."""
-    return tuple(measure.name for measure in measures_of(results.track) if results.track in measure.plotted)
+    own = (measure.name for measure in measures_of(results.track) if results.track in measure.plotted)
+    return tuple(name for name in own if results.metric(name).value is not None)
 
 
 def _plot_row(results: Results, breakdown: str, group: str) -> PlotRow:

@@ -58,8 +58,13 @@ def grid_of(results: Results, breakdown: str = "kind") -> Grid:
     return Grid(f"{TRACKS[results.track].title}, split {results.split}", headings, tuple(rows))
 
 
+NOT_MEASURED = "not measured"
+
+
 def cell(metric: Metric) -> str:
     """A value, then its interval on a second line."""
+    if metric.value is None:
+        return NOT_MEASURED
     if metric.low is None or metric.high is None:
         return rounded(metric.value)
     return f"{rounded(metric.value)}\n{rounded(metric.low)}–{rounded(metric.high)}"

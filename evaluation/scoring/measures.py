@@ -1,6 +1,7 @@
 """The measures: of each its name, what it tells people, in which tracks it counts, and how it is worked out.
 
-To add one, add its record to `MEASURES`, and its definition to docs/METRICS.md.
+To add one, add its record to `MEASURES`, and its definition to docs/METRICS.md. Those that ask several conditions of an
+episode at once are records of `remqa_data.metrics.CHAIN`, which the environment reads too.
 """
 
 from __future__ import annotations
@@ -16,7 +17,16 @@ from remqa_data.evaluation.scoring.ground_truth import GroundTruth
 from remqa_data.evaluation.submission.tracks import Track
 from remqa_data.geometry.boxes import is_hit
 from remqa_data.geometry.types import F64
-from remqa_data.metrics import Stages, box_iou, is_right_answer, navigation_success, spl, stages
+from remqa_data.metrics import (
+    CHAIN,
+    ChainedSuccess,
+    box_iou,
+    chained,
+    is_localised,
+    is_right_answer,
+    navigation_success,
+    spl,
+)
 
 STEP_LIMITS = (25, 50)
 """Steps within which the track `nav` asks for success, beside any number of them."""
@@ -42,7 +52,7 @@ class Answers:
     walked_m, distance_m : (n,) float
         Length of the path, and from its end to the nearest goal pose.
     is_manipulated : (n,) bool
-        Whether the simulator let the agent do what was right.
+        Whether the agent has done what had to be done; means nothing where nothing was replayed.
     """
 
     truth: GroundTruth
@@ -76,9 +86,16 @@ class Answers:
         return is_right_answer(self.texts, self.truth.texts("answer"))
 
     @cached_property
-    def stages(self) -> Stages:
-        """The three conjunctive successes."""
-        return stages(self.navigated, self.iou, self.is_right)
+    def chained(self) -> dict[str, Bools]:
+        """The conjunctive successes, by name."""
+        return chained(
+            {
+                "navigated": self.navigated,
+                "localised": is_localised(self.iou),
+                "manipulated": self.is_manipulated,
+                "answered": self.is_right,
+            }
+        )
 
     def success(self, limit: int | None) -> Bools:
         """Whether the agent has navigated, in at most so many steps."""
@@ -155,31 +172,20 @@ def _precision(threshold: float) -> Measure:
     )
 
 
+def _chained(success: ChainedSuccess) -> Measure:
+    return Measure(
+        success.name,
+        success.meaning,
+        ("remqa",),
+        lambda answers: answers.chained[success.name],
+        words=success.name,
+        plotted=("remqa",),
+        takes_replay="manipulated" in success.conditions,
+    )
+
+
 MEASURES: tuple[Measure, ...] = (
-    Measure(
-        "S_N",
-        "navigated: the agent has stopped at most 1 m from a pose that reaches the target, and sees the target",
-        ("remqa",),
-        lambda answers: answers.stages.navigated,
-        words="S_N",
-        plotted=("remqa",),
-    ),
-    Measure(
-        "S_L",
-        "S_N, and its box of the target overlaps the true one with an IoU of at least 0.5",
-        ("remqa",),
-        lambda answers: answers.stages.localised,
-        words="S_L",
-        plotted=("remqa",),
-    ),
-    Measure(
-        "S_QA",
-        "S_L, and its answer is right",
-        ("remqa",),
-        lambda answers: answers.stages.answered,
-        words="S_QA",
-        plotted=("remqa",),
-    ),
+    *(_chained(success) for success in CHAIN),
     Measure(
         "answer_accuracy",
         "the answer is right, wherever the agent stands",
@@ -189,7 +195,7 @@ MEASURES: tuple[Measure, ...] = (
     ),
     Measure(
         "manipulated",
-        "it did the right thing to the right object, and the simulator let it; not part of S_QA",
+        "it has done to the target what the question takes, wherever it stands and whatever it answers",
         ("remqa",),
         lambda answers: answers.is_manipulated,
         takes_replay=True,

@@ -17,6 +17,7 @@ from remqa_data.errors import DatasetError, RemqaError, UnknownNameError
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, KIND_OF, Action
+from remqa_data.sim.agent.outcome import Wanted, is_manipulated, look_before
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import Box2D, is_visible, tight_box
 from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
@@ -43,8 +44,8 @@ class Attempt:
     actions : sequence of Action
         Of navigation.
     manipulation : Action or None
-    wanted : tuple of str
-        The right manipulation, such as "Open", and the object to do it to.
+    wanted : Wanted
+        The right manipulation.
     """
 
     place: int
@@ -52,7 +53,7 @@ class Attempt:
     target_id: str
     actions: Sequence[Action]
     manipulation: Action | None
-    wanted: tuple[str, str]
+    wanted: Wanted
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Replayed:
     target_box : Box2D or None
         The target in the final view before the manipulation, or None where it is not visible.
     is_manipulated : bool
-        Whether the room let the agent do the right manipulation to the right object.
+        Whether the agent has done the right manipulation to the right object, and what that hid lies open.
     refused : int
         Actions that the room refused.
     """
@@ -153,9 +154,17 @@ def walk(replay: Replay, attempt: Attempt) -> tuple[list[Pose], int]:
     for action in attempt.actions:
         if action.name == DONE:
             break
-        refused += not _is_done(replay, action)
+        refused += not does(replay, action)
         poses.append((agent.x, agent.y, agent.yaw_deg, agent.horizon_deg))
     return poses, refused
+
+
+def does(replay: Replay, action: Action) -> bool:
+    """Whether the room lets the agent do an action; if so, it is done."""
+    try:
+        return replay.attempt(action).success
+    except RemqaError:
+        return False
 
 
 def box_of(objects: npt.NDArray[np.int32], index: int) -> Box2D | None:
@@ -201,20 +210,15 @@ def _replayed(replay: Replay, attempt: Attempt) -> Replayed:
     poses, refused = walk(replay, attempt)
     objects = replay.view.instances(replay.agent.camera())
     box = box_of(objects, place_of(replay, attempt.target_id))
-    is_manipulated = False
+    is_right = False
     if attempt.manipulation is not None:
-        is_right = _meant(replay, attempt.manipulation) == attempt.wanted
-        is_done = _is_done(replay, attempt.manipulation)
-        is_manipulated = is_right and is_done
+        wanted = attempt.wanted
+        is_meant = _meant(replay, attempt.manipulation) == (wanted.kind, wanted.object_id)
+        before = look_before(replay.agent, wanted)
+        is_done = does(replay, attempt.manipulation)
+        is_right = is_meant and is_done and is_manipulated(replay.world, before)
         refused += not is_done
-    return Replayed(attempt.place, tuple(poses), box, is_manipulated, refused)
-
-
-def _is_done(replay: Replay, action: Action) -> bool:
-    try:
-        return replay.attempt(action).success
-    except RemqaError:
-        return False
+    return Replayed(attempt.place, tuple(poses), box, is_right, refused)
 
 
 def _meant(replay: Replay, manipulation: Action) -> tuple[str | None, str | None]:

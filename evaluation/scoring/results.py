@@ -16,13 +16,14 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from remqa_data.errors import ResultsError
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth, dataset_sha256
-from remqa_data.evaluation.scoring.measures import IOU_THRESHOLDS, STEP_LIMITS
+from remqa_data.evaluation.scoring.measures import IOU_THRESHOLDS, STEP_LIMITS, measures_of
 from remqa_data.evaluation.scoring.scoring import Scores
-from remqa_data.evaluation.scoring.statistics import LEVEL, RESAMPLES, IntervalKind, estimate
+from remqa_data.evaluation.scoring.statistics import LEVEL, RESAMPLES, IntervalKind, estimate, not_measured
 from remqa_data.evaluation.submission.reader import Submission
 from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.files import atomic_path
 from remqa_data.metrics import LOCALISED_IOU, SUCCESS_DISTANCE_M
+from remqa_data.sim.agent.outcome import OPEN_SHARE
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
 from remqa_data.tables.rows import QuestionKind
 from remqa_data.version import __version__
@@ -45,7 +46,7 @@ class Metric(_Record):
     name: str
     breakdown: str = Field(description='"overall", or what the rows are grouped by, such as "kind".')
     group: str = Field(description='Such as "EXISTENCE"; "all" overall.')
-    value: float
+    value: float | None = Field(description="null where it was not measured: only a replay knows it.")
     low: float | None = Field(description="Lower end of the 95 % interval.")
     high: float | None
     interval: IntervalKind
@@ -96,8 +97,8 @@ class Results(_Record):
     counts: Counts
     metrics: list[Metric]
     samples: dict[str, list[str | bool | int | float | None]] = Field(
-        description="Columns with one entry for each row of the split: id, scene, answered, the groups, the measures, and "
-        "what explains them, which is null where nothing was submitted."
+        description="Columns with one entry for each row of the split: id, scene, answered, the groups, the measures, null "
+        "where they were not measured, and what explains them, null where nothing was submitted."
     )
 
     def metric(self, name: str, breakdown: str = OVERALL, group: str = "all") -> Metric:
@@ -117,6 +118,12 @@ class Results(_Record):
     def measures(self) -> list[str]:
         """Names of the measures, in order."""
         return list(dict.fromkeys(metric.name for metric in self.metrics))
+
+    @property
+    def main_measure(self) -> str:
+        """What the submission is ranked by."""
+        measured = [metric.name for metric in self.metrics if metric.value is not None]
+        return next(name for name in TRACKS[self.track].main_measures if name in measured)
 
 
 def make_results(submission: Submission, truth: GroundTruth, scores: Scores, *, replay: bool, seed: int = 0) -> Results:
@@ -141,6 +148,7 @@ def make_results(submission: Submission, truth: GroundTruth, scores: Scores, *, 
             "min_pixels": MIN_PIXELS,
             "frame_px": FRAME_PX,
             "localised_iou": LOCALISED_IOU,
+            "open_share": OPEN_SHARE,
             "iou_thresholds": list(IOU_THRESHOLDS),
             "step_limits": list(STEP_LIMITS),
             "level": LEVEL,
@@ -187,14 +195,15 @@ def _metrics(truth: GroundTruth, scores: Scores, seed: int) -> list[Metric]:
     scenes = np.unique(truth.texts("scene"), return_inverse=True)[1]
     everything = {OVERALL: ["all"] * len(truth.ids)} | truth.groups
     metrics = []
-    for name, values in scores.measures.items():
+    for measure in measures_of(truth.track):
+        values = scores.measures.get(measure.name)
         rng = np.random.default_rng(seed)  # so that a metric does not depend on those before it
         for breakdown, labels in everything.items():
             column = np.array(labels)
             for group in sorted(set(labels), key=_order):
                 rows = column == group
-                found = estimate(values[rows], scenes[rows], rng)
-                metrics.append(Metric(name=name, breakdown=breakdown, group=group, **vars(found)))
+                found = not_measured(scenes[rows]) if values is None else estimate(values[rows], scenes[rows], rng)
+                metrics.append(Metric(name=measure.name, breakdown=breakdown, group=group, **vars(found)))
     return metrics
 
 
@@ -207,10 +216,12 @@ def _order(group: str) -> tuple[int, str]:
 def _samples(truth: GroundTruth, scores: Scores) -> dict[str, list[Any]]:
     columns: dict[str, list[Any]] = {"id": truth.ids.to_pylist(), "scene": truth.texts("scene")}
     columns |= {"answered": scores.answered.tolist(), **truth.groups}
-    columns |= {name: values.tolist() for name, values in scores.measures.items()}
-    for name, values in scores.details.items():
+    for measure in measures_of(truth.track):
+        values = scores.measures.get(measure.name)
+        columns[measure.name] = [None] * len(truth.ids) if values is None else values.tolist()
+    for name, details in scores.details.items():
         columns[name] = [
-            value if said else None for value, said in zip(values.tolist(), columns["answered"], strict=True)
+            value if said else None for value, said in zip(details.tolist(), columns["answered"], strict=True)
         ]
     return columns
 

@@ -21,6 +21,7 @@ from remqa_data.evaluation.submission.tracks import TRACKS
 from remqa_data.geometry.types import F64
 from remqa_data.metrics import distance_to_goal_m, path_lengths_m
 from remqa_data.sim.agent.actions import parse_action, parse_actions
+from remqa_data.sim.agent.outcome import Wanted
 
 START_SLACK = 1e-3
 """Metres and degrees by which the first pose may differ from the initial pose."""
@@ -40,7 +41,7 @@ class Scores:
     answered : (n,) bool
         Whether the submission has a row for it.
     measures : dict of (n,) array
-        By name: bool, or float.
+        By name: bool, or float. Without those that only a replay knows, where there was none.
     details : dict of (n,) array
         What explains the measures, by name: steps, metres, what was seen and said. Means nothing where nothing was
         answered.
@@ -110,14 +111,14 @@ def attempt_of(
     """What is to be replayed of a submitted row, and in which room; `place` is that of the question in the truth."""
     question = {name: truth.table[name][place].as_py() for name in _ASKED}
     x, y, yaw, horizon = truth.initial_poses[place].tolist()
-    wanted = question["manipulation"], question["manipulation_object_id"]
+    goal_x, goal_y = truth.goals[place, 0].tolist()
     attempt = Attempt(
         place=place,
         initial_pose=(x, y, yaw, horizon),
         target_id=question["target_id"],
         actions=parse_actions(actions),
         manipulation=None if manipulation is None else parse_action(manipulation),
-        wanted=wanted,
+        wanted=Wanted(question["manipulation"], question["manipulation_object_id"], (goal_x, goal_y)),
     )
     return attempt, (question["scene"], question["configuration"])
 

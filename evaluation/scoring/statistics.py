@@ -31,7 +31,8 @@ class Estimate:
 
     Attributes
     ----------
-    value : float
+    value : float or None
+        None where nothing was measured.
     low, high : float or None
         None where there is no interval.
     interval : str
@@ -40,7 +41,7 @@ class Estimate:
     questions, scenes : int
     """
 
-    value: float
+    value: float | None
     low: float | None
     high: float | None
     interval: IntervalKind
@@ -103,6 +104,11 @@ def estimate(values: npt.ArrayLike, scenes: npt.ArrayLike, rng: np.random.Genera
         low, high = _bootstrap(sums, counts, rng)
         kind = "none" if low is None else "bootstrap"
     return Estimate(value, low, high, kind, questions, len(sums))  # type: ignore[arg-type]
+
+
+def not_measured(scenes: npt.ArrayLike) -> Estimate:
+    """What is said of questions of these (n,) scenes whose measure nobody knows."""
+    return Estimate(None, None, None, "none", len(np.asarray(scenes)), len(np.unique(scenes)))
 
 
 def difference(

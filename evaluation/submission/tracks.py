@@ -96,15 +96,15 @@ class TrackSpec:
         Whether agents walk in it, so that there is something to replay.
     predictions : tuple of str
         Columns of a submission beside the id and the walk.
-    main_measure : str
-        The measure whose failures the report shows.
+    main_measures : tuple of str
+        What submissions are ranked by, and whose failures the report shows: the first of these that was measured.
     """
 
     title: str
     asks: Literal["question", "expression"]
     walks: bool
     predictions: tuple[str, ...]
-    main_measure: str
+    main_measures: tuple[str, ...]
 
     @property
     def id_column(self) -> str:
@@ -119,28 +119,32 @@ class TrackSpec:
 
 TRACKS: dict[Track, TrackSpec] = {
     "remqa": TrackSpec(
-        "REMQA: navigated, localised, answered (each over all questions)",
+        "REMQA: every measure over all questions",
         "question",
         walks=True,
         predictions=("box", "manipulation", "answer"),
-        main_measure="S_QA",
+        main_measures=("S_MQA", "S_QA"),
     ),
     "nav": TrackSpec(
         "Object-goal navigation",
         "question",
         walks=True,
         predictions=(),
-        main_measure="success@50",
+        main_measures=("success@50",),
     ),
     "rec": TrackSpec(
-        "Referring expression comprehension", "expression", walks=False, predictions=("box",), main_measure="prec@0.5"
+        "Referring expression comprehension",
+        "expression",
+        walks=False,
+        predictions=("box",),
+        main_measures=("prec@0.5",),
     ),
     "qa": TrackSpec(
         "Question answering on the stored frames",
         "question",
         walks=False,
         predictions=("answer",),
-        main_measure="answer_accuracy",
+        main_measures=("answer_accuracy",),
     ),
 }
 """By name. What is measured in each is in `remqa_data.evaluation.scoring.measures`."""

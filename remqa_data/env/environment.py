@@ -234,8 +234,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         if action.name in NAVIGATION:
             self.record.walked(action, self.agent)
         elif result.success and isinstance(action.target, str):
-            position = self.agent.world.state(action.target).position
-            self.record.manipulated(action, action.target, position)
+            self.record.manipulated(action, action.target, self.agent)
         return result
 
     def _observe(self, info: dict[str, Any]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.types import F64
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import Action, parse_actions
+from remqa_data.sim.agent.outcome import Wanted
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.sim.physics.world import World
@@ -47,6 +48,12 @@ class Task:
     path_length_m: float
     actions: tuple[Action, ...]
     target_box: Shares | None
+
+    @property
+    def wanted(self) -> Wanted:
+        """The manipulation that it takes."""
+        x, y = self.goals[0].tolist()
+        return Wanted(self.manipulation, self.manipulation_object_id, (x, y))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 As in a submission, an episode is a walk and then one manipulation: the first one that succeeds. Where the agent stands
 and what it sees just before it decides whether it has navigated, and the box that it names then whether it has localised.
+How the room is just after it decides whether it has manipulated: that is what the agent sees next, whatever it does later.
 """
 
 from __future__ import annotations
@@ -13,18 +14,19 @@ import numpy as np
 
 from remqa_data.env.actions import Shares
 from remqa_data.env.episodes import Task
-from remqa_data.geometry.types import Vec3
 from remqa_data.metrics import (
     box_iou,
+    chained,
     distance_to_goal_m,
+    is_localised,
     is_right_answer,
     navigation_success,
     path_lengths_m,
     spl,
-    stages,
 )
 from remqa_data.sim.agent.actions import KIND_OF, MOVE, PULL, PUSH, Action
 from remqa_data.sim.agent.agent import Agent
+from remqa_data.sim.agent.outcome import Before, is_manipulated, look_before
 from remqa_data.sim.metadata import is_visible, tight_box
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 
@@ -41,6 +43,10 @@ class EpisodeRecord:
         Where the agent was, from the start on, before the manipulation; metres.
     manipulation : Action or None
         The manipulation that was done first, its target by id.
+    is_manipulated : bool
+        Whether that was what the question takes, and what was hidden lay open after it.
+    before : Before or None
+        How the thing to be manipulated was just before that.
     target_box : tuple of float or None
         The question's target in the view just before it, pixels of a 300 x 300 frame; None where it is not visible.
     box : tuple of float or None
@@ -50,6 +56,8 @@ class EpisodeRecord:
     walk: list[Action] = field(default_factory=list)
     positions: list[tuple[float, float]] = field(default_factory=list)
     manipulation: Action | None = None
+    is_manipulated: bool = False
+    before: Before | None = None
     target_box: Shares | None = None
     box: Shares | None = None
 
@@ -62,19 +70,22 @@ class EpisodeRecord:
     def look(self, agent: Agent, task: Task, box: Shares | None) -> None:
         """Note the view before the manipulation, or before the end of an episode without one."""
         if self.manipulation is None:
+            self.before = look_before(agent, task.wanted)
             self.target_box = target_box(agent, task.target_id)
             self.box = None if box is None else tuple(FRAME_PX * share for share in box)  # type: ignore[assignment]
 
-    def manipulated(self, action: Action, object_id: str, position: Vec3) -> None:
-        """Note that a manipulation was done to an object, whose centre is at a position now."""
-        if self.manipulation is not None:
+    def manipulated(self, action: Action, object_id: str, agent: Agent) -> None:
+        """Note that a manipulation was done to an object, and how the room is now."""
+        if self.manipulation is not None or action.name not in KIND_OF:
             return
         if action.name in (PUSH, PULL):
-            self.manipulation = Action(MOVE, object_id, position)
-        elif action.name == MOVE:
-            self.manipulation = Action(MOVE, object_id, action.numbers)
-        elif action.name in KIND_OF:
-            self.manipulation = Action(action.name, object_id)
+            self.manipulation = Action(MOVE, object_id, agent.world.state(object_id).position)
+        else:
+            self.manipulation = Action(action.name, object_id, action.numbers).in_short()
+        if self.before is not None:
+            wanted = self.before.wanted
+            is_meant = (KIND_OF[action.name], object_id) == (wanted.kind, wanted.object_id)
+            self.is_manipulated = is_meant and is_manipulated(agent.world, self.before)
 
     def measures(self, task: Task, answer: str | None) -> dict[str, Any]:
         """The measures of the episode at its end; names and definitions are in docs/METRICS.md."""
@@ -84,25 +95,24 @@ class EpisodeRecord:
         navigated = navigation_success(distance_m, [self.target_box is not None])
         iou = box_iou([self.box or nothing], [self.target_box or nothing])
         is_right = is_right_answer([answer], [task.answer])
-        three = stages(navigated, iou, is_right)
+        chain = chained(
+            {
+                "navigated": navigated,
+                "localised": is_localised(iou),
+                "manipulated": [self.is_manipulated],
+                "answered": is_right,
+            }
+        )
         return {
-            "S_N": bool(three.navigated[0]),
-            "S_L": bool(three.localised[0]),
-            "S_QA": bool(three.answered[0]),
+            **{name: bool(column[0]) for name, column in chain.items()},
             "answer_accuracy": bool(is_right[0]),
-            "manipulated": self._has_manipulated(task),
+            "manipulated": self.is_manipulated,
             "SPL": float(spl(navigated, [task.path_length_m], walked_m)[0]),
             "iou": float(iou[0]),
             "distance_to_goal_m": float(distance_m[0]),
             "path_length_m": float(walked_m[0]),
             "steps": len(self.walk),
         }
-
-    def _has_manipulated(self, task: Task) -> bool:
-        if self.manipulation is None:
-            return False
-        done = KIND_OF[self.manipulation.name], self.manipulation.target
-        return done == (task.manipulation, task.manipulation_object_id)
 
 
 def target_box(agent: Agent, object_id: str) -> Shares | None:

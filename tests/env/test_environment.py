@@ -289,6 +289,41 @@ def test_an_agent_that_errs_is_scored_alike_by_the_environment_and_the_evaluator
     assert all(math.isfinite(info["distance_to_goal_m"]) for info in ended)
 
 
+@pytest.mark.slow
+def test_the_strict_chain_is_that_of_the_evaluator_whatever_follows_the_first_manipulation(
+    two_rooms: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "a.jsonl"
+    env = Recorder(gymnasium.make(ENV_ID, root=two_rooms, split="train", hands="reach", width=32, height=32), path)
+    remqa = env.unwrapped
+    assert isinstance(remqa, RemqaEnv)
+    asked = read_table(two_rooms, "questions", "train", ["question_id", "manipulation", "target_id"]).to_pylist()
+    drawers = [row for row in asked if row["manipulation"] == "Open"]
+    plans = (
+        (["OpenObject {}", "CloseObject {}"], True),  # it has seen the open drawer before it closed it
+        (["OpenObject {} 0.5"], False),
+        (["OpenObject {} 0.5", "OpenObject {}"], False),  # a submission has one manipulation
+        (["CloseObject {}", "OpenObject {} 0.9"], True),  # the first is refused
+    )
+    ended = []
+    for row, (words, _) in zip(drawers, plans, strict=True):
+        env.reset(options={"episode": row["question_id"]})
+        task = remqa.episode.task
+        assert task is not None
+        for step in oracle_commands(task)[:-2]:
+            env.step(step)
+        for word in words:
+            env.step(Command(parse_action(word.format(row["target_id"])), box=task.target_box))
+        ended.append(env.step(Command(answer=task.answer, box=task.target_box))[-1])
+    env.close()
+    assert [info["S_QA"] for info in ended] == [True] * 4
+    for name in ("manipulated", "S_M", "S_MQA"):
+        assert [info[name] for info in ended] == [counts for _, counts in plans]
+    scores = score(open_submission(path), load_ground_truth(two_rooms, "remqa", "train"))
+    for name, values in scores.measures.items():
+        assert [info[name] for info in ended] == values[scores.answered].tolist()
+
+
 def test_an_environment_that_is_dropped_gives_its_simulator_back() -> None:
     clients = set()
     for _ in range(3):

@@ -116,12 +116,16 @@ class Agent(Body):
             return ActionResult(False, f"{object_id} is already {'closed' if openness == 0.0 else 'open'}")
         if force:
             return ActionResult(True, value=self.world.open(object_id, goal))
-        reached = self._until_it_meets_the_agent(object_id, was, goal)
+        reached = self._until_it_meets_an_agent(object_id, was, goal, (self.x, self.y))
         refusal = self.refusal(object_id)
         if refusal is None and reached != goal and not reached > was + LEAST_OPEN:
             refusal = ActionResult(False, f"Agent is blocking {object_id} from moving")
         refusal = refusal or self.reach(object_id)
         return refusal or ActionResult(True, value=self.world.open(object_id, reached))
+
+    def opens_to(self, object_id: str, position: tuple[float, float]) -> float:
+        """How far a closed object opens before an agent that stands at a position, from 0 to 1."""
+        return self._until_it_meets_an_agent(object_id, 0.0, self.world.most_open(object_id), position)
 
     def close(self, object_id: str, force: bool = False) -> ActionResult:
         """Close an object."""
@@ -249,15 +253,15 @@ class Agent(Body):
 
             self.arm.state = HOME
 
-    def _until_it_meets_the_agent(self, object_id: str, was: float, goal: float) -> float:
-        """How far a door or drawer can be moved before it touches the agent, if not all the way."""
+    def _until_it_meets_an_agent(self, object_id: str, was: float, goal: float, position: tuple[float, float]) -> float:
+        """How far a door or drawer can be moved before it touches an agent at a position, if not all the way."""
         frame, asset = self.world.state(object_id).matrix(), self.world.assets[object_id]
         steps = math.ceil(abs(goal - was) / SWING_STEP - 1e-9)
         reached = was
         for k in range(1, steps + 1):
             share = goal if k == steps else was + k / steps * (goal - was)
             links = arithmetic.product(frame, asset.link_poses(share))
-            if self.ground.meets_agent(object_id, links, (self.x, self.y), first_link=1):
+            if self.ground.meets_agent(object_id, links, position, first_link=1):
                 break
             reached = share
         return reached

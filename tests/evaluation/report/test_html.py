@@ -6,10 +6,12 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from remqa_data.evaluation.cli import app
+from remqa_data.evaluation.submission.reference import reference_rows
 from tests.helpers.submissions import written
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -144,3 +146,15 @@ def test_failures_of_walks_show_view_map_and_boxes(two_rooms: Path, tmp_path: Pa
         assert ("way from above" in text) == (track == "remqa")
         assert ("<p>None.</p>" in text) == (agent == "oracle")
         assert ("submitted red" in text) == (agent == "random")
+
+
+@pytest.mark.slow
+def test_a_failed_manipulation_is_named_and_shown(two_rooms: Path, tmp_path: Path) -> None:
+    rows = reference_rows("oracle", two_rooms, "remqa", "test", np.random.default_rng(0))
+    ajar = next(row for row in rows if row["manipulation"].startswith("OpenObject"))
+    ajar["manipulation"] += " 0.3"
+    text = report(two_rooms, tmp_path / "out", written(tmp_path / "a.jsonl", "remqa", [ajar])).read_text()
+    assert "12 that count as failures by S_MQA" in " ".join(text.split())
+    assert text.count("<dd>manipulation</dd>") == 1
+    assert text.count("<dd>nothing was submitted</dd>") == 11
+    assert text.count("<figcaption>agent&#39;s view after its manipulation</figcaption>") == 1

@@ -20,7 +20,7 @@ def rows_of(agent: str, rooms: Path, track: str, split: str = "test") -> list[di
 @pytest.mark.parametrize("suffix", [".jsonl", ".parquet"])
 def test_the_oracle_scores_one_in_everything(two_rooms: Path, tmp_path: Path, split: str, suffix: str) -> None:
     for track, measures in {
-        "remqa": ("S_N", "S_L", "S_QA", "answer_accuracy", "manipulated"),
+        "remqa": ("S_N", "S_L", "S_QA", "S_M", "S_MQA", "answer_accuracy", "manipulated"),
         "nav": ("success", "SPL"),
         "rec": ("prec@0.5", "prec@0.9", "mean_iou"),
         "qa": ("answer_accuracy",),
@@ -82,7 +82,8 @@ def test_manipulations_that_the_room_refuses_or_of_other_things_do_not_count(two
     ):
         changed = [row | {"manipulation": manipulation} for row in rows]
         scores = scored(two_rooms, written(tmp_path / "a.jsonl", "remqa", changed))
-        assert not scores.measures["manipulated"].any()
+        for name in ("manipulated", "S_M", "S_MQA"):
+            assert not scores.measures[name].any()
         assert scores.measures["S_QA"].all()  # as published: navigated, localised, answered
         assert scores.refused == (0 if manipulation is None else len(rows))
 

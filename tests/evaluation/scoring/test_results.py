@@ -11,6 +11,7 @@ from remqa_data.errors import ResultsError
 from remqa_data.evaluation.cli import app
 from remqa_data.evaluation.report.comparison import compare
 from remqa_data.evaluation.report.tables import in_words, print_results, rounded
+from remqa_data.evaluation.scoring.ground_truth import load_ground_truth
 from remqa_data.evaluation.scoring.results import SCHEMA_PATH, load_results, schema_json, write_results
 from tests.helpers.submissions import results_of, written
 
@@ -41,6 +42,54 @@ def test_the_same_submission_gives_the_same_bytes_whatever_the_row_order(data: P
     assert texts[0] == texts[1]
 
 
+def claims(data: Path, path: Path) -> Path:
+    """A submission to the track remqa as it is without a replay, in which all questions were answered with yes."""
+    asked = load_ground_truth(data, "remqa", "test")
+    rows = [
+        {
+            "question_id": name,
+            "poses": [pose],
+            "target_box": [10, 10, 50, 50],
+            "box": [10, 10, 50, 50],
+            "manipulation": "OpenObject Fridge|1",
+            "answer": "yes",
+        }
+        for name, pose in zip(asked.ids.to_pylist(), asked.initial_poses.tolist(), strict=True)
+    ]
+    return written(path, "remqa", rows)
+
+
+def test_what_only_a_replay_knows_is_null_without_one(data: Path, tmp_path: Path) -> None:
+    jsonschema = pytest.importorskip("jsonschema")
+    out = tmp_path / "out"
+    options = ["--data", str(data), "-o", str(out), "--no-replay"]
+    done = CliRunner().invoke(app, [str(claims(data, tmp_path / "a.jsonl")), *options])
+    assert done.exit_code == 0, done.output
+    told = json.loads((out / "results.json").read_text())
+    jsonschema.validate(told, json.loads(schema_json()))
+    unmeasured = {"S_M", "S_MQA", "manipulated"}
+    for metric in told["metrics"]:
+        is_null = [metric[name] is None for name in ("value", "low", "high")]
+        assert is_null == [True] * 3 if metric["name"] in unmeasured else not is_null[0]
+    assert {metric["name"] for metric in told["metrics"]} >= unmeasured | {"S_N", "S_L", "S_QA"}
+    assert all(told["samples"][name] == [None] * 10 for name in unmeasured)
+    assert all(None not in told["samples"][name] for name in ("S_N", "S_L", "S_QA"))
+    results = load_results(out / "results.json")
+    assert results.main_measure == "S_QA"
+    table = (out / "results.md").read_text()
+    assert table.count("not measured") == 3 * (
+        len({m["group"] for m in told["metrics"] if m["breakdown"] == "kind"}) + 1
+    )
+    report = (out / "report.html").read_text()
+    assert "count as failures by S_QA" in report
+    assert "<dd>manipulation</dd>" not in report  # nobody knows whether that is what went wrong
+
+
+def test_tracks_without_manipulation_say_nothing_of_it(data: Path, tmp_path: Path) -> None:
+    results = results_of(data, answers(data, tmp_path / "a.jsonl", "yes"))
+    assert not {"S_M", "S_MQA", "manipulated"} & {*results.measures, *results.samples}
+
+
 def test_score_writes_results_and_markdown(data: Path, tmp_path: Path) -> None:
     path = answers(data, tmp_path / "a.jsonl", "yes", agent="a | b\n| c |")
     out = tmp_path / "out"
@@ -56,8 +105,9 @@ def test_score_writes_results_and_markdown(data: Path, tmp_path: Path) -> None:
 def test_tables_for_the_terminal_are_whole_in_80_columns(data: Path, tmp_path: Path) -> None:
     written(tmp_path / "qa.jsonl", "qa", [])
     written(tmp_path / "rec.jsonl", "rec", [])
-    for name in ("qa", "rec"):
-        results = results_of(data, tmp_path / f"{name}.jsonl")
+    claims(data, tmp_path / "remqa.jsonl")
+    for name in ("qa", "rec", "remqa"):
+        results = results_of(data, tmp_path / f"{name}.jsonl", replay=name != "remqa")
         console = Console(width=80, file=io.StringIO())
         print_results(console, results)
         text = console.file.getvalue()
