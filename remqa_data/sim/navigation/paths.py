@@ -79,7 +79,7 @@ def pose_after(grid: ReachableGrid, pose: AgentPose, action: str) -> AgentPose:
         not a navigation action.
     """
     if action == MOVE_AHEAD:
-        ahead = _cell_ahead(pose.cell, pose.yaw_deg)
+        ahead = cell_ahead(pose.cell, pose.yaw_deg)
         if not grid.graph.has_edge(pose.cell, ahead):
             raise ActionError(f"{MOVE_AHEAD} from {pose}: something is in the way to {ahead}")
         return replace(pose, cell=ahead)
@@ -141,7 +141,7 @@ def _walk_and_turn(grid: ReachableGrid, start: AgentPose, goal: AgentPose) -> li
 
 def _options(grid: ReachableGrid, here: _Standing) -> Iterator[tuple[str, _Standing]]:
     cell, yaw = here
-    ahead = _cell_ahead(cell, yaw)
+    ahead = cell_ahead(cell, yaw)
     if ahead in grid.graph.adj[cell]:
         yield MOVE_AHEAD, (ahead, yaw)
     yield ROTATE_LEFT, (cell, _turned(yaw, ROTATE_LEFT))
@@ -160,7 +160,14 @@ def _turned(yaw_deg: int, action: str) -> int:
     return (yaw_deg + (ROTATE_DEG if action == ROTATE_LEFT else -ROTATE_DEG)) % 360
 
 
-def _cell_ahead(cell: Cell, yaw_deg: int) -> Cell:
+def cell_ahead(cell: Cell, yaw_deg: int) -> Cell:
+    """The cell to which MoveAhead leads.
+
+    Raises
+    ------
+    ActionError
+        If the heading is none along the grid.
+    """
     if yaw_deg % 360 not in _AHEAD:
         raise ActionError(f"{MOVE_AHEAD} needs a yaw that is a multiple of {ROTATE_DEG} degrees, not {yaw_deg}")
     dx, dy = _AHEAD[yaw_deg % 360]

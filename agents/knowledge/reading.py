@@ -1,0 +1,110 @@
+"""Reading a question: its kind, what it asks for, and the expression that says where to look.
+
+The patterns are those of `templates/questions.yaml`, read backwards: an agent gets the words alone.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import get_args
+
+from remqa_data.catalog import Manipulation, object_type
+from remqa_data.errors import ProgramError
+from remqa_data.generators.questions.questions import question_rules
+from remqa_data.language.referring import Program, program_of
+from remqa_data.relations import InnerRelation, Relation, relation_rules
+from remqa_data.tables.rows import QuestionKind
+
+HIDING: tuple[Relation, ...] = ("in", "under")
+"""How what is asked for lies to the target."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What the words of a question say.
+
+    Attributes
+    ----------
+    text : str
+        The question.
+    kind : {"EXISTENCE", "COUNTING", "SPATIAL"}
+        By its pattern.
+    relation : {"in", "under"}
+        Where it asks to look: inside the target, or under it.
+    expression : str
+        The referring expression, such as "the drawer next to the toaster".
+    target : program
+        What the expression means.
+    """
+
+    text: str
+    kind: QuestionKind
+    relation: Relation
+    expression: str
+    target: Program
+
+    @property
+    def target_type(self) -> str:
+        """The type that the expression names."""
+        return str(self.target[0][1])
+
+    @property
+    def manipulation(self) -> Manipulation | None:
+        """What shows the answer: one opens to look inside, and takes or pushes away what covers; None for what is fixed."""
+        kind = object_type(self.target_type)
+        if self.relation == "in":
+            return "Open" if kind.openable else None
+        return "Pickup" if kind.pickupable else "Move" if kind.moveable else None
+
+
+def read_question(text: str) -> Question:
+    """Read a question.
+
+    Raises
+    ------
+    ProgramError
+        If it follows no pattern, or its expression is not understood.
+
+    Examples
+    --------
+    >>> asked = read_question("How many mugs are there in the fridge?")
+    >>> asked.kind, asked.relation, asked.expression, asked.target_type, asked.manipulation
+    ('COUNTING', 'in', 'the fridge', 'Fridge', 'Open')
+    """
+    for pattern, kind, relation in _patterns():
+        found = pattern.fullmatch(text.strip())
+        if found:
+            return Question(text, kind, relation, found["re"], program_of(found["re"]))
+    raise ProgramError(f"{text!r} follows no pattern of templates/questions.yaml")
+
+
+@lru_cache(maxsize=1)
+def _patterns() -> tuple[tuple[re.Pattern[str], QuestionKind, Relation], ...]:
+    """The patterns as regular expressions; those of two things in one place come first, as they say "in" twice."""
+    rules, words = question_rules(), relation_rules()
+    inner = "|".join(re.escape(words.said(relation)) for relation in get_args(InnerRelation))
+    found: list[tuple[re.Pattern[str], QuestionKind, Relation]] = [
+        (_pattern(rules.inner_template, f"(?:{inner})"), "SPATIAL", "in")
+    ]
+    for kind, template in rules.templates.items():
+        for relation in HIDING:
+            said = words.words[relation]
+            if kind == "SPATIAL":
+                said = rules.spatial_words.get(relation, said)
+            found.append((_pattern(template, re.escape(said)), kind, relation))
+            if "{relation}" not in template:
+                break  # it says "in" itself
+    return tuple(found)
+
+
+def _pattern(template: str, relation: str) -> re.Pattern[str]:
+    """A template with a relation, as an expression that finds {re} in a question; {re} begins where the first relation ends."""
+    words = "|".join({relation_rules().words[name] for name in HIDING} | set(question_rules().spatial_words.values()))
+    thing = rf"(?:(?! (?:{words}) )[\w\- ])+"
+    fields = {"a_obj": thing, "objs": thing, "obj": thing, "obj2": thing, "relation": relation, "re": r"(?P<re>the .+)"}
+    text = re.escape(template)
+    for name, expression in fields.items():
+        text = text.replace(re.escape("{" + name + "}"), expression)
+    return re.compile(text)

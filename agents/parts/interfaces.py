@@ -1,0 +1,98 @@
+"""The four parts of an agent, and what each of them gets.
+
+A part sees the question's words, the memory of the walk, and percepts: nothing else. No part gets the environment, so none can
+ask it where the target is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from remqa_data.agents.knowledge.memory import WalkMemory
+from remqa_data.agents.knowledge.reading import Question
+from remqa_data.env.actions import Shares
+from remqa_data.geometry.types import F32, U8
+from remqa_data.sim.agent.actions import Action
+from remqa_data.sim.navigation.viewpoints import AgentPose
+from remqa_data.sim.render.camera import Camera
+
+
+@dataclass(frozen=True, eq=False)
+class Percept:
+    """What the agent gets after an action: its senses.
+
+    Attributes
+    ----------
+    rgb : (h, w, 3) uint8
+        What it sees.
+    depth : (h, w) float32
+        Metres along the camera's forward axis, 0 where nothing is.
+    pose : AgentPose
+        Where it is, on the grid of its steps.
+    camera : Camera
+        Its eye, in the room's frame.
+    succeeded : bool
+        Whether the room let it do the action; True before the first.
+    """
+
+    rgb: U8
+    depth: F32
+    pose: AgentPose
+    camera: Camera
+    succeeded: bool
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """Where an agent says that the target is in its view, as shares of the width and height from the top left corner.
+
+    Attributes
+    ----------
+    box : tuple of float
+        x1, y1, x2, y2.
+    point : tuple of float
+        A point on the target, where the hand goes.
+    """
+
+    box: Shares
+    point: tuple[float, float]
+
+
+class Walker(Protocol):
+    """Walks in one episode."""
+
+    def next_action(self, percept: Percept) -> str | None:
+        """The next navigation action, a whole step such as "MoveAhead"; None when it is there, or gives up."""
+
+
+class Navigator(Protocol):
+    """Brings the agent to the target."""
+
+    def begin(self, asked: Question, memory: WalkMemory, rng: np.random.Generator) -> Walker:
+        """Begin an episode."""
+
+
+class Localizer(Protocol):
+    """Finds the target in the view in which the walk has ended."""
+
+    def locate(
+        self, asked: Question, memory: WalkMemory, percept: Percept, rng: np.random.Generator
+    ) -> Sighting | None:
+        """Where the target is; None where it is not seen."""
+
+
+class Manipulator(Protocol):
+    """Decides what to do to the target."""
+
+    def actions(self, asked: Question, sighting: Sighting | None) -> tuple[Action, ...]:
+        """What to try, one after the other, until one succeeds; nothing where there is nothing to do."""
+
+
+class Answerer(Protocol):
+    """Answers the question from what was seen before and after the manipulation."""
+
+    def answer(self, asked: Question, before: Percept, after: Percept) -> str | None:
+        """The answer; None for none."""
