@@ -19,16 +19,21 @@ Act = Callable[[Command], Percept]
 
 @dataclass(frozen=True)
 class Agent:
-    """The four parts; without a localizer or a manipulator nothing is pointed at or done, without an answerer not answered."""
+    """The four parts; without a localizer or a manipulator nothing is pointed at or done, without an answerer not answered.
+
+    Attributes
+    ----------
+    most_steps : int
+        After so many navigation actions the agent stops where it is.
+    """
 
     navigator: Navigator
     localizer: Localizer | None = None
     manipulator: Manipulator | None = None
     answerer: Answerer | None = None
+    most_steps: int = 100
 
-    def play(
-        self, asked: Question, memory: WalkMemory, first: Percept, act: Act, rng: np.random.Generator
-    ) -> None:
+    def play(self, asked: Question, memory: WalkMemory, first: Percept, act: Act, rng: np.random.Generator) -> None:
         """Play an episode to its end: walk, say where the target is, manipulate it, answer.
 
         Parameters
@@ -46,7 +51,10 @@ class Agent:
         """
         walker = self.navigator.begin(asked, memory, rng)
         before = first
-        while (action := walker.next_action(before)) is not None:
+        for _ in range(self.most_steps):
+            action = walker.next_action(before)
+            if action is None:
+                break
             before = act(Command(Action(action)))
         sighting = self.localizer.locate(asked, memory, before, rng) if self.localizer else None
         box = sighting.box if sighting else None

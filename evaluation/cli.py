@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from remqa_data.command_line import OneLineErrors, announce_compiling, output
+from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, output
 from remqa_data.errors import SubmissionError, nearest_names
 from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.processes.cores import worker_count
@@ -112,7 +111,7 @@ def score(
         raise SubmissionError(predictions, "the header", reason)
     replays = TRACKS[header.track].walks and not no_replay
     announce_compiling(worker_count(workers) if replays else 1)
-    with _progress(len(truth.ids)) as on_replayed:
+    with Counting(len(truth.ids), "replaying") as on_replayed:
         scores = run(submission, truth, replay=not no_replay, workers=worker_count(workers), progress=on_replayed)
     results = make_results(submission, truth, scores, replay=not no_replay, seed=seed)
     write_results(out / "results.json", results)  # first, so that nothing after it can lose what was replayed
@@ -223,24 +222,6 @@ def _write_reference(agent: Agent, data: Path, path: Path, track: Track, split: 
     write_submission(path, header, rows)
     output().say(f"{path}: {len(rows)} rows")
     output().result(file=path, rows=len(rows))
-
-
-class _progress:
-    """Shows how many questions have been replayed, on a terminal."""
-
-    def __init__(self, total: int) -> None:
-        from rich.progress import Progress
-
-        console = output().console()
-        self.bar = Progress(console=console, transient=True, disable=not console.is_terminal)
-        self.task = self.bar.add_task("replaying", total=total)
-
-    def __enter__(self) -> Callable[[int], None]:
-        self.bar.start()
-        return lambda count: self.bar.update(self.task, advance=count)
-
-    def __exit__(self, *error: object) -> None:
-        self.bar.stop()
 
 
 if __name__ == "__main__":

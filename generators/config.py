@@ -5,11 +5,8 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Mapping
-from importlib import resources
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import yaml
 from pydantic import (
     BaseModel,
     ConfigDict,
@@ -18,9 +15,10 @@ from pydantic import (
     model_validator,
 )
 
-from remqa_data.errors import ConfigError, UnknownNameError, nearest_names, one_line
+from remqa_data.errors import ConfigError, UnknownNameError
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
+from remqa_data.generators.config_files import config_text, first_problem, preset_names, read_keys
 from remqa_data.generators.questions.allotment import LOT_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
 from remqa_data.generators.walks.walk import WalkSettings
 from remqa_data.limits import MOST_IMAGE_PX, MOST_SEED
@@ -32,14 +30,13 @@ from remqa_data.tables.rows import QuestionKind
 Layouts = Literal["ithor", "sampled"]
 LAYOUTS: tuple[Layouts, ...] = ("ithor", "sampled")
 
+PRESETS = "remqa_data.configs"
+
 MOST_SAMPLED = 1_000_000
 """Names of sampled rooms have six digits."""
 _NAMES = {"ithor": "from FloorPlan1 to FloorPlan430", "sampled": "such as Sampled-kitchen-000000"}
 
 
-MOST_CONFIG_BYTES = 1 << 18
-MOST_CONFIG_DEPTH = 8
-"""Lists and mappings inside of one another; it takes four."""
 MOST_QUESTIONS = 10_000_000
 """Of one kind in one split; the published benchmark has 1,653."""
 MOST_FRAMES, MOST_POSES = 100_000, 36
@@ -221,8 +218,7 @@ class Config(_Section):
 
 def presets() -> tuple[str, ...]:
     """Names of the configurations that come with the package, such as "tiny"."""
-    files = (Path(entry.name) for entry in resources.files("remqa_data.configs").iterdir())
-    return tuple(sorted(file.stem for file in files if file.suffix == ".yaml"))
+    return preset_names(PRESETS)
 
 
 def load_config(path: str | os.PathLike[str]) -> Config:
@@ -239,18 +235,7 @@ def load_config(path: str | os.PathLike[str]) -> Config:
         If the file cannot be read, or a key is missing, unknown or has a wrong value: one line that names the file, the
         key and the reason.
     """
-    name = os.fspath(path)
-    if name in presets() and not Path(path).is_file():
-        return parse_config((resources.files("remqa_data.configs") / f"{name}.yaml").read_text(encoding="utf-8"), name)
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not a text file"
-        near = nearest_names(name, presets(), count=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        msg = f"{name}: {reason}; give a YAML file, or one of the presets {', '.join(presets())}{hint}"
-        raise ConfigError(msg) from None
-    return parse_config(text, name)
+    return parse_config(config_text(path, PRESETS), os.fspath(path))
 
 
 def paper_config() -> Config:
@@ -260,37 +245,11 @@ def paper_config() -> Config:
 
 def parse_config(text: str, where: str = "configuration") -> Config:
     """Read a configuration from its text; see `load_config`."""
-    try:
-        _check_plain(text, where)
-        data: Any = yaml.safe_load(text)
-    except (yaml.YAMLError, ValueError) as error:  # ValueError: a date such as 2020-99-99, a number of 5,000 digits
-        raise ConfigError(f"{where}: not YAML: {one_line(error)[:300]}") from None
-    if not isinstance(data, Mapping):
-        raise ConfigError(f"{where}: expected keys such as 'seed', found {type(data).__name__}")
+    data = read_keys(text, where)
     try:
         return Config.model_validate(data)
     except ValidationError as error:
-        raise ConfigError(f"{where}: {_first_problem(error)}") from None
-
-
-def _check_plain(text: str, where: str) -> None:
-    """Refuse what a configuration never needs, and what a few bytes of can ask for any amount of time."""
-    if len(text) > MOST_CONFIG_BYTES:
-        raise ConfigError(f"{where}: {len(text):,} characters; a configuration has at most {MOST_CONFIG_BYTES:,}")
-    depth = 0
-    for event in yaml.parse(text, Loader=yaml.SafeLoader):
-        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
-            raise ConfigError(f"{where}: {_line_of(event)}anchors and aliases (& and *) are not read")
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
-        if depth > MOST_CONFIG_DEPTH:
-            raise ConfigError(f"{where}: {_line_of(event)}nested too deep")
-
-
-def _line_of(event: yaml.Event) -> str:
-    return "" if event.start_mark is None else f"line {event.start_mark.line + 1}: "
+        raise ConfigError(f"{where}: {first_problem(error)}") from None
 
 
 def stored_config(stored: Mapping[str, Any]) -> Config:
@@ -304,17 +263,7 @@ def stored_config(stored: Mapping[str, Any]) -> Config:
     try:
         return Config.model_validate(stored)
     except ValidationError as error:
-        raise ConfigError(f"stored configuration: {_first_problem(error)}") from None
-
-
-def _first_problem(error: ValidationError) -> str:
-    problem = error.errors()[0]
-    # Of a value that may be of two types, pydantic tells the branch after the key; the key is enough.
-    key = ".".join(
-        str(part) for part in problem["loc"] if part not in ("constrained-int", "int") and "tuple" not in str(part)
-    )
-    reason = one_line(problem["msg"].removeprefix("Value error, "))
-    return f"{one_line(key)[:80]}: {reason}" if key else reason
+        raise ConfigError(f"stored configuration: {first_problem(error)}") from None
 
 
 def _most_rooms(layouts: Layouts) -> int:

@@ -1,4 +1,4 @@
-"""What the three commands share: --version, --quiet and --json, errors in one line, and word of what takes long.
+"""What the commands share: --version, --quiet and --json, errors in one line, and word of what takes long.
 
 An error on purpose (`RemqaError`) or a file that cannot be read or written becomes one line on stderr and exit code 2.
 The library logs and never prints; what a command has to say goes through `output()`.
@@ -82,6 +82,32 @@ def announce_compiling(workers: int) -> None:
 
     if workers > 1 and is_cache_empty():
         output().note("the workers compile their kernels, once; this takes a minute or two")
+
+
+class Counting:
+    """Shows on a terminal how many of some things are done; a context that gives a function to be told of more.
+
+    Parameters
+    ----------
+    total : int or None
+        Of all things; None if that is not known before.
+    doing : str
+        What is being done.
+    """
+
+    def __init__(self, total: int | None, doing: str) -> None:
+        from rich.progress import Progress
+
+        console = output().console()
+        self._bar = Progress(console=console, transient=True, disable=not console.is_terminal)
+        self._task = self._bar.add_task(doing, total=total)
+
+    def __enter__(self) -> Callable[[int], None]:
+        self._bar.start()
+        return lambda count: self._bar.update(self._task, advance=count)
+
+    def __exit__(self, *error: object) -> None:
+        self._bar.stop()
 
 
 class OneLineErrors(TyperGroup):

@@ -47,7 +47,7 @@ class Instance:
     @property
     def centre(self) -> F64:
         """(3,) middle of its box, metres."""
-        return (np.array(self.box[:3]) + self.box[3:]) / 2
+        return np.asarray((np.array(self.box[:3]) + self.box[3:]) / 2)
 
 
 def choose_instance(target: Program, memory: WalkMemory) -> Instance | None:

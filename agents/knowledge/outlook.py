@@ -13,7 +13,7 @@ from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64, Flags
 from remqa_data.mapping.semantic_map import UNKNOWN
-from remqa_data.sim.navigation.grid import Cell, ReachableGrid, reach_distance
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, AgentPose, facing_poses
 
 FRONT_DEG = 60.0
@@ -61,19 +61,6 @@ def points_of(instance: Instance, memory: WalkMemory) -> F64:
     return found[:: math.ceil(len(found) / MOST_POINTS)]
 
 
-def cells_in_reach(instance: Instance, grid: ReachableGrid, reach_m: float) -> list[Cell]:
-    """Cells of a grid from which the arm reaches the nearest point of an object's box, at some height of the shoulder."""
-    low, high = np.array(instance.box[:3]), np.array(instance.box[3:])
-    z = min(max(grid.floor_z + (grid.body.shoulder_low_m + grid.body.shoulder_high_m) / 2, low[2]), high[2])
-    found = []
-    for cell in grid.cells:
-        x, y = grid.position(cell)
-        nearest = np.array([*np.clip((x, y), low[:2], high[:2]), z])
-        if reach_distance((x, y), grid.floor_z, nearest) <= reach_m:
-            found.append(cell)
-    return found
-
-
 def frontality(instance: Instance, position: tuple[float, float]) -> float:
     """How squarely somebody at a position stands before the front of an object: the cosine of how far round, at most 1.
 
@@ -119,7 +106,7 @@ def _own_voxels(instance: Instance, memory: WalkMemory) -> Flags:
     """(nx, ny, nz) which voxels are the object's: those of its label in and around its box, which hide nothing of it."""
     if instance.type not in memory.plan.names:
         return np.zeros(memory.labels.shape, dtype=np.bool_)
-    return memory.labels == memory.plan.names.index(instance.type)
+    return np.asarray(memory.labels == memory.plan.names.index(instance.type))
 
 
 def _is_in_sight(eye: F64, points: F64, memory: WalkMemory, own: Flags) -> Flags:

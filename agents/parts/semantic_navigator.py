@@ -16,10 +16,11 @@ from scipy.sparse.csgraph import shortest_path
 
 from remqa_data.agents.knowledge.instance import Instance, choose_instance
 from remqa_data.agents.knowledge.memory import WalkMemory
-from remqa_data.agents.knowledge.outlook import Outlook, cells_in_reach, frontality, is_in_the_way, outlooks
+from remqa_data.agents.knowledge.outlook import Outlook, frontality, is_in_the_way, outlooks, points_of
 from remqa_data.agents.knowledge.reading import Question
 from remqa_data.agents.knowledge.sight import seen_of
 from remqa_data.agents.parts.interfaces import Percept
+from remqa_data.generators.arrangement.sightlines import cells_that_reach
 from remqa_data.geometry.types import F64
 from remqa_data.sim.metadata import scaled_pixels
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
@@ -37,21 +38,12 @@ COMPARED = 6
 
 
 class SemanticMapNavigator:
-    """Walks to the instance that the question means.
-
-    Parameters
-    ----------
-    most_steps : int
-        Where the agent gives up.
-    """
-
-    def __init__(self, most_steps: int) -> None:
-        self.most_steps = most_steps
+    """Walks to the instance that the question means."""
 
     def begin(self, asked: Question, memory: WalkMemory, rng: np.random.Generator) -> SemanticMapWalker:
         """Begin an episode; nothing is drawn."""
         instance = choose_instance(asked.target, memory)
-        return SemanticMapWalker(instance, memory, self.most_steps, opens=asked.manipulation == "Open")
+        return SemanticMapWalker(instance, memory, opens=asked.manipulation == "Open")
 
 
 class SemanticMapWalker:
@@ -61,17 +53,16 @@ class SemanticMapWalker:
     is not in sight, it goes on to the next best pose.
     """
 
-    def __init__(self, instance: Instance | None, memory: WalkMemory, most_steps: int, *, opens: bool) -> None:
-        self.instance, self.memory, self.most_steps, self.opens = instance, memory, most_steps, opens
+    def __init__(self, instance: Instance | None, memory: WalkMemory, *, opens: bool) -> None:
+        self.instance, self.memory, self.opens = instance, memory, opens
         self._graph: nx.Graph[Cell] | None = None
         self._waiting: list[Outlook] = []
         self._plan: deque[str] = deque()
         self._last: tuple[str, AgentPose] | None = None
-        self._steps = 0
 
     def next_action(self, percept: Percept) -> str | None:
         """See `remqa_data.agents.parts.interfaces.Walker`."""
-        if self.instance is None or self._steps == self.most_steps:
+        if self.instance is None:
             return None
         if self._graph is None:
             self._graph = free_cells(self.memory, percept.pose.cell)
@@ -86,7 +77,7 @@ class SemanticMapWalker:
             self._waiting = [outlook for outlook in self._waiting if outlook.pose != percept.pose]
             self._plan_from(percept.pose)
         action = self._plan.popleft()
-        self._last, self._steps = (action, percept.pose), self._steps + 1
+        self._last = action, percept.pose
         return action
 
     def _grid(self) -> ReachableGrid:
@@ -123,11 +114,12 @@ class SemanticMapWalker:
 def goals(instance: Instance, memory: WalkMemory, grid: ReachableGrid, *, opens: bool) -> list[Outlook]:
     """Poses that should see an object and reach it; where there are none, poses near to it.
 
-    What is to be opened is looked at from before its front, from where it opens without meeting the agent; and the shares of the
-    outlooks are less for who stands aside, who sees less of the inside.
+    What is to be opened is looked at from before its front, where the agent is not in its way; and the shares of the outlooks
+    are less for who stands aside, who sees less of the inside.
     """
-    reach = cells_in_reach(instance, grid, memory.body.reach_m)
-    near = cells_in_reach(instance, grid, memory.body.reach_m + NEAR_M)
+    points = points_of(instance, memory)
+    reach = cells_that_reach(grid, points, memory.body.reach_m)
+    near = cells_that_reach(grid, points, memory.body.reach_m + NEAR_M)
     front = {cell: frontality(instance, grid.position(cell)) if opens else 1.0 for cell in near}
     clear = [
         cell

@@ -1,4 +1,4 @@
-"""Where the three commands begin: Ctrl-C is answered while the command line is imported and read, too, and when it has run."""
+"""Where the commands begin: Ctrl-C is answered while the command line is imported and read, too, and when it has run."""
 
 from __future__ import annotations
 
@@ -25,5 +25,13 @@ def remqa_eval() -> None:
     """The command `remqa-eval`."""
     with ends_the_process(), PromptInterrupts("remqa-eval: stopped"):
         from remqa_data.evaluation.cli import main
+
+        main()
+
+
+def remqa_agent() -> None:
+    """The command `remqa-agent`."""
+    with ends_the_process(), PromptInterrupts("remqa-agent: stopped"):
+        from remqa_data.agents.cli import main
 
         main()

@@ -1,0 +1,94 @@
+"""What `remqa-agent` is told of a system: a YAML file of `configs/agents/`, read and checked."""
+
+from __future__ import annotations
+
+import os
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from remqa_data.errors import ConfigError
+from remqa_data.evaluation.submission.tracks import MAX_ACTIONS
+from remqa_data.generators.config_files import config_text, first_problem, preset_names, read_keys
+from remqa_data.limits import MOST_SEED
+from remqa_data.storage.manifest import config_hash
+
+PRESETS = "remqa_data.configs.agents"
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class NavigatorConfig(_Section):
+    """How the agent walks: by the semantic map of its walk, or anywhere."""
+
+    kind: Literal["semantic_map", "random"]
+
+
+class LocalizerConfig(_Section):
+    """How it finds the target in its view: by the box that the walk has left."""
+
+    kind: Literal["map"]
+
+
+class ManipulatorConfig(_Section):
+    """How it decides what to do: by the question's words and the target's type."""
+
+    kind: Literal["rule"]
+
+
+class AnswererConfig(_Section):
+    """How it answers: with the most frequent answer."""
+
+    kind: Literal["majority"]
+
+
+class SystemConfig(_Section):
+    """A system: an agent of four parts.
+
+    Attributes
+    ----------
+    title : str
+        What it is called in tables; says what each part is, so that nobody takes it for another system.
+    seed : int
+        Of what it draws.
+    most_steps : int
+        After so many navigation actions it stops where it is.
+    navigator, localizer, manipulator, answerer
+        Its parts; all but the first may be missing.
+    """
+
+    title: Annotated[str, Field(min_length=1, max_length=200)]
+    seed: Annotated[int, Field(ge=0, le=MOST_SEED)]
+    most_steps: Annotated[int, Field(ge=0, le=MAX_ACTIONS)]
+    navigator: NavigatorConfig
+    localizer: LocalizerConfig | None
+    manipulator: ManipulatorConfig | None
+    answerer: AnswererConfig | None
+
+    @property
+    def sha256(self) -> str:
+        """Hash of what the configuration says, whatever its file looks like."""
+        return config_hash(self.model_dump(mode="json"))
+
+
+def systems() -> tuple[str, ...]:
+    """Names of the systems that come with the package, such as "semantic_map"."""
+    return preset_names(PRESETS)
+
+
+def load_system(path: str | os.PathLike[str]) -> SystemConfig:
+    """Read a system: a YAML file, or the name of one that comes with the package.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or a key is missing, unknown or has a wrong value: names file, key and reason.
+    """
+    where = os.fspath(path)
+    data = read_keys(config_text(path, PRESETS), where)
+    try:
+        return SystemConfig.model_validate(data)
+    except ValidationError as error:
+        raise ConfigError(f"{where}: {first_problem(error)}") from None

@@ -1,0 +1,201 @@
+"""The tables of the systems: what their submissions score by replay, beside the figures of the paper."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from remqa_data.agents.paper import paper_results
+from remqa_data.errors import ResultsError, SubmissionError
+from remqa_data.evaluation.report.tables import Grid, cell, markdown_rows, notes, rounded
+from remqa_data.evaluation.scoring.ground_truth import GroundTruth, dataset_sha256, load_ground_truth
+from remqa_data.evaluation.scoring.measures import STEP_LIMITS
+from remqa_data.evaluation.scoring.results import (
+    OVERALL,
+    Metric,
+    Results,
+    load_results,
+    make_results,
+    write_results,
+)
+from remqa_data.evaluation.scoring.scoring import score
+from remqa_data.evaluation.scoring.statistics import estimate
+from remqa_data.evaluation.submission.reader import Submission, open_submission
+from remqa_data.files import atomic_path
+from remqa_data.metrics import spl
+from remqa_data.version import __version__
+
+STAGES = ("S_N", "S_L", "S_QA")
+BESIDE = ("answer_accuracy", "manipulated")
+"""What the paper does not tell."""
+PAPER = " (paper)"
+SEED = 0
+"""Of the resampling."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scored:
+    """A submission that was replayed.
+
+    Attributes
+    ----------
+    results : Results
+        Of the track `remqa`.
+    navigation : tuple of Metric
+        Success and SPL within the limits of steps, of the same walks.
+    """
+
+    results: Results
+    navigation: tuple[Metric, ...]
+
+    @property
+    def title(self) -> str:
+        """The system's name."""
+        return self.results.submission.agent
+
+
+def score_systems(
+    folder: Path, root: Path, workers: int = 1, progress: Callable[[int], None] | None = None
+) -> list[Scored]:
+    """Replay the submissions in a folder, in the order of their names; what was replayed before is read again.
+
+    Parameters
+    ----------
+    folder : path
+        With submissions to the track `remqa`, all to one split; beside each its results are written.
+    root : path
+        The dataset.
+    workers : int
+        Processes.
+    progress : callable, optional
+        Called with the number of rows that were replayed since the last call.
+
+    Raises
+    ------
+    SubmissionError
+        If the folder has no submission, or one is none, is to another track, of another split or about another dataset.
+    """
+    paths = sorted(path for path in folder.glob("*") if path.suffix in (".jsonl", ".parquet"))
+    if not paths:
+        raise SubmissionError(folder, "", "there is no submission; remqa-agent run writes them")
+    split = open_submission(paths[0]).header.split
+    truth = load_ground_truth(root, "remqa", split)
+    return [_scored(path, truth, workers, progress) for path in paths]
+
+
+def write_tables(folder: Path, systems: Sequence[Scored]) -> None:
+    """Write table.md and table.json."""
+    grids = navigation_grid(systems), remqa_grid(systems)
+    lines: list[str] = []
+    for grid in grids:
+        lines += [f"**{grid.title}**", "", *markdown_rows(grid), ""]
+    for system in systems:
+        lines += [f"{system.title}: {' '.join(notes(system.results))}", ""]
+    with atomic_path(folder / "table.md") as temporary:
+        temporary.write_text("\n".join(lines), encoding="utf-8")
+    with atomic_path(folder / "table.json") as temporary:
+        temporary.write_text(json.dumps(as_json(systems), indent=1) + "\n", encoding="utf-8")
+
+
+def as_json(systems: Sequence[Scored]) -> dict[str, Any]:
+    """The tables for programs: figures of the paper, and metrics of the systems with their intervals."""
+    return {
+        "paper": {name: paper_results()[name] for name in ("VSN", "REMQA")},
+        "systems": [
+            {
+                "title": system.title,
+                "split": system.results.split,
+                "dataset": system.results.dataset.sha256,
+                "metrics": [metric.model_dump(mode="json") for metric in (*system.navigation, *_remqa(system))],
+            }
+            for system in systems
+        ],
+    }
+
+
+def navigation_grid(systems: Sequence[Scored]) -> Grid:
+    """Success and SPL within the limits of steps."""
+    columns = [f"{measure}@{limit}" for limit in STEP_LIMITS for measure in ("success", "SPL")]
+    rows = [
+        (name + PAPER, *(rounded(figures[column]) for column in columns))
+        for name, figures in paper_results()["VSN"].items()
+    ]
+    for system in systems:
+        by_name = {metric.name: cell(metric) for metric in system.navigation}
+        rows.append((system.title, *(by_name[column] for column in columns)))
+    return Grid(f"Navigation, split {_split(systems)}", ("System", *columns), tuple(rows))
+
+
+def remqa_grid(systems: Sequence[Scored]) -> Grid:
+    """The stages of each kind of question."""
+    kinds = list(dict.fromkeys(metric.group for system in systems for metric in _remqa(system)))
+    rows = [
+        (name + PAPER, kind, *(rounded(figures[f"{kind} {stage}"]) for stage in STAGES), *("" for _ in BESIDE))
+        for name, figures in paper_results()["REMQA"].items()
+        for kind in kinds
+    ]
+    for system in systems:
+        by_key = {(metric.group, metric.name): cell(metric) for metric in _remqa(system)}
+        rows += [(system.title, kind, *(by_key[kind, name] for name in (*STAGES, *BESIDE))) for kind in kinds]
+    headings = ("System", "Kind", *STAGES, *(name.replace("_", " ") for name in BESIDE))
+    return Grid(f"REMQA, split {_split(systems)}", headings, tuple(rows))
+
+
+def navigation_metrics(results: Results, truth: GroundTruth) -> tuple[Metric, ...]:
+    """Success and SPL within the limits of steps, of the walks of a submission to the track `remqa`."""
+    samples = results.samples
+    navigated = np.array(samples["S_N"], dtype=bool)
+    # Rows that are missing have neither steps nor a path, and have failed.
+    steps = np.array([np.inf if count is None else count for count in samples["steps"]], dtype=np.float64)
+    walked_m = np.array([0.0 if metres is None else metres for metres in samples["path_m"]], dtype=np.float64)
+    scenes = np.unique(np.array(samples["scene"]), return_inverse=True)[1]
+    found = []
+    for limit in STEP_LIMITS:
+        success = navigated & (steps <= limit)
+        for name, values in (("success", success), ("SPL", spl(success, truth.path_lengths_m, walked_m))):
+            known = estimate(values, scenes, np.random.default_rng(SEED))
+            found.append(Metric(name=f"{name}@{limit}", breakdown=OVERALL, group="all", **vars(known)))
+    return tuple(found)
+
+
+def _remqa(system: Scored) -> list[Metric]:
+    wanted = (*STAGES, *BESIDE)
+    return [metric for metric in system.results.metrics if metric.breakdown == "kind" and metric.name in wanted]
+
+
+def _split(systems: Sequence[Scored]) -> str:
+    return systems[0].results.split
+
+
+def _scored(path: Path, truth: GroundTruth, workers: int, progress: Callable[[int], None] | None) -> Scored:
+    submission = open_submission(path)
+    header, sha256 = submission.header, dataset_sha256(truth.manifest)
+    for name, wanted, found in (
+        ("track", truth.track, header.track),
+        ("split", truth.split, header.split),
+        ("dataset", sha256, header.dataset or sha256),
+    ):
+        if wanted != found:
+            raise SubmissionError(path, "the header", f"the predictions are for {name} {found!r}, not {wanted!r}")
+    known = path.with_suffix(".results.json")
+    results = _known_results(known, submission, sha256)
+    if results is None:
+        scores = score(submission, truth, workers=workers, progress=progress)
+        results = make_results(submission, truth, scores, replay=True)
+        write_results(known, results)
+    return Scored(results, navigation_metrics(results, truth))
+
+
+def _known_results(path: Path, submission: Submission, dataset: str) -> Results | None:
+    """The results of an earlier replay of the same file on the same data by the same version."""
+    try:
+        results = load_results(path)
+    except ResultsError:
+        return None
+    same = results.submission.sha256, results.dataset.sha256, results.versions["remqa-data"], results.replayed
+    return results if same == (submission.sha256(), dataset, __version__, True) else None

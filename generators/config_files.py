@@ -1,0 +1,94 @@
+"""Configuration files: YAML of a few keys, read without trust, with errors that name the file and the key."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from remqa_data.errors import ConfigError, nearest_names, one_line
+
+MOST_CONFIG_BYTES = 1 << 18
+MOST_CONFIG_DEPTH = 8
+"""Lists and mappings inside of one another; it takes four."""
+
+
+def preset_names(package: str) -> tuple[str, ...]:
+    """Names of the YAML files in a package of presets, such as "tiny" in `remqa_data.configs`; sorted."""
+    files = (Path(entry.name) for entry in resources.files(package).iterdir())
+    return tuple(sorted(file.stem for file in files if file.suffix == ".yaml"))
+
+
+def config_text(path: str | os.PathLike[str], package: str) -> str:
+    """The text of a configuration: a YAML file, or a preset of a package by its name; a file of that name comes first.
+
+    Raises
+    ------
+    ConfigError
+        If there is none; names the presets.
+    """
+    name, presets = os.fspath(path), preset_names(package)
+    if name in presets and not Path(path).is_file():
+        return (resources.files(package) / f"{name}.yaml").read_text(encoding="utf-8")
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not a text file"
+        near = nearest_names(name, presets, count=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        msg = f"{name}: {reason}; give a YAML file, or one of the presets {', '.join(presets)}{hint}"
+        raise ConfigError(msg) from None
+
+
+def read_keys(text: str, where: str) -> Mapping[str, Any]:
+    """The keys and values of a YAML text.
+
+    Raises
+    ------
+    ConfigError
+        If it is no YAML, no mapping, or holds what a configuration never needs.
+    """
+    try:
+        _check_plain(text, where)
+        data: Any = yaml.safe_load(text)
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: a date such as 2020-99-99, a number of 5,000 digits
+        raise ConfigError(f"{where}: not YAML: {one_line(error)[:300]}") from None
+    if not isinstance(data, Mapping):
+        raise ConfigError(f"{where}: expected keys such as 'seed', found {type(data).__name__}")
+    return data
+
+
+def first_problem(error: ValidationError) -> str:
+    """The first thing that is wrong with a configuration, in one line that begins with its key."""
+    problem = error.errors()[0]
+    # Of a value that may be of two types, pydantic tells the branch after the key; the key is enough.
+    key = ".".join(
+        str(part) for part in problem["loc"] if part not in ("constrained-int", "int") and "tuple" not in str(part)
+    )
+    reason = one_line(problem["msg"].removeprefix("Value error, "))
+    return f"{one_line(key)[:80]}: {reason}" if key else reason
+
+
+def _check_plain(text: str, where: str) -> None:
+    """Refuse what a configuration never needs, and what a few bytes of can ask for any amount of time."""
+    if len(text) > MOST_CONFIG_BYTES:
+        raise ConfigError(f"{where}: {len(text):,} characters; a configuration has at most {MOST_CONFIG_BYTES:,}")
+    depth = 0
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
+            raise ConfigError(f"{where}: {_line_of(event)}anchors and aliases (& and *) are not read")
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if depth > MOST_CONFIG_DEPTH:
+            raise ConfigError(f"{where}: {_line_of(event)}nested too deep")
+
+
+def _line_of(event: yaml.Event) -> str:
+    return "" if event.start_mark is None else f"line {event.start_mark.line + 1}: "
