@@ -27,7 +27,7 @@ from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.paths import MOVE_AHEAD, cell_ahead, shortest_actions
 from remqa_data.sim.navigation.viewpoints import AgentPose
 
-SEEN_SHARE = 0.5
+SEEN_SHARE = 0.75
 """Poses that should see this share of what the best pose should see are as good: the nearest of them is the goal."""
 FEWEST_PIXELS = 150
 """Of a 300 x 300 view: where fewer show the target, the agent goes on to its next goal."""
