@@ -1,4 +1,4 @@
-"""What the three commands share."""
+"""What the commands share."""
 
 import json
 import logging
@@ -18,8 +18,14 @@ COMMANDS = {
     "remqa-data": ["assets", "play", "preview", "show", "verify"],
     "remqa-gen": [],
     "remqa-eval": ["score", "oracle", "random", "blind", "compare", "schema"],
+    "remqa-agent": ["run", "table"],
 }
-HOMES = {"remqa-data": "remqa_data", "remqa-gen": "remqa_data.generators", "remqa-eval": "remqa_data.evaluation"}
+HOMES = {
+    "remqa-data": "remqa_data",
+    "remqa-gen": "remqa_data.generators",
+    "remqa-eval": "remqa_data.evaluation",
+    "remqa-agent": "remqa_data.agents",
+}
 
 
 def invoke(name: str, *arguments: object) -> Result:

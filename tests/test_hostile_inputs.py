@@ -17,6 +17,7 @@ MODULES = {
     "remqa-gen": "remqa_data.generators.cli",
     "remqa-eval": "remqa_data.evaluation.cli",
     "remqa-data": "remqa_data.cli",
+    "remqa-agent": "remqa_data.agents.cli",
 }
 TINY = str(Path(__file__).parents[1] / "configs" / "tiny.yaml")
 
@@ -35,6 +36,9 @@ ARGUMENTS: dict[str, tuple[str | bytes, ...]] = {
     "a submission that is not there": ("remqa-eval", "nobody.jsonl", "--data", "nowhere"),
     "a submission of another kind": ("remqa-eval", TINY, "--data", "nowhere"),
     "no dataset": ("remqa-eval", "oracle", "--data", "[/bad]", "-o", "oracle.jsonl"),
+    "no such system": ("remqa-agent", "run", "nobody", "--data", "nowhere"),
+    "nothing to play": ("remqa-agent", "run", "random", "--data", "nowhere"),
+    "no submissions to show": ("remqa-agent", "table", "--data", "nowhere", "-o", "nowhere"),
     "nothing to verify": ("remqa-data", "verify", "\x1b[2J"),
     "a million workers to verify": ("remqa-data", "verify", "nowhere", "--workers", "1000000"),
     "nothing to show": ("remqa-data", "show", "nowhere", "nobody"),

@@ -47,7 +47,8 @@ def percept_of(pose: AgentPose, instance: Instance | None = None, *, succeeded: 
     camera = pose.camera_above(0.0)
     depth = np.zeros((FRAME_PX, FRAME_PX), dtype=np.float32)
     if instance is not None:
-        depth[:] = max(float(camera.project(instance.centre)[0, 2]), 0.0)
+        with np.errstate(divide="ignore"):  # beside the camera depth is 0
+            depth[:] = max(float(camera.project(instance.centre)[0, 2]), 0.0)
     return Percept(np.zeros((FRAME_PX, FRAME_PX, 3), dtype=np.uint8), depth, pose, camera, succeeded)
 
 

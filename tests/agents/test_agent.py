@@ -1,0 +1,85 @@
+"""How the four parts play together; the parts and the room are stood in for."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from remqa_data.agents.agent import Agent
+from remqa_data.agents.knowledge.reading import read_question
+from remqa_data.agents.parts.interfaces import Percept, Sighting
+from remqa_data.env.actions import Command
+from remqa_data.sim.agent.actions import Action
+from remqa_data.sim.navigation.viewpoints import AgentPose
+from tests.helpers.walked_rooms import memory_of, percept_of
+
+ASKED = read_question("Is there a CD under the garbage can?")
+MEMORY = memory_of([], (0.0, 0.0, 1.0, 1.0))
+FIRST = percept_of(AgentPose((0, 0), 0))
+SIGHTING = Sighting((0.1, 0.2, 0.3, 0.4), (0.2, 0.3))
+
+
+@dataclass
+class Parts:
+    """Walks ahead, sees, tries two things and answers with the number of commands before."""
+
+    steps: int
+    sighting: Sighting | None = SIGHTING
+
+    def begin(self, asked, memory, rng):
+        return self
+
+    def next_action(self, percept):
+        self.steps -= 1
+        return "MoveAhead" if self.steps >= 0 else None
+
+    def locate(self, asked, memory, percept, rng):
+        return self.sighting
+
+    def actions(self, asked, sighting):
+        return (Action("PushObject", sighting.point), Action("PullObject", sighting.point)) if sighting else ()
+
+    def answer(self, asked, before, after):
+        return "yes" if after is not before else "no"
+
+
+@dataclass
+class Room:
+    """Refuses some actions."""
+
+    refused: tuple[str, ...] = ()
+    commands: list[Command] = field(default_factory=list)
+
+    def act(self, command: Command) -> Percept:
+        self.commands.append(command)
+        name = command.action.name if command.action else "Answer"
+        return percept_of(AgentPose((0, 0), 0), succeeded=name not in self.refused)
+
+
+def played(parts: Parts, room: Room, **others) -> list[str]:
+    agent = Agent(parts, parts, parts, parts, **others)
+    agent.play(ASKED, MEMORY, FIRST, room.act, np.random.default_rng(0))
+    return [str(command) for command in room.commands]
+
+
+def test_an_episode_is_a_walk_a_manipulation_and_an_answer() -> None:
+    room = Room()
+    assert played(Parts(2), room) == ["MoveAhead", "MoveAhead", "PushObject @0.2,0.3", "Answer yes"]
+    assert [command.box for command in room.commands] == [None, None, SIGHTING.box, SIGHTING.box]
+
+
+def test_where_one_manipulation_is_refused_the_next_is_tried() -> None:
+    assert played(Parts(0), Room(("PushObject",))) == ["PushObject @0.2,0.3", "PullObject @0.2,0.3", "Answer yes"]
+
+
+def test_what_is_not_seen_is_not_acted_on() -> None:
+    assert played(Parts(1, None), Room()) == ["MoveAhead", "Answer no"]
+
+
+def test_after_so_many_steps_the_agent_stops() -> None:
+    assert played(Parts(9), Room(), most_steps=2)[:3] == ["MoveAhead", "MoveAhead", "PushObject @0.2,0.3"]
+
+
+def test_without_the_other_parts_it_only_walks() -> None:
+    room = Room()
+    Agent(Parts(1)).play(ASKED, MEMORY, FIRST, room.act, np.random.default_rng(0))
+    assert [str(command) for command in room.commands] == ["MoveAhead", "Done"]

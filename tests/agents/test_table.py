@@ -1,0 +1,79 @@
+"""The tables, from submissions whose scores are known."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from remqa_data.agents import table
+from remqa_data.agents.paper import paper_results
+from remqa_data.agents.table import navigation_grid, remqa_grid, score_systems, write_tables
+from remqa_data.errors import SubmissionError
+from remqa_data.evaluation.submission.reference import reference_rows
+from remqa_data.storage.shards import read_table
+from tests.helpers.submissions import written
+
+
+def test_the_figures_of_the_paper_are_those_that_were_published() -> None:
+    assert paper_results()["VSN"]["Ours (semantic map + Floyd)"] == {
+        "success@25": 0.566,
+        "SPL@25": 0.461,
+        "success@50": 0.729,
+        "SPL@50": 0.595,
+    }
+    assert paper_results()["REMQA"]["Ours"]["SPATIAL S_QA"] == 0.284
+    assert [len(paper_results()[name]) for name in ("VSN", "REC", "REMQA")] == [5, 5, 3]
+
+
+def test_a_folder_without_submissions_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(SubmissionError, match="there is no submission; remqa-agent run writes them"):
+        score_systems(tmp_path, tmp_path)
+
+
+def oracle(root: Path, path: Path, split: str = "test") -> Path:
+    rows = reference_rows("oracle", root, "remqa", split, np.random.default_rng(0))
+    return written(path, "remqa", rows, split, agent="oracle")
+
+
+@pytest.mark.slow
+def test_the_oracle_stands_beside_the_paper_with_what_its_steps_allow(two_rooms: Path, tmp_path: Path) -> None:
+    oracle(two_rooms, tmp_path / "oracle.jsonl")
+    (system,) = score_systems(tmp_path, two_rooms)
+    steps = read_table(two_rooms, "questions", "test", ["path_steps"])["path_steps"].to_numpy()
+    found = {metric.name: metric.value for metric in system.navigation}
+    assert found["success@25"] == found["SPL@25"] == pytest.approx(np.mean(steps <= 25))
+    assert found["success@50"] == found["SPL@50"] == pytest.approx(np.mean(steps <= 50))
+    assert [row[0] for row in navigation_grid([system]).rows][-2:] == ["Ours (semantic map + Floyd) (paper)", "oracle"]
+    kinds = [row[1:5] for row in remqa_grid([system]).rows if row[0] == "oracle"]
+    assert [kind[0] for kind in kinds] == ["EXISTENCE", "COUNTING", "SPATIAL"]
+    assert all(text.startswith("1.000") for kind in kinds for text in kind[1:])
+    write_tables(tmp_path, [system])
+    told = json.loads((tmp_path / "table.json").read_text())
+    assert told["systems"][0]["title"] == "oracle"
+    assert "| oracle |" in (tmp_path / "table.md").read_text()
+
+
+@pytest.mark.slow
+def test_what_was_replayed_is_not_replayed_again_unless_it_has_changed(
+    two_rooms: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = oracle(two_rooms, tmp_path / "oracle.jsonl")
+    score_systems(tmp_path, two_rooms)
+    replays: list[str] = []
+    score = table.score
+    monkeypatch.setattr(table, "score", lambda *given, **named: (replays.append("again"), score(*given, **named))[1])
+    score_systems(tmp_path, two_rooms)
+    assert replays == []
+    path.write_text(path.read_text().replace("MoveAhead", "MoveBack"))
+    (changed,) = score_systems(tmp_path, two_rooms)
+    assert replays == ["again"]
+    assert changed.results.metric("S_N").value < 1
+
+
+@pytest.mark.slow
+def test_submissions_to_different_splits_are_not_put_into_one_table(two_rooms: Path, tmp_path: Path) -> None:
+    oracle(two_rooms, tmp_path / "a.jsonl", "test")
+    oracle(two_rooms, tmp_path / "b.jsonl", "train")
+    with pytest.raises(SubmissionError, match=r"b\.jsonl.*for split 'train', not 'test'"):
+        score_systems(tmp_path, two_rooms)
