@@ -1,7 +1,7 @@
 """Figures of the published REMQA dataset, for tables beside one's own.
 
 The paper's agents saw other pictures of these rooms, AI2-THOR's; so their scores are no yardstick for agents here
-without care, and are not repeated.
+without care, and stand only in the tables of `remqa-agent`.
 """
 
 from __future__ import annotations
