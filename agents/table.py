@@ -31,7 +31,7 @@ from remqa_data.metrics import spl
 from remqa_data.version import __version__
 
 STAGES = ("S_N", "S_L", "S_QA")
-BESIDE = ("answer_accuracy", "manipulated")
+BESIDE = ("S_M", "S_MQA", "answer_accuracy")
 """What the paper does not tell."""
 PAPER = " (paper)"
 SEED = 0

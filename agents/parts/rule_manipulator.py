@@ -7,7 +7,10 @@ from remqa_data.agents.parts.interfaces import Sighting
 from remqa_data.sim.agent.actions import OPEN, PICK_UP, PULL, PUSH, Action
 
 NAMES = {"Open": (OPEN,), "Pickup": (PICK_UP,), "Move": (PUSH, PULL)}
-"""What is tried, in this order. What is pushed goes away from the agent, and gives way to none: then it is pulled."""
+"""What is tried, in this order: what cannot be pushed away is pulled."""
+FAR_M = 0.7
+"""How far things are pushed if nothing is in the way, so that they uncover what lay under them. A little less than one action
+goes: a replay puts them where they have come to rest, and goes no farther."""
 
 
 class RuleManipulator:
@@ -17,4 +20,5 @@ class RuleManipulator:
         """See `remqa_data.agents.parts.interfaces.Manipulator`; acts on the point of the sighting."""
         if sighting is None or asked.manipulation is None:
             return ()
-        return tuple(Action(name, sighting.point) for name in NAMES[asked.manipulation])
+        metres = (FAR_M,) if asked.manipulation == "Move" else ()
+        return tuple(Action(name, sighting.point, metres) for name in NAMES[asked.manipulation])

@@ -11,8 +11,8 @@ SEEN = Sighting((0.1, 0.1, 0.5, 0.5), (0.25, 0.5))
     ("text", "actions"),
     [
         ("Is there a mug in the fridge?", ["OpenObject @0.25,0.5"]),
-        ("Is there a phone under the book?".replace("phone", "cellphone"), ["PickupObject @0.25,0.5"]),
-        ("Is there a CD under the garbage can?", ["PushObject @0.25,0.5", "PullObject @0.25,0.5"]),
+        ("Is there a cellphone under the book?", ["PickupObject @0.25,0.5"]),
+        ("Is there a CD under the garbage can?", ["PushObject @0.25,0.5 0.7", "PullObject @0.25,0.5 0.7"]),
         ("Is there a pen under the box?", ["PickupObject @0.25,0.5"]),  # it opens, too, but one looks under it
         ("Is there a mug in the sink?", []),
     ],
