@@ -86,10 +86,18 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None) -> None:
     """Replay the submissions in a folder and show them beside the paper's figures; writes table.md and table.json."""
     from rich.console import Console
 
-    from remqa_data.agents.table import as_json, navigation_grid, remqa_grid, score_systems, write_tables
+    from remqa_data.agents.table import (
+        as_json,
+        navigation_grid,
+        remqa_grid,
+        score_systems,
+        submissions_in,
+        write_tables,
+    )
     from remqa_data.evaluation.report.tables import print_grid
 
     count = worker_count(workers)
+    submissions_in(out)  # before anything is compiled
     announce_compiling(count)
     with Counting(None, "replaying") as on_replayed:
         scored = score_systems(out, data, count, on_replayed)

@@ -80,12 +80,24 @@ def score_systems(
     SubmissionError
         If the folder has no submission, or one is none, is to another track, of another split or about another dataset.
     """
-    paths = sorted(path for path in folder.glob("*") if path.suffix in (".jsonl", ".parquet"))
-    if not paths:
-        raise SubmissionError(folder, "", "there is no submission; remqa-agent run writes them")
+    paths = submissions_in(folder)
     split = open_submission(paths[0]).header.split
     truth = load_ground_truth(root, "remqa", split)
     return [_scored(path, truth, workers, progress) for path in paths]
+
+
+def submissions_in(folder: Path) -> list[Path]:
+    """The submissions in a folder, by name.
+
+    Raises
+    ------
+    SubmissionError
+        If there is none.
+    """
+    paths = sorted(path for path in folder.glob("*") if path.suffix in (".jsonl", ".parquet"))
+    if not paths:
+        raise SubmissionError(folder, "", "there is no submission; remqa-agent run writes them")
+    return paths
 
 
 def write_tables(folder: Path, systems: Sequence[Scored]) -> None:

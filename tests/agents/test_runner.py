@@ -99,8 +99,6 @@ def test_with_other_truths_an_agent_does_the_same(two_rooms: Path, tmp_path: Pat
     assert told == rows
     # The lies reach what scores: nobody is where he should be now.
     assert results_of(two_rooms, tmp_path / "honest.jsonl").metric("S_N").value > 0.5
-    header = (tmp_path / "lied-to.jsonl").read_text()
-    assert "FloorPlan27" in header
     assert results_of(lies, tmp_path / "lied-to.jsonl").metric("S_N").value == 0
 
 
