@@ -20,5 +20,5 @@ class RuleManipulator:
         """See `remqa_data.agents.parts.interfaces.Manipulator`; acts on the point of the sighting."""
         if sighting is None or asked.manipulation is None:
             return ()
-        metres = (FAR_M,) if asked.manipulation == "Move" else ()
+        metres: tuple[float, ...] = (FAR_M,) if asked.manipulation == "Move" else ()
         return tuple(Action(name, sighting.point, metres) for name in NAMES[asked.manipulation])
