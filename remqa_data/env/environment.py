@@ -118,7 +118,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         self.width, self.height, self.max_steps = width, height, max_steps
         self.privileged, self.render_mode = privileged, render_mode
         self.action_space = action_space(action_mode)
-        self.observation_space = _observation_space(width, height, len(self.vocabulary.words), privileged)
+        self.observation_space = _observation_space(width, height, self.vocabulary, privileged)
         self._held_numbers = {name: number for number, name in enumerate(catalog(), start=1)}
         self._room: LoadedRoom | None = None
         self._is_over = True
@@ -166,8 +166,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         self.steps, self._is_over = 0, False
         task = episode.task
         text = task.question if task else ""
-        tokens = np.array(self.vocabulary.encode(text)[:MAX_QUESTION_WORDS], dtype=np.int64)
-        self._question = text[:MAX_QUESTION_CHARACTERS], np.pad(tokens, (0, MAX_QUESTION_WORDS - len(tokens)))
+        self._question = text[:MAX_QUESTION_CHARACTERS], question_tokens(self.vocabulary, text)
         info = {"scene": episode.name, "episode": name, "privileged": self.privileged}
         return self._observe(info), info
 
@@ -261,16 +260,37 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         return self._room
 
 
-def _observation_space(width: int, height: int, words: int, privileged: bool) -> spaces.Dict:
+def question_tokens(vocabulary: Vocabulary, text: str) -> npt.NDArray[np.int64]:
+    """(MAX_QUESTION_WORDS,) the first words of a question as numbers, padded with 0."""
+    tokens = np.array(vocabulary.encode(text)[:MAX_QUESTION_WORDS], dtype=np.int64)
+    return np.pad(tokens, (0, MAX_QUESTION_WORDS - len(tokens)))
+
+
+def pose_space() -> spaces.Box:
+    """Of poses: x, y in metres, yaw_deg, horizon_deg, 1 if the agent stands."""
     low = np.array([-ROOM_M, -ROOM_M, 0.0, -90.0, 0.0], dtype=np.float32)
     high = np.array([ROOM_M, ROOM_M, 360.0, 90.0, 1.0], dtype=np.float32)
+    return spaces.Box(low, high, dtype=np.float32)
+
+
+def question_space() -> spaces.Text:
+    """Of questions."""
+    return QuestionText(MAX_QUESTION_CHARACTERS, min_length=0, charset=CHARACTERS)
+
+
+def tokens_space(vocabulary: Vocabulary) -> spaces.Box:
+    """Of `question_tokens`."""
+    return spaces.Box(0, max(len(vocabulary.words) - 1, 1), (MAX_QUESTION_WORDS,), np.int64)
+
+
+def _observation_space(width: int, height: int, vocabulary: Vocabulary, privileged: bool) -> spaces.Dict:
     entries: dict[str, spaces.Space[Any]] = {
         "rgb": spaces.Box(0, 255, (height, width, 3), np.uint8),
         "depth": spaces.Box(0.0, DEPTH_M, (height, width), np.float32),
-        "pose": spaces.Box(low, high, dtype=np.float32),
+        "pose": pose_space(),
         "held": spaces.Discrete(len(catalog()) + 1),
-        "question": QuestionText(MAX_QUESTION_CHARACTERS, min_length=0, charset=CHARACTERS),
-        "question_tokens": spaces.Box(0, max(words - 1, 1), (MAX_QUESTION_WORDS,), np.int64),
+        "question": question_space(),
+        "question_tokens": tokens_space(vocabulary),
     }
     if privileged:
         entries["instances"] = spaces.Box(0, np.iinfo(np.int32).max, (height, width), np.int32)
