@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+import cached
 import dataset
 import env
 import evaluator
@@ -29,8 +30,8 @@ from measure import QUIET_CORES, Benchmark, Stored, Table, number
 
 from remqa_data.files import atomic_path
 
-SCRIPTS = (raster, light, generation, workers, questions, dataset, evaluator, env, thor, imports)
-WITH_DATASET = (dataset, evaluator)
+SCRIPTS = (raster, light, generation, workers, questions, dataset, evaluator, env, cached, thor, imports)
+WITH_DATASET = (dataset, evaluator, cached)
 DOCUMENT = Path("docs/PERFORMANCE.md")
 BLOCK = re.compile(r"(<!-- figures: (\w+) -->\n).*?(<!-- end of figures -->)", re.DOTALL)
 

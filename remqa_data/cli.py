@@ -122,7 +122,8 @@ def cache(
 ) -> None:
     """Draw what is seen from everywhere in a dataset's rooms, for navigation at 20,000 steps a second and more.
 
-    Goes on with a cache that was interrupted, and adds to one that is finished.
+    Goes on with a cache that was interrupted, and adds to one that is finished. All 120 rooms with all that is asked about
+    them take about 13 GB with frames of 84 px, 7 GB with 64, and hours of a core.
     """
     from remqa_data.views.build import Wanted
     from remqa_data.views.cache_command import cache_and_report

@@ -10,6 +10,7 @@ from hypothesis import settings
 from remqa_data.storage.manifest import Manifest, load_manifest
 from tests.helpers.dataset_rows import write_dataset
 from tests.helpers.real_datasets import made_once, one_room_config, two_rooms_config
+from tests.helpers.small_rooms import write_small_rooms
 
 # In CI the same examples every time: a red run says something about the change, and is repeated at will.
 settings.register_profile("ci", derandomize=True, print_blob=True)
@@ -44,3 +45,17 @@ def two_rooms(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from remqa_data.generators.pipeline import generate
 
     return made_once(tmp_path_factory, "two-rooms", lambda out: generate(out, two_rooms_config()))
+
+
+@pytest.fixture(scope="session")
+def small_rooms(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two rooms of a few square metres with questions about a fridge. Not to be changed."""
+    return made_once(tmp_path_factory, "small-rooms", write_small_rooms)
+
+
+@pytest.fixture(scope="session")
+def small_views(small_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Their cached views, 24 x 24. Not to be changed."""
+    from remqa_data.views.build import Wanted, cache_views
+
+    return made_once(tmp_path_factory, "small-views", lambda out: cache_views(small_rooms, out, Wanted(size_px=24)))

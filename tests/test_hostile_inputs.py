@@ -41,6 +41,9 @@ ARGUMENTS: dict[str, tuple[str | bytes, ...]] = {
     "no submissions to show": ("remqa-agent", "table", "--data", "nowhere", "-o", "nowhere"),
     "nothing to verify": ("remqa-data", "verify", "\x1b[2J"),
     "a million workers to verify": ("remqa-data", "verify", "nowhere", "--workers", "1000000"),
+    "nothing to cache": ("remqa-data", "cache", "nowhere"),
+    "no numbers of configurations": ("remqa-data", "cache", "nowhere", "--configurations", "a,b"),
+    "frames of no size": ("remqa-data", "cache", "nowhere", "--size", "0"),
     "nothing to show": ("remqa-data", "show", "nowhere", "nobody"),
 }
 

@@ -48,6 +48,9 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         An episode is truncated after so many steps.
     features : bool
         Whether to observe the cached features, too.
+    copy : bool
+        Whether observations are the agent's own, as Gymnasium wants it. Without, they are views of memory that must not be
+        written to: frames and features are mapped files, of which only what is looked at is read.
     vocabulary : Vocabulary, optional
         For the question's tokens; by default that of the dataset's train split.
 
@@ -69,13 +72,14 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         question_ids: Sequence[str] | None = None,
         max_steps: int = 250,
         features: bool = False,
+        copy: bool = True,
         vocabulary: Vocabulary | None = None,
     ) -> None:
         if max_steps < 1:
             raise ActionError(f"max_steps is {max_steps}: give a positive number")
         self.tasks = CachedTasks(root, views, split, question_ids, vocabulary)
         self.walk = Walk(self.tasks, max_steps)
-        self._has_features = features
+        self._has_features, self._copies = features, copy
         self.action_space = spaces.Discrete(len(ACTIONS))
         self.observation_space = observation_space(self.tasks, features)
 
@@ -101,9 +105,9 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         task = self.walk.task
         self._told = {
             "question": self.tasks.question(task),
-            "question_tokens": self.tasks.tokens(task),
             "target": np.int64(TARGETS[task.target_type]),
         }
+        self._tokens = self.tasks.tokens(task)
         return self._observe(), info
 
     def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
@@ -131,10 +135,10 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
 
     def _observe(self) -> dict[str, Any]:
         room, state = self.walk.room, self.walk.state
-        observation = {"rgb": room.frame(state), "pose": room.poses[state], **self._told}
+        arrays = {"rgb": room.frame(state), "pose": room.poses[state], "question_tokens": self._tokens}
         if self._has_features:
-            observation["features"] = room.features[state]  # type: ignore[index]
-        return observation
+            arrays["features"] = room.features[state]  # type: ignore[index]
+        return {**self._told, **({name: array.copy() for name, array in arrays.items()} if self._copies else arrays)}
 
 
 def begin(

@@ -1,0 +1,214 @@
+"""The environment over cached views: beside the live one, in batches, and misused."""
+
+import shutil
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from remqa_data.env import RemqaEnv
+from remqa_data.env.actions import DISCRETE
+from remqa_data.env.cached import ENV_ID, CachedRemqaEnv, CachedRemqaVectorEnv
+from remqa_data.env.cached.walk import ACTIONS
+from remqa_data.errors import ActionError, DatasetError, UnknownNameError
+from remqa_data.views.build import Wanted, cache_views
+from tests.helpers.live_walks import compare
+from tests.helpers.small_rooms import WALK
+
+LEFT, AHEAD, DONE = ACTIONS.index("RotateLeft"), ACTIONS.index("MoveAhead"), ACTIONS.index("Done")
+
+
+@pytest.fixture
+def env(small_rooms: Path, small_views: Path) -> Iterator[CachedRemqaEnv]:
+    made = CachedRemqaEnv(small_rooms, small_views, "train", max_steps=5)
+    yield made
+    made.close()
+
+
+@pytest.mark.filterwarnings("error")
+def test_gymnasiums_checker_has_nothing_to_say(small_rooms: Path, small_views: Path) -> None:
+    env = gymnasium.make(ENV_ID, root=small_rooms, views=small_views)
+    check_env(env.unwrapped)
+    env.close()
+
+
+@pytest.mark.parametrize("split", ["train", "test"])
+def test_every_state_and_action_is_as_in_the_live_environment(small_rooms: Path, small_views: Path, split: str) -> None:
+    compared = dict(compare(small_rooms, small_views, split, steps=200))
+    assert len(compared) == 2
+    for counts in compared.values():
+        assert counts["frames"] >= 300
+        assert counts["transitions"] == 10 * counts["frames"]
+        assert min(counts[what] for what in ("refused", "rewarded", "truncated")) > 0
+        assert 0 < counts["navigated"] < counts["episodes"]
+    assert sum(counts["frames with patches"] for counts in compared.values()) > 100
+
+
+@pytest.mark.slow
+def test_two_real_rooms_are_as_in_the_live_environment(two_rooms: Path, tmp_path: Path) -> None:
+    out = tmp_path / "views"
+    cache_views(two_rooms, out, Wanted(split="train", configurations=(0,), size_px=32))
+    cache_views(two_rooms, out, Wanted(split="test", configurations=(0, 1), size_px=32))
+    compared = {**dict(compare(two_rooms, out, "train", 1000)), **dict(compare(two_rooms, out, "test", 1000))}
+    assert set(compared) == {("FloorPlan212", 0), ("FloorPlan27", 0), ("FloorPlan27", 1)}
+    for counts in compared.values():
+        assert counts["frames"] > 1500
+        assert min(counts[what] for what in ("refused", "rewarded", "truncated")) > 0
+
+
+def test_walking_has_the_numbers_and_words_of_the_live_environment() -> None:
+    assert ACTIONS[:-1] == DISCRETE[: len(ACTIONS) - 1]
+    assert ACTIONS[-1] == "Done"
+    assert set(ACTIONS) == {
+        *("MoveAhead", "MoveBack", "MoveLeft", "MoveRight", "RotateLeft", "RotateRight", "LookUp", "LookDown"),
+        *("Crouch", "Stand", "Done"),
+    }
+
+
+def test_the_same_seed_draws_the_episodes_of_the_live_environment(small_rooms: Path, env: CachedRemqaEnv) -> None:
+    live = RemqaEnv(small_rooms, "train", width=24, height=24)
+    drawn = []
+    for seed in (4, None, None, 5, None):
+        (seen, info), (shown, said) = live.reset(seed=seed), env.reset(seed=seed)
+        assert info == said
+        assert seen["question"] == shown["question"]
+        assert np.array_equal(seen["question_tokens"], shown["question_tokens"])
+        drawn.append(info["episode"])
+    assert len(set(drawn)) > 1
+    live.close()
+
+
+def test_who_walks_to_the_goal_is_rewarded(small_rooms: Path, small_views: Path) -> None:
+    env = CachedRemqaEnv(small_rooms, small_views, "train")
+    env.reset(options={"episode": "Small1-q0"})
+    walked = [env.step(action) for action in (*WALK, "Done")]
+    assert [reward for _, reward, *_ in walked] == [0.0] * len(WALK) + [1.0]
+    info = walked[-1][-1]
+    assert (info["S_N"], info["SPL"], info["path_length_m"], info["distance_to_goal_m"]) == (True, 1.0, 1.5, 0.0)
+    env.reset(options={"episode": "Small1-q0"})
+    _, reward, terminated, _, info = env.step("Done")
+    assert (reward, terminated, info["S_N"], info["SPL"]) == (0.0, True, False, 0.0)
+
+
+def test_an_agent_is_told_what_kind_of_thing_it_looks_for(env: CachedRemqaEnv) -> None:
+    from remqa_data.catalog import catalog
+
+    seen, _ = env.reset()
+    assert list(catalog())[seen["target"] - 1] == "Fridge"
+
+
+def test_an_episode_ends_with_done_or_after_the_last_step(env: CachedRemqaEnv) -> None:
+    with pytest.raises(ActionError, match="call reset"):
+        env.step(LEFT)
+    env.reset(seed=0)
+    assert env.step(DONE)[2:4] == (True, False)
+    with pytest.raises(ActionError, match="call reset"):
+        env.step(LEFT)
+    env.reset(seed=0)
+    assert [env.step("RotateLeft")[2:4] for _ in range(5)] == [(False, False)] * 4 + [(False, True)]
+
+
+@pytest.mark.parametrize("action", [len(ACTIONS), -1, 1.5, None, "OpenObject Fridge|1", "Answer yes", "MoveAhead 0.1"])
+def test_what_only_the_live_environment_can_do_is_misuse_and_the_episode_goes_on(
+    env: CachedRemqaEnv, action: Any
+) -> None:
+    env.reset(seed=0)
+    with pytest.raises(ActionError, match="is not an action: give a number below 11 or one of MoveAhead"):
+        env.step(action)
+    assert env.step(np.int64(LEFT))[-1]["success"]
+
+
+def test_reset_knows_its_episodes_and_its_option(env: CachedRemqaEnv) -> None:
+    with pytest.raises(UnknownNameError, match="did you mean 'Small1-q3'"):
+        env.reset(options={"episode": "Small1-q"})
+    with pytest.raises(ActionError, match="option 'episode'"):
+        env.reset(options={"scene": "Small1"})
+
+
+def test_an_observation_is_the_agents_own_or_a_view_that_cannot_be_written_to(
+    small_rooms: Path, small_views: Path, env: CachedRemqaEnv
+) -> None:
+    own, _ = env.reset(options={"episode": "Small1-q0"})
+    views = CachedRemqaEnv(small_rooms, small_views, "train", copy=False)
+    seen, _ = views.reset(options={"episode": "Small1-q0"})
+    assert same(own, seen)
+    assert np.shares_memory(seen["rgb"], views.walk.room.frames)
+    own["rgb"][:] = own["pose"][:] = own["question_tokens"][:] = 0
+    assert not same(own, env.reset(options={"episode": "Small1-q0"})[0])
+    for key in ("rgb", "pose", "question_tokens"):
+        with pytest.raises(ValueError, match="read-only"):
+            seen[key][:] = 0
+
+
+def test_only_questions_whose_room_is_cached_are_played(small_rooms: Path, tmp_path: Path) -> None:
+    out = tmp_path / "views"
+    cache_views(small_rooms, out, Wanted(split="train", configurations=(1,), size_px=16))
+    env = CachedRemqaEnv(small_rooms, out, "train")
+    assert env.episode_ids == ("Small1-q2", "Small1-q3")
+    with pytest.raises(DatasetError, match=r"has no Small1, configuration 0, which Small1-q0 is about"):
+        CachedRemqaEnv(small_rooms, out, "train", question_ids=["Small1-q0"])
+    with pytest.raises(DatasetError, match="has no room that split test asks about"):
+        CachedRemqaEnv(small_rooms, out, "test")
+    with pytest.raises(DatasetError, match="has no features; add some"):
+        CachedRemqaEnv(small_rooms, out, "train", features=True)
+
+
+def test_a_start_that_cannot_be_reached_is_an_error(small_rooms: Path, small_views: Path) -> None:
+    env = CachedRemqaEnv(small_rooms, small_views, "train")
+    task = env.tasks.task("Small1-q0")
+    object.__setattr__(task, "start", (9.0, 9.0, 0.0, 0.0))
+    with pytest.raises(DatasetError, match=r"question Small1-q0, field initial_pose: .* cannot be reached in Small1"):
+        env.reset(options={"episode": "Small1-q0"})
+
+
+def walked(envs: Any, steps: int, seed: int = 3) -> list[Any]:
+    """What an environment of three gives from a seed on, for actions that are drawn."""
+    actions = np.random.default_rng(seed).choice([LEFT, AHEAD, AHEAD, DONE], (steps, 3))
+    given = [envs.reset(seed=seed)[0]]
+    for action in actions:
+        seen, rewards, terminated, truncated, info = envs.step(action)
+        given += [seen, rewards, terminated, truncated, {key: info.get(key) for key in ("S_N", "SPL", "episode")}]
+    envs.close()
+    return given
+
+
+def same(a: Any, b: Any) -> bool:
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
+    return bool(np.array_equal(a, b)) and np.asarray(a).dtype == np.asarray(b).dtype
+
+
+def test_a_batch_is_what_gymnasium_makes_of_environments_one_by_one(
+    small_rooms: Path, small_views: Path, tmp_path: Path
+) -> None:
+    views = Path(shutil.copytree(small_views, tmp_path / "views"))
+    name = "tests.helpers.small_network:brightness"
+    cache_views(small_rooms, views, Wanted(size_px=24, features=name))
+    options = {"root": small_rooms, "views": views, "max_steps": 6, "features": True}
+    batch = gymnasium.make_vec(ENV_ID, num_envs=3, **options)
+    assert isinstance(batch, CachedRemqaVectorEnv)
+    one_by_one = gymnasium.vector.SyncVectorEnv([partial(CachedRemqaEnv, **options)] * 3)
+    assert batch.observation_space == one_by_one.observation_space
+    assert batch.action_space == one_by_one.action_space
+    assert batch.reset(seed=1)[0] in batch.observation_space
+    given, expected = walked(batch, 60), walked(one_by_one, 60)
+    assert sum(entry.any() for entry in given if isinstance(entry, np.ndarray)) > 10
+    assert all(same(a, b) for a, b in zip(given, expected, strict=True))
+
+
+def test_a_batch_refuses_what_does_not_fit_it(small_rooms: Path, small_views: Path) -> None:
+    envs = CachedRemqaVectorEnv(2, small_rooms, small_views)
+    with pytest.raises(ActionError, match="3 seeds for 2"):
+        envs.reset(seed=[1, 2, 3])
+    envs.reset(seed=[1, None])
+    with pytest.raises(ActionError, match="3 actions for 2"):
+        envs.step([LEFT, LEFT, LEFT])
+    with pytest.raises(ActionError, match="is not an action"):
+        envs.step([LEFT, 99])
+    with pytest.raises(ActionError, match="num_envs is 0"):
+        CachedRemqaVectorEnv(0, small_rooms, small_views)
