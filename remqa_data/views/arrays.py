@@ -7,6 +7,7 @@ their `colors`; `configuration-K` says where those of each state begin.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +16,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 import numpy.typing as npt
+import pyarrow as pa
 
 from remqa_data.errors import DatasetError, one_line
 from remqa_data.files import atomic_path
@@ -54,16 +56,21 @@ def save_table(path: Path, **columns: npt.NDArray[Any]) -> None:
 def mapped(path: Path) -> npt.NDArray[Any]:
     """An array, mapped into memory, read-only.
 
+    Other than one that NumPy maps it keeps no file open, of which a process may have a thousand.
+
     Raises
     ------
     DatasetError
         If it is not there, or cannot be read.
     """
     with _readable(path):
-        try:
-            return np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))
-        except ValueError:  # nothing cannot be mapped
-            return np.asarray(np.load(path, allow_pickle=False))
+        with path.open("rb") as handle:
+            np.lib.format.read_magic(handle)
+            shape, _, dtype = np.lib.format.read_array_header_1_0(handle)
+            first = handle.tell()
+        with pa.memory_map(str(path)) as file:
+            content = file.read_buffer()
+        return np.frombuffer(content, dtype, math.prod(shape), first).reshape(shape)
 
 
 def load_table(path: Path) -> dict[str, npt.NDArray[Any]]:

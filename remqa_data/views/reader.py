@@ -19,8 +19,8 @@ from remqa_data.views.manifest import Origin, Room, ViewsManifest, load_views_ma
 from remqa_data.views.states import States
 from remqa_data.views.transitions import Transitions
 
-OPEN_ROOMS = 256
-"""How many configurations of rooms are kept open; each has three or four files."""
+OPEN_ROOMS = 1024
+"""How many configurations of rooms are kept open; each takes half a megabyte."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -168,6 +168,15 @@ def test_a_view_is_not_copied_unless_its_configuration_shows_another(small_views
         assert np.array_equal(onto, second.frame(state))
 
 
+def test_rooms_that_are_open_keep_no_file_open(small_views: Path) -> None:
+    descriptors = Path("/dev/fd")
+    before = len(list(descriptors.iterdir()))
+    views = Views(small_views)
+    rooms = [views.room(scene, number) for scene in ("Small1", "Small2") for number in (0, 1)]
+    assert len(list(descriptors.iterdir())) == before
+    assert all(room.frame(int(np.flatnonzero(room.is_reachable)[0])).any() for room in rooms)
+
+
 # ---- what is refused
 
 
