@@ -14,6 +14,7 @@ import numpy.typing as npt
 from remqa_data.env.episodes import Episode
 from remqa_data.env.loaded_scene import LoadedRoom
 from remqa_data.errors import DatasetError
+from remqa_data.files import name_of_leftover
 from remqa_data.geometry.types import Flags
 from remqa_data.metrics import distance_to_goal_m, navigation_success
 from remqa_data.scene import Scene
@@ -64,6 +65,7 @@ def make_room(job: RoomJob) -> Room:
     DatasetError
         If the dataset asks about what is not in the room.
     """
+    _tidy(job.folder / job.scene)
     numbers = tuple(configuration.number for configuration in job.configurations)
     room = finished_rooms(job.folder, [job.scene]).get(job.scene)
     if room is None or room.configurations != numbers or not room.is_whole(job.folder):
@@ -75,6 +77,13 @@ def make_room(job: RoomJob) -> Room:
         room = replace(room, files=room.files + files, features=job.features)
         room.save(job.folder)
     return room
+
+
+def _tidy(folder: Path) -> None:
+    """Remove what a killed run left half-written."""
+    for path in folder.iterdir() if folder.is_dir() else ():
+        if name_of_leftover(path.name):
+            path.unlink()
 
 
 def _drawn(job: RoomJob) -> Room:

@@ -91,6 +91,8 @@ def test_what_is_finished_is_kept_when_a_run_goes_on(small_rooms: Path, small_vi
         Views(out)
     before = when_written(out)
     assert {Path(name).parent.name for name in before} == {"Small1"}
+    (out / "Small2").mkdir()
+    (out / "Small2" / ".frames.0123456789ab.npy").write_bytes(b"half a file, as a killed run leaves it")
     cache_views(small_rooms, out, Wanted(size_px=SIZE))
     assert before.items() <= when_written(out).items()
     assert files_of(out) == files_of(small_views)
