@@ -179,6 +179,8 @@ def _prepare(parts: Path, about: dict[str, Any], resume: bool) -> None:
         if json.loads(note.read_text(encoding="utf-8")) != about:
             raise ConfigError(f"{parts}: holds rooms of another run; leave --resume out to begin anew")
         return
+    if parts.exists() and not note.is_file():
+        raise ConfigError(f"{parts} is not of remqa-agent: move it elsewhere, or write to another folder")
     shutil.rmtree(parts, ignore_errors=True)
     with atomic_path(note) as temporary:
         temporary.write_text(json.dumps(about), encoding="utf-8")

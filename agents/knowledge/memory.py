@@ -159,6 +159,8 @@ def _of(table: pa.Table, scene: str, configuration: int) -> pa.Table:
 
 def _records(name: str, table: pa.Table, columns: Sequence[str]) -> list[dict[str, Any]]:
     """Some columns of some rows, each value of the type that the table's row class has."""
+    if not table.num_rows:
+        return []
     members = {member.name: member for member in table_spec(name).record.members}
     arrays = table.combine_chunks()
     read = [members[column].node.from_arrow(pa.concat_arrays(arrays[column].chunks)) for column in columns]

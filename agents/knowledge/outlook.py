@@ -10,6 +10,7 @@ import numpy as np
 
 from remqa_data.agents.knowledge.instance import Instance
 from remqa_data.agents.knowledge.memory import WalkMemory
+from remqa_data.catalog import types_with
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64, Flags
 from remqa_data.mapping.semantic_map import UNKNOWN
@@ -18,9 +19,13 @@ from remqa_data.sim.navigation.viewpoints import FRAME_PX, AgentPose, facing_pos
 
 FRONT_DEG = 60.0
 """Who stands farther round than this does not stand before the front of a thing."""
-SLIDING = frozenset({"Drawer"})
+OPENS_FORWARD = types_with("opens_forward")
+SLIDES = "Drawer"
+"""What opens into the room; of that, what slides out. All else has doors."""
 SLIDE_SHARE = 0.9
-"""What slides out when it opens, and how far, as a share of its depth."""
+"""How far it slides, as a share of its depth."""
+TWO_DOORS_M = 0.9
+"""What is so wide has two doors."""
 MOST_POINTS = 96
 """Points of an object that are looked for; more tell nothing new."""
 FEWEST_VOXELS = 4
@@ -75,12 +80,14 @@ def frontality(instance: Instance, position: tuple[float, float]) -> float:
 
 
 def is_in_the_way(instance: Instance, position: tuple[float, float], radius_m: float) -> bool:
-    """Whether a drawer that slides out would meet somebody of a radius at a position."""
-    if instance.type not in SLIDING or instance.facing_deg is None:
+    """Whether a drawer that slides out, or a door hinged on either side, may meet somebody of a radius at a position."""
+    if instance.type not in OPENS_FORWARD or instance.facing_deg is None:
         return False
     ahead = np.array([math.cos(math.radians(instance.facing_deg)), math.sin(math.radians(instance.facing_deg))])
     low, high = np.array(instance.box[:2]), np.array(instance.box[3:5])
-    way = ahead * SLIDE_SHARE * float(np.abs(ahead) @ (high - low))
+    depth, width = float(np.abs(ahead) @ (high - low)), float(np.abs(ahead[::-1]) @ (high - low))
+    door = width / 2 if width >= TWO_DOORS_M else width
+    way = ahead * (SLIDE_SHARE * depth if instance.type == SLIDES else door)
     low, high = low + np.minimum(way, 0.0), high + np.maximum(way, 0.0)
     nearest = np.clip(position, low, high)
     return math.dist(position, nearest.tolist()) <= radius_m

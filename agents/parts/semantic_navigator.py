@@ -121,16 +121,14 @@ def goals(instance: Instance, memory: WalkMemory, grid: ReachableGrid, *, opens:
     reach = cells_that_reach(grid, points, memory.body.reach_m)
     near = cells_that_reach(grid, points, memory.body.reach_m + NEAR_M)
     front = {cell: frontality(instance, grid.position(cell)) if opens else 1.0 for cell in near}
+    before = [cell for cell in reach if front[cell]]
     clear = [
-        cell
-        for cell in reach
-        if front[cell] and not (opens and is_in_the_way(instance, grid.position(cell), memory.body.radius_m))
+        cell for cell in before if not (opens and is_in_the_way(instance, grid.position(cell), memory.body.radius_m))
     ]
-    for cells in (clear, reach, near):
+    for cells in (clear, before, reach, near):
         found = [outlook for outlook in outlooks(instance, memory, grid, cells) if outlook.share > 0]
         if found:
-            squarely = cells is clear
-            return [replace(one, share=one.share * front[one.pose.cell]) for one in found] if squarely else found
+            return [replace(one, share=one.share * (front[one.pose.cell] or 1.0)) for one in found]
     return []
 
 

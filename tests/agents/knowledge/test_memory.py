@@ -25,8 +25,9 @@ def test_nothing_is_read_of_a_scene_but_the_map_and_the_body() -> None:
 
 @pytest.mark.slow
 def test_the_memory_is_the_stored_graph_and_map(one_room: Path) -> None:
-    memories = WalkMemories(one_room, "test")
-    for row in read_rows(one_room, SceneRow, "test"):
+    memories, rows = WalkMemories(one_room, "test"), list(read_rows(one_room, SceneRow, "test"))
+    assert rows
+    for row in rows:
         memory = memories.memory(row.scene, row.configuration)
         assert tuple(memory.graph.objects) == row.graph_nodes
         assert memory.graph.edges == row.graph_edges

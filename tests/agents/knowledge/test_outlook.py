@@ -65,4 +65,14 @@ def test_a_drawer_slides_out_to_its_front_by_nine_tenths_of_its_depth() -> None:
     assert is_in_the_way(drawer, (0.0, -0.85), 0.2)
     assert not is_in_the_way(drawer, (0.0, -0.95), 0.2)
     assert not is_in_the_way(drawer, (0.5, -0.5), 0.2)
-    assert not is_in_the_way(Instance("Cabinet", drawer.box, 270.0, "graph"), (0.0, -0.85), 0.2)
+
+
+def test_a_door_needs_its_width_before_the_front_and_two_doors_half_of_it() -> None:
+    fridge = Instance("Fridge", (-0.35, -0.3, 0.0, 0.35, 0.3, 1.8), 270.0, "graph")  # to y = -1.0
+    assert is_in_the_way(fridge, (0.0, -1.15), 0.2)
+    assert not is_in_the_way(fridge, (0.0, -1.25), 0.2)
+    assert not is_in_the_way(fridge, (0.6, -0.6), 0.2)
+    wide = Instance("Fridge", (-0.5, -0.3, 0.0, 0.5, 0.3, 1.8), 270.0, "graph")  # to y = -0.8
+    assert is_in_the_way(wide, (0.0, -0.95), 0.2)
+    assert not is_in_the_way(wide, (0.0, -1.05), 0.2)
+    assert not is_in_the_way(Instance("Box", wide.box, 270.0, "graph"), (0.0, -0.5), 0.2)
