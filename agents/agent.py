@@ -59,7 +59,7 @@ class Agent:
         sighting = self.localizer.locate(asked, memory, before, rng) if self.localizer else None
         box = sighting.box if sighting else None
         after = before
-        for manipulation in self.manipulator.actions(asked, sighting) if self.manipulator else ():
+        for manipulation in self.manipulator.actions(asked, memory, before, sighting) if self.manipulator else ():
             after = act(Command(manipulation, box=box))
             if after.succeeded:
                 break

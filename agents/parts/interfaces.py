@@ -87,7 +87,9 @@ class Localizer(Protocol):
 class Manipulator(Protocol):
     """Decides what to do to the target."""
 
-    def actions(self, asked: Question, sighting: Sighting | None) -> tuple[Action, ...]:
+    def actions(
+        self, asked: Question, memory: WalkMemory, percept: Percept, sighting: Sighting | None
+    ) -> tuple[Action, ...]:
         """What to try, one after the other, until one succeeds; nothing where there is nothing to do."""
 
 

@@ -35,7 +35,7 @@ class Parts:
     def locate(self, asked, memory, percept, rng):
         return self.sighting
 
-    def actions(self, asked, sighting):
+    def actions(self, asked, memory, percept, sighting):
         return (Action("PushObject", sighting.point), Action("PullObject", sighting.point)) if sighting else ()
 
     def answer(self, asked, before, after):

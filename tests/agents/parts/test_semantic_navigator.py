@@ -67,7 +67,7 @@ def test_a_step_that_is_refused_is_not_tried_again() -> None:
     walker = SemanticMapNavigator().begin(QUESTION, memory, RNG)
     actions, pose = walk(walker, START, instance, closed)
     free, _ = walk(SemanticMapNavigator().begin(QUESTION, memory, RNG), START, instance)
-    assert pose.cell[1] > -6
+    assert pose.cell[1] > -8  # past the cells that are closed
     assert len(free) < len(actions) < len(free) + 20
 
 
