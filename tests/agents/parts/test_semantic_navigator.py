@@ -63,7 +63,7 @@ def test_a_way_round_is_found_where_the_map_knows_an_obstacle() -> None:
 def test_a_step_that_is_refused_is_not_tried_again() -> None:
     memory = memory_of([FRIDGE], BOUNDS)
     instance = choose_instance(QUESTION.target, memory)
-    closed = {(0, -8), (1, -8), (-1, -8)}  # of which the map knows nothing
+    closed = {(i, -8) for i in range(1, 5)}  # of which the map knows nothing
     walker = SemanticMapNavigator().begin(QUESTION, memory, RNG)
     actions, pose = walk(walker, START, instance, closed)
     free, _ = walk(SemanticMapNavigator().begin(QUESTION, memory, RNG), START, instance)
