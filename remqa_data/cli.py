@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 import typer
 
 from remqa_data.command_line import OneLineErrors, output
+from remqa_data.errors import ConfigError
 from remqa_data.processes.interrupts import ends_the_process
 from remqa_data.views import LEAST_PX, MOST_PX, SIZE_PX
 
@@ -109,7 +110,7 @@ def cache(
         typer.Option(metavar="N,...", help="Arrangements of each room, such as 0,1; by default those asked about."),
     ] = None,
     size: Annotated[
-        int, typer.Option(min=LEAST_PX, max=MOST_PX, help="Width and height of the frames in pixels.")
+        int, typer.Option(help=f"Width and height of the frames in pixels, {LEAST_PX} to {MOST_PX}.")
     ] = SIZE_PX,
     features: Annotated[
         str | None,
@@ -225,7 +226,7 @@ def verify(
 
 def _numbers(text: str) -> tuple[int, ...]:
     if not re.fullmatch(r"\d+(,\d+)*", text, re.ASCII):
-        raise typer.BadParameter(f"{text!r} is no list of numbers, such as 0,1")
+        raise ConfigError(f"--configurations {text!r:.80}: give numbers, such as 0,1")
     return tuple(map(int, text.split(",")))
 
 

@@ -119,7 +119,8 @@ def test_other_seeds_draws_and_indices_are_other_rooms() -> None:
 
 
 def test_a_room_loads_by_its_name() -> None:
-    assert load_scene("Sampled-bathroom-000003") == sampled_scene(3, 0)
+    assert load_scene("Sampled-bathroom-000003", "direct") == sampled_scene(3, 0)
+    assert load_scene("Sampled-bathroom-000003").light == "baked"
 
 
 @pytest.mark.parametrize("index", range(8))
