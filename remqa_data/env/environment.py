@@ -12,7 +12,7 @@ docs/ENVIRONMENT.md tells the whole story.
 from __future__ import annotations
 
 import string
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -151,12 +151,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
             If there is no such episode.
         """
         super().reset(seed=seed)
-        wanted = dict(options or {})
-        name = wanted.pop("episode", None)
-        if wanted:
-            raise ActionError(f"reset takes the option 'episode', not {', '.join(map(repr, wanted))}")
-        if name is None:
-            name = self.episode_ids[int(self.np_random.integers(len(self.episode_ids)))]
+        name = wanted_episode(self.episode_ids, self.np_random, options)
         episode = self.episodes.episode(name)
         if self._room is None or self._room.episode.name != episode.name:
             self.close()
@@ -258,6 +253,21 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         if self._room is None:
             raise ActionError("there is no episode going on: call reset")
         return self._room
+
+
+def wanted_episode(ids: Sequence[str], rng: np.random.Generator, options: Mapping[str, Any] | None) -> Any:
+    """The episode that the options of `reset` name, or one that is drawn from some.
+
+    Raises
+    ------
+    ActionError
+        For an option that there is not.
+    """
+    wanted = dict(options or {})
+    name = wanted.pop("episode", None)
+    if wanted:
+        raise ActionError(f"reset takes the option 'episode', not {', '.join(map(repr, wanted))}")
+    return ids[int(rng.integers(len(ids)))] if name is None else name
 
 
 def question_tokens(vocabulary: Vocabulary, text: str) -> npt.NDArray[np.int64]:

@@ -22,7 +22,7 @@ from gymnasium import spaces
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env.cached.tasks import TARGETS, CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
-from remqa_data.env.environment import pose_space, question_space, tokens_space
+from remqa_data.env.environment import pose_space, question_space, tokens_space, wanted_episode
 from remqa_data.errors import ActionError, DatasetError
 
 ENV_ID = "remqa_data/CachedRemqa-v0"
@@ -145,12 +145,7 @@ def begin(
     walk: Walk, tasks: CachedTasks, rng: np.random.Generator, options: dict[str, Any] | None = None
 ) -> dict[str, Any]:
     """Begin the episode that the options choose, or one that is drawn; what `reset` says of it."""
-    wanted = dict(options or {})
-    name = wanted.pop("episode", None)
-    if wanted:
-        raise ActionError(f"reset takes the option 'episode', not {', '.join(map(repr, wanted))}")
-    if name is None:
-        name = tasks.ids[int(rng.integers(len(tasks.ids)))]
+    name = wanted_episode(tasks.ids, rng, options)
     walk.begin(name)
     place = f"{walk.task.scene}, configuration {walk.task.configuration}"
     return {"scene": place, "episode": name, "privileged": False}

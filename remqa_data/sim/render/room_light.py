@@ -84,11 +84,12 @@ def _exposed(volume: Volume) -> Volume:
 def static_faces(scene: Scene) -> Faces:
     """Everything in a room that never moves, and the closed doors and drawers."""
     parts, poses = static_parts(scene)
-    fronts = [np.zeros(3)] * len(structure_surfaces(scene))
+    fronts: list[F64] = []
     for placed in scene.objects:
         moving = len(build(placed.asset).links) - 1
         fronts += [np.zeros(3), *[-_pose(placed)[:3, 1]] * moving]  # the front of an asset is at -y
-    return _faces(build_geometry(parts), poses, np.array(fronts), parts)
+    building = [np.zeros(3)] * (len(parts) - len(fronts))
+    return _faces(build_geometry(parts), poses, np.array(building + fronts), parts)
 
 
 def static_parts(scene: Scene) -> tuple[list[RenderPart], list[F64]]:
