@@ -19,8 +19,11 @@ SCENES ?= 120
 # A folder for each number of rooms, so that one does not stand in the way of another.
 DATASET := out/remqa$(if $(filter-out 120,$(SCENES)),-$(SCENES))
 
+# All that come with the package; the others are built upon the detector.
+NETWORKS := detector $(filter-out detector,$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
+
 .DEFAULT_GOAL := help
-.PHONY: help setup dataset test test-fast test-newest lint format build bench clean
+.PHONY: help setup dataset agents test test-fast test-newest lint format build bench clean
 
 help:  ## list the targets
 	@awk -F ':.*##  *' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -29,6 +32,13 @@ setup: $(INSTALLED_DEV)  ## make .venv and install the package with its developm
 
 dataset: $(INSTALLED)  ## the main job: the whole benchmark, in out/remqa; `make dataset SCENES=12` for less, in out/remqa-12
 	$(BIN)/remqa-gen --scenes $(SCENES) --out $(DATASET) --resume
+
+agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all systems play, and make their tables, in out/agents
+	$(BIN)/remqa-agent train $(NETWORKS) --data $(DATASET) --resume
+	$(BIN)/remqa-agent predict detector language_attention plain_matcher --data $(DATASET) --split val --weights out/weights
+	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
+	$(BIN)/remqa-agent run random semantic_map framework framework_memory --data $(DATASET) --weights out/weights --resume
+	$(BIN)/remqa-agent table --data $(DATASET)
 
 test: $(INSTALLED_DEV) lint  ## lint, then all tests on two cores
 	$(BIN)/python -m pytest -n 2 --dist worksteal

@@ -63,5 +63,5 @@ class Agent:
             after = act(Command(manipulation, box=box))
             if after.succeeded:
                 break
-        answer = self.answerer.answer(asked, before, after) if self.answerer else None
+        answer = self.answerer.answer(asked, before, after, sighting) if self.answerer else None
         act(Command(Action(DONE), box=box) if answer is None else Command(answer=answer, box=box))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -22,7 +23,14 @@ app = typer.Typer(
 Data = Annotated[Path, typer.Option("--data", metavar="DIR", help="A dataset.")]
 Folder = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where submissions and tables are.")]
 Workers = Annotated[int | None, typer.Option(min=1, help="Processes; nothing depends on it but the time.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with an interrupted run.")]
+Weights = Annotated[
+    Path | None, typer.Option("--weights", metavar="DIR", help="Weights that come before those of the package.")
+]
+Force = Annotated[bool, typer.Option("--force", help="Use weights on another dataset than that they have learnt from.")]
+Device = Annotated[str, typer.Option(metavar="NAME", help="Where networks compute: cpu, cuda, cuda:1, mps.")]
 OUT = Path("out/agents")
+WEIGHTS = Path("out/weights")
 
 
 def main() -> None:
@@ -48,7 +56,9 @@ def run(
     split: Annotated[str, typer.Option(help="Which questions.")] = "test",
     out: Folder = OUT,
     workers: Workers = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with an interrupted run.")] = False,
+    resume: Resume = False,
+    weights: Weights = None,
+    force: Force = False,
 ) -> None:
     """Let systems play all questions of a split; write a submission of each, which remqa-eval replays."""
     from remqa_data.agents.config import load_system
@@ -65,7 +75,7 @@ def run(
         path = out / f"{name}.jsonl"
         with Counting(asked, f"{name} plays") as on_played:
             rows = play_split(
-                make_agent(config, data),
+                make_agent(config, data, weights, force=force),
                 data,
                 split,
                 path,
@@ -82,10 +92,91 @@ def run(
 
 
 @app.command()
+def train(
+    networks: Annotated[
+        list[str],
+        typer.Argument(metavar="NETWORK...", help="Names, or YAML files, like those of configs/agents/training/."),
+    ],
+    data: Data,
+    more: Annotated[
+        list[Path] | None, typer.Option("--more", metavar="DIR", help="Another dataset to learn from; several times.")
+    ] = None,
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where weights and curves go.")] = WEIGHTS,
+    device: Device = "cpu",
+    threads: Annotated[int | None, typer.Option(min=1, help="Cores; the same number gives the same weights.")] = None,
+    resume: Resume = False,
+) -> None:
+    """Train networks, one after the other, on rooms that are in no val or test split; write weights, curves and scores."""
+    from remqa_data.extras import require
+
+    torch = require("torch", "agents")
+    from remqa_data.agents.training.config import load_network_config
+    from remqa_data.agents.training.learn import learn
+
+    configs = [(Path(name).stem, load_network_config(name)) for name in networks]
+    check_device(device)
+    torch.set_num_threads(threads or worker_count(None))
+    scores = {}
+    for name, config in configs:
+        with Counting(None, f"{name} looks") as on_look:
+            bars: list[Counting] = []
+
+            def begin(samples: int, name: str = name, bars: list[Counting] = bars) -> Callable[[int], None]:
+                bars.append(Counting(samples, f"{name} learns"))
+                return bars[-1].__enter__()
+
+            try:
+                about = learn(
+                    name,
+                    config,
+                    [data, *(more or ())],
+                    out,
+                    device=device,
+                    resume=resume,
+                    on_look=on_look,
+                    on_learn=begin,
+                )
+            finally:
+                for bar in bars:
+                    bar.__exit__()
+        figures = ", ".join(f"{key} {value:.3g}" for key, value in about.score.items())
+        output().say(f"{out / name}.safetensors: {figures}")
+        scores[name] = about.score
+    output().result(scores=scores)
+
+
+@app.command()
+def predict(
+    networks: Annotated[list[str], typer.Argument(metavar="NETWORK...", help="Names of weights, or their files.")],
+    data: Data,
+    split: Annotated[
+        str, typer.Option(help="Which expressions or questions; a detector is scored on its frames.")
+    ] = "test",
+    out: Folder = OUT,
+    weights: Weights = None,
+    device: Device = "cpu",
+    force: Force = False,
+) -> None:
+    """Let networks say what they see in the stored pictures: submissions to the tracks rec and qa, a detector's precision."""
+    from remqa_data.extras import require
+
+    require("torch", "agents")
+    from remqa_data.agents.predictions import predict_all
+
+    check_device(device)
+    with Counting(None, "looking") as on_looked:
+        written = predict_all(networks, data, split, out, weights, device=device, force=force, progress=on_looked)
+    for path in written:
+        output().say(str(path))
+    output().result(files=[str(path) for path in written])
+
+
+@app.command()
 def table(data: Data, out: Folder = OUT, workers: Workers = None) -> None:
     """Replay the submissions in a folder and show them beside the paper's figures; writes table.md and table.json."""
     from rich.console import Console
 
+    from remqa_data.agents.picture_tables import qa_grid, rec_grid, score_pictures
     from remqa_data.agents.table import (
         as_json,
         navigation_grid,
@@ -101,13 +192,33 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None) -> None:
     announce_compiling(count)
     with Counting(None, "replaying") as on_replayed:
         scored = score_systems(out, data, count, on_replayed)
-    write_tables(out, scored)
+    pictures = {track: score_pictures(out, data, track) for track in ("rec", "qa")}
+    more = [grid_of(pictures[track]) for track, grid_of in (("rec", rec_grid), ("qa", qa_grid)) if pictures[track]]
+    write_tables(out, scored, more)
     say = output()
     if not (say.is_quiet or say.is_json):
-        for grid in (navigation_grid(scored), remqa_grid(scored)):
+        for grid in (navigation_grid(scored), remqa_grid(scored), *more):
             print_grid(Console(), grid)
     say.say(f"{out}: table.md, table.json")
     say.result(**as_json(scored))
+
+
+def check_device(name: str) -> None:
+    """Refuse a device that is not there.
+
+    Raises
+    ------
+    ConfigError
+        In one line.
+    """
+    import torch
+
+    from remqa_data.errors import ConfigError, one_line
+
+    try:
+        torch.zeros(1, device=name)
+    except (RuntimeError, AssertionError, ValueError) as error:
+        raise ConfigError(f"--device {name}: {one_line(error)[:200]}") from None
 
 
 if __name__ == "__main__":

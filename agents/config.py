@@ -27,9 +27,10 @@ class NavigatorConfig(_Section):
 
 
 class LocalizerConfig(_Section):
-    """How it finds the target in its view: by the box that the walk has left."""
+    """How it finds the target in its view: by the box that the walk has left, or by networks of these names."""
 
-    kind: Literal["map"]
+    kind: Literal["map", "network"]
+    matcher: str = "language_attention"
 
 
 class ManipulatorConfig(_Section):
@@ -39,9 +40,10 @@ class ManipulatorConfig(_Section):
 
 
 class AnswererConfig(_Section):
-    """How it answers: with the most frequent answer."""
+    """How it answers: with the most frequent answer, or by a network of this name."""
 
-    kind: Literal["majority"]
+    kind: Literal["majority", "network"]
+    network: str = "answerer"
 
 
 class SystemConfig(_Section):

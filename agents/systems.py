@@ -5,34 +5,82 @@ from __future__ import annotations
 from pathlib import Path
 
 from remqa_data.agents.agent import Agent
-from remqa_data.agents.config import SystemConfig
-from remqa_data.agents.parts.interfaces import Answerer, Navigator
+from remqa_data.agents.config import AnswererConfig, LocalizerConfig, SystemConfig
+from remqa_data.agents.parts.interfaces import Answerer, Localizer, Navigator
 from remqa_data.agents.parts.majority_answerer import MajorityAnswerer, majority
 from remqa_data.agents.parts.map_localizer import MapLocalizer
 from remqa_data.agents.parts.random_navigator import RandomNavigator
 from remqa_data.agents.parts.rule_manipulator import RuleManipulator
 from remqa_data.agents.parts.semantic_navigator import SemanticMapNavigator
+from remqa_data.errors import ConfigError
+from remqa_data.extras import require
 from remqa_data.storage.shards import read_table
 
 
-def make_agent(system: SystemConfig, root: Path) -> Agent:
+def make_agent(system: SystemConfig, root: Path, weights: Path | None = None, *, force: bool = False) -> Agent:
     """The agent of a system; what it learns, it learns from the train split of a dataset.
+
+    Parameters
+    ----------
+    system : SystemConfig
+        Its parts.
+    root : path
+        The dataset.
+    weights : path, optional
+        A folder with weights of networks, which come before those that come with the package.
+    force : bool
+        Use weights on another dataset than that from which they have learnt.
 
     Raises
     ------
     DatasetError
         If it has to learn and this is not a finished dataset with a train split.
+    ConfigError
+        If weights are missing, or have learnt from another dataset.
+    MissingExtraError
+        If it has networks and the extra `agents` is not installed.
     """
     navigator: Navigator = SemanticMapNavigator()
     if system.navigator.kind == "random":
         navigator = RandomNavigator(system.most_steps)
     return Agent(
         navigator,
-        MapLocalizer() if system.localizer else None,
+        _localizer(system.localizer, root, weights, force) if system.localizer else None,
         RuleManipulator() if system.manipulator else None,
-        _majority_answerer(root) if system.answerer else None,
+        _answerer(system.answerer, root, weights, force) if system.answerer else None,
         system.most_steps,
     )
+
+
+def _localizer(config: LocalizerConfig, root: Path, weights: Path | None, force: bool) -> Localizer:
+    if config.kind == "map":
+        return MapLocalizer()
+    require("torch", "agents")
+    from remqa_data.agents.networks.detector import Detector
+    from remqa_data.agents.networks.matcher import Matcher
+    from remqa_data.agents.parts.network_localizer import NetworkLocalizer
+    from remqa_data.agents.training.learn import DETECTOR
+    from remqa_data.agents.training.weights import load_network, weights_path
+
+    detector, _ = load_network(weights_path(DETECTOR, weights), root, force=force)
+    matcher, about = load_network(weights_path(config.matcher, weights), root, force=force)
+    if not isinstance(detector, Detector) or not isinstance(matcher, Matcher):
+        raise ConfigError(f"localizer: {config.matcher!r} is no matcher, or {DETECTOR!r} no detector")
+    return NetworkLocalizer(detector, matcher, about.vocabulary)
+
+
+def _answerer(config: AnswererConfig, root: Path, weights: Path | None, force: bool) -> Answerer:
+    if config.kind == "majority":
+        return _majority_answerer(root)
+    require("torch", "agents")
+    from remqa_data.agents.networks.answerer import ManipulationAnswerer
+    from remqa_data.agents.parts.network_answerer import NetworkAnswerer
+    from remqa_data.agents.training.weights import load_network, weights_path
+
+    network, about = load_network(weights_path(config.network, weights), root, force=force)
+    if not isinstance(network, ManipulationAnswerer):
+        raise ConfigError(f"answerer: {config.network!r} is no answerer")
+    return NetworkAnswerer(network, about.vocabulary)
 
 
 def _majority_answerer(root: Path) -> Answerer:

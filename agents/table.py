@@ -100,11 +100,10 @@ def submissions_in(folder: Path) -> list[Path]:
     return paths
 
 
-def write_tables(folder: Path, systems: Sequence[Scored]) -> None:
-    """Write table.md and table.json."""
-    grids = navigation_grid(systems), remqa_grid(systems)
+def write_tables(folder: Path, systems: Sequence[Scored], more: Sequence[Grid] = ()) -> None:
+    """Write table.md, with more tables if there are any, and table.json."""
     lines: list[str] = []
-    for grid in grids:
+    for grid in (navigation_grid(systems), remqa_grid(systems), *more):
         lines += [f"**{grid.title}**", "", *markdown_rows(grid), ""]
     for system in systems:
         lines += [f"{system.title}: {' '.join(notes(system.results))}", ""]

@@ -140,6 +140,83 @@ def cache(
 
 
 @app.command()
+def export(
+    scene: Annotated[
+        str,
+        typer.Argument(help="A floor plan such as FloorPlan1, a sampled room, or a .json that Scene.save wrote."),
+    ],
+    file: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="FILE", help="The file to write: .glb, .xml (MJCF, MuJoCo) or .urdf."),
+    ] = Path("scene.glb"),
+    data: Annotated[Path | None, typer.Option(metavar="DIR", help="A dataset whose room is meant.")] = None,
+    configuration: Annotated[int, typer.Option(min=0, metavar="N", help="Which arrangement of that room.")] = 0,
+    opened: Annotated[
+        list[str] | None,
+        typer.Option("--open", metavar="ID", help="Open this object, or all; give it as often as needed."),
+    ] = None,
+    form: Annotated[
+        Literal["glb", "mjcf", "urdf"] | None, typer.Option("--format", help="Whatever the file is called.")
+    ] = None,
+) -> None:
+    """Write a room for other programs: a GLB with textures and names, or MJCF and URDF with joints, masses and meshes."""
+    from remqa_data.export.rooms import find_scene, write_room
+
+    files = write_room(find_scene(scene, data, configuration), file, form, opened or ())
+    output().say(f"{file}" + (f", with {len(files) - 1} files in {files[0].parent}" if len(files) > 1 else ""))
+    output().result(files=files)
+
+
+@app.command()
+def coco(
+    root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
+    out: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder to write; by default DIR-coco.")
+    ] = None,
+    images: Annotated[bool, typer.Option("--images/--no-images", help="Write the pictures, too.")] = True,
+) -> None:
+    """Write frames as COCO JSON with masks, and referring expressions as RefCOCO's."""
+    from dataclasses import asdict
+
+    from remqa_data.export.coco import write_coco
+
+    folder = out or root.with_name(f"{root.name}-coco")
+    written = write_coco(root, folder, images)
+    output().say(
+        f"{folder}: {written.images:,} images, {written.annotations:,} annotations, {written.refs:,} refs "
+        f"with {written.sentences:,} sentences"
+    )
+    output().result(folder=folder, **asdict(written))
+
+
+@app.command()
+def browse(
+    root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
+    submission: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="Show what an agent answered, too: .jsonl or .parquet; can be repeated."),
+    ] = None,
+    audit: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Show this audit, too, which `recount --csv FILE` has written.")
+    ] = None,
+    export: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write the pages into this new folder, and serve nothing.")
+    ] = None,
+    limit: Annotated[
+        int | None, typer.Option(min=1, metavar="N", help="Export only so many questions, spread evenly.")
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 for any that is free.")] = 8017,
+    host: Annotated[
+        str, typer.Option(help="What to listen on; by default only this machine can open the pages.")
+    ] = "127.0.0.1",
+) -> None:
+    """Look about in a dataset with a browser: questions, pictures, maps, graphs, walks and statistics."""
+    from remqa_data.browse.command import browse_dataset
+
+    browse_dataset(root, submission or (), audit, export, limit, (host, port))
+
+
+@app.command()
 def preview(
     scene: Annotated[str, typer.Argument(help="A floor plan, such as FloorPlan1.")],
     picture: Annotated[

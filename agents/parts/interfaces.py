@@ -96,5 +96,5 @@ class Manipulator(Protocol):
 class Answerer(Protocol):
     """Answers the question from what was seen before and after the manipulation."""
 
-    def answer(self, asked: Question, before: Percept, after: Percept) -> str | None:
-        """The answer; None for none."""
+    def answer(self, asked: Question, before: Percept, after: Percept, sighting: Sighting | None) -> str | None:
+        """The answer; None for none. `sighting` is where the target was before, None where it was not seen."""

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from remqa_data.agents.knowledge.reading import Question, read_question
-from remqa_data.agents.parts.interfaces import Percept
+from remqa_data.agents.parts.interfaces import Percept, Sighting
 from remqa_data.tables.rows import QuestionKind
 
 
@@ -22,7 +22,7 @@ class MajorityAnswerer:
     def __init__(self, answers: Mapping[QuestionKind, str]) -> None:
         self.answers = answers
 
-    def answer(self, asked: Question, before: Percept, after: Percept) -> str | None:
+    def answer(self, asked: Question, before: Percept, after: Percept, sighting: Sighting | None) -> str | None:
         """See `remqa_data.agents.parts.interfaces.Answerer`; None where nothing of that kind is known."""
         return self.answers.get(asked.kind)
 

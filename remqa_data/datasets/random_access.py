@@ -80,6 +80,20 @@ class SplitReader:
                 raise UnknownNameError(f"column of {self.table}", name, known)
         return pa.concat_tables([shard.read(columns=names) for shard in self._open()]).combine_chunks()
 
+    def rows(self, rows: Sequence[int], names: Sequence[str]) -> list[dict[str, Any]]:
+        """Some columns of some rows as plain Python; each row group is read once.
+
+        Names may lead into structs: "semantic_map.labels".
+        """
+        self._open()
+        found: dict[int, dict[str, Any]] = {}
+        for place in sorted({self._place(row) for row in rows}):
+            number, group = self._places[place]
+            first, last = self._starts[place], self._starts[place + 1]
+            table = self._shards[number].read(group, list(names))
+            found |= {row: table.slice(row - first, 1).to_pylist()[0] for row in rows if first <= row < last}
+        return [found[row] for row in rows]
+
     def images(self, row: int, names: Sequence[str]) -> list[memoryview]:
         """Encoded images of one row, in the order of the names.
 

@@ -50,9 +50,7 @@ def draw_plan(
     -------
     (h, w, 3) uint8 RGB. The legend lists the types from the largest area to the smallest.
     """
-    colors = np.array([_color(name) for name in plan.names] + [UNKNOWN_COLOR], dtype=np.uint8)
-    image = colors[plan.labels.T[::-1]]  # UNKNOWN, -1, takes the last colour
-    image = image.repeat(voxel_px, axis=0).repeat(voxel_px, axis=1)
+    image = paint_plan(plan).repeat(voxel_px, axis=0).repeat(voxel_px, axis=1)
     height = image.shape[0]
 
     def pixel(cell: Cell) -> tuple[int, int]:
@@ -67,24 +65,40 @@ def draw_plan(
         cv2.line(image, pixel(a), pixel(b), PATH_COLOR, 2, cv2.LINE_AA)
     if len(path) > 1:
         cv2.arrowedLine(image, pixel(path[-2]), pixel(path[-1]), PATH_COLOR, 2, cv2.LINE_AA, tipLength=0.5)
-    return _with_legend(image, plan, colors, title)
+    return _with_legend(image, plan, title)
 
 
-def _with_legend(image: U8, plan: SemanticPlan, colors: U8, title: str) -> U8:
+def paint_plan(plan: SemanticPlan) -> U8:
+    """The colours of a plan, (ny, nx, 3) uint8 RGB: one pixel for each column, +x to the right and +y up."""
+    return _colors(plan)[plan.labels.T[::-1]]  # UNKNOWN, -1, takes the last colour
+
+
+def plan_legend(plan: SemanticPlan) -> list[tuple[str, Color]]:
+    """The names on a plan with their colours, from the largest area to the smallest."""
+    colors = _colors(plan)
     labels, areas = np.unique(plan.labels[plan.labels != UNKNOWN], return_counts=True)
     by_area = labels[np.argsort(-areas, kind="stable")].tolist()
+    return [(plan.names[label], tuple(colors[label].tolist())) for label in by_area]
+
+
+def _colors(plan: SemanticPlan) -> U8:
+    return np.array([_color(name) for name in plan.names] + [UNKNOWN_COLOR], dtype=np.uint8)
+
+
+def _with_legend(image: U8, plan: SemanticPlan, title: str) -> U8:
+    legend = plan_legend(plan)
     top = MARGIN_PX + (LINE_PX if title else 0)
     per_column = max(1, (image.shape[0] - SWATCH_PX) // LINE_PX + 1)
-    columns = -(-len(by_area) // per_column)
+    columns = -(-len(legend) // per_column)
     width = max(image.shape[1] + 2 * MARGIN_PX + columns * LEGEND_PX, 2 * MARGIN_PX + 9 * len(title))
     sheet = np.full((top + image.shape[0] + MARGIN_PX, width, 3), UNKNOWN_COLOR, dtype=np.uint8)
     sheet[top : top + image.shape[0], MARGIN_PX : MARGIN_PX + image.shape[1]] = image
     _write(sheet, title, MARGIN_PX, MARGIN_PX + 6)
-    for place, label in enumerate(by_area):
+    for place, (name, color) in enumerate(legend):
         x = image.shape[1] + 2 * MARGIN_PX + place // per_column * LEGEND_PX
         y = top + place % per_column * LINE_PX
-        cv2.rectangle(sheet, (x, y), (x + SWATCH_PX, y + SWATCH_PX), colors[label].tolist(), -1)
-        _write(sheet, plan.names[label], x + SWATCH_PX + 6, y + SWATCH_PX - 1)
+        cv2.rectangle(sheet, (x, y), (x + SWATCH_PX, y + SWATCH_PX), color, -1)
+        _write(sheet, name, x + SWATCH_PX + 6, y + SWATCH_PX - 1)
     return sheet
 
 

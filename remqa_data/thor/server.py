@@ -8,6 +8,7 @@ from typing import Any
 from ai2thor.server import Event, NumpyAwareEncoder
 from ai2thor.server import Server as ThorServer
 
+from remqa_data.errors import MisuseError
 from remqa_data.thor.session import Session
 
 
@@ -29,6 +30,7 @@ class Server(ThorServer):  # type: ignore[misc]  # AI2-THOR has no types
         super().__init__(**settings)
         self.session = session
         self._reply = session.first_reply()
+        self._is_stopped = False
 
     def start(self) -> None:
         """Nothing needs starting."""
@@ -36,11 +38,19 @@ class Server(ThorServer):  # type: ignore[misc]  # AI2-THOR has no types
 
     def stop(self) -> None:
         """Give the simulator's memory back."""
-        self.started = False
+        self.started, self._is_stopped = False, True
         self.session.close()
 
     def send(self, action: dict[str, Any]) -> None:
-        """Execute an action. It goes through JSON as in AI2-THOR, so arrays and tuples mean the same here."""
+        """Execute an action. It goes through JSON as in AI2-THOR, so arrays and tuples mean the same here.
+
+        Raises
+        ------
+        MisuseError
+            After `stop`.
+        """
+        if self._is_stopped:
+            raise MisuseError("InvalidAction", "this controller has been stopped: make another")
         self.sequence_id = action.setdefault("sequenceId", self.sequence_id + 1)
         self._reply = self.session.execute(json.loads(json.dumps(action, cls=NumpyAwareEncoder)))
 

@@ -53,6 +53,7 @@ class Session:
         actions = ARM_ACTIONS if self._simulator.settings.has_arm else ACTIONS
         code = None
         try:
+            _check_agent(request)
             result = call(actions, self._simulator, request)
         except MisuseError as error:
             result, code = ActionResult(False, str(error)), error.code
@@ -81,3 +82,10 @@ class Session:
             instances=always.instances or bool(request.get("renderInstanceSegmentation")),
             types=always.types or bool(request.get("renderSemanticSegmentation")),
         )
+
+
+def _check_agent(request: Mapping[str, Any]) -> None:
+    """There is one agent, number 0; Unity reads a number from text too."""
+    agent = request.get("agentId", 0)
+    if agent is not None and str(agent) != "0":
+        raise MisuseError("InvalidArgument", f"agentId {agent!r} is not an agent here: there is one, number 0")

@@ -38,7 +38,7 @@ class Parts:
     def actions(self, asked, memory, percept, sighting):
         return (Action("PushObject", sighting.point), Action("PullObject", sighting.point)) if sighting else ()
 
-    def answer(self, asked, before, after):
+    def answer(self, asked, before, after, sighting):
         return "yes" if after is not before else "no"
 
 

@@ -1,3 +1,5 @@
+import math
+
 import pytest
 
 APPLE = "Apple|-00.47|+01.15|+00.48"
@@ -10,6 +12,15 @@ def before_apple(armed):
     return armed
 
 
+def stand_before(controller, point) -> None:
+    """Stand as near as one can, face a point, and bring the shoulder a little above it."""
+    places = controller.step("GetReachablePositions").metadata["actionReturn"]
+    near = min(places, key=lambda place: math.hypot(place["x"] - point["x"], place["z"] - point["z"]))
+    yaw = math.degrees(math.atan2(point["x"] - near["x"], point["z"] - near["z"]))
+    assert controller.step("Teleport", position=near, rotation=yaw)
+    assert controller.step("MoveArmBase", y=point["y"] + 0.1, normalizedY=False)
+
+
 def hand(event) -> dict[str, float]:
     return event.metadata["arm"]["handSphereCenter"]
 
@@ -19,9 +30,9 @@ def test_the_shoulder_slides(before_apple) -> None:
     for share, height in ((0.5, 1.126), (0.3, 0.856)):  # of 0.451 to 1.801 m
         event = before_apple.step("MoveArmBase", y=share)
         assert event, event.metadata["errorMessage"]
-        assert event.metadata["arm"]["joints"][1]["position"]["y"] == pytest.approx(height + floor, abs=0.002)
+        assert event.metadata["arm"]["joints"][0]["position"]["y"] == pytest.approx(height + floor, abs=0.002)
     event = before_apple.step("MoveArmBaseUp", distance=0.1)
-    assert event.metadata["arm"]["joints"][1]["position"]["y"] == pytest.approx(0.956 + floor, abs=0.002)
+    assert event.metadata["arm"]["joints"][0]["position"]["y"] == pytest.approx(0.956 + floor, abs=0.002)
     assert before_apple.step("MoveArmBaseDown", distance=0.1)
     assert not before_apple.step("MoveArmBase", y=1.2)
 
@@ -31,7 +42,8 @@ def test_the_hand_goes_where_it_is_sent(before_apple) -> None:
     assert before_apple.step("MoveArmBase", y=0.5)
     event = before_apple.step("MoveArm", position={"x": 0.1, "y": 0.05, "z": 0.4})
     assert event, event.metadata["errorMessage"]
-    shoulder = event.metadata["arm"]["joints"][1]["position"]
+    shoulder = event.metadata["arm"]["joints"][0]["position"]
+    assert event.metadata["arm"]["joints"][3]["rootRelativePosition"] == pytest.approx({"x": 0.1, "y": 0.05, "z": 0.4})
     # Looking along -x: ahead is -x, right is +z.
     assert hand(event)["x"] == pytest.approx(-1.0 - 0.15 - 0.4, abs=0.01)
     assert hand(event)["z"] == pytest.approx(0.5 + 0.1, abs=0.01)
@@ -41,6 +53,34 @@ def test_the_hand_goes_where_it_is_sent(before_apple) -> None:
     there = hand(event)
     event = before_apple.step("MoveArm", position=there, coordinateSpace="world")
     assert hand(event) == pytest.approx(there, abs=1e-3)
+
+
+@pytest.mark.parametrize("yaw", [0, 90, 200])
+def test_going_to_where_the_hand_says_it_is_moves_nothing(before_apple, yaw) -> None:
+    before_apple.step("RotateAgent", degrees=yaw)
+    before_apple.step("MoveArm", position={"x": -0.1, "y": 0.2, "z": 0.4})
+    before = before_apple.last_event.metadata["arm"]
+    for position, space in (
+        (before["joints"][-1]["rootRelativePosition"], "armBase"),
+        (before["joints"][-1]["position"], "world"),
+        (before["handSphereCenter"], "world"),
+    ):
+        event = before_apple.step("MoveArm", position=position, coordinateSpace=space)
+        assert event
+        assert event.metadata["arm"] == before
+
+
+@pytest.mark.parametrize("thing", [APPLE, "Book|+00.15|+01.10|+00.62", "Bread|-00.52|+01.17|-00.03"])
+def test_the_hand_takes_hold_of_what_it_is_sent_into_and_puts_it_back(armed, thing) -> None:
+    middle = armed.last_event.get_object(thing)["axisAlignedBoundingBox"]["center"]
+    stand_before(armed, middle)
+    event = armed.step("MoveArm", position=middle, coordinateSpace="world")
+    assert event, event.metadata["errorMessage"]
+    assert thing in event.metadata["arm"]["pickupableObjects"]
+    assert armed.step("PickupObject", objectIdCandidates=[thing])
+    event = armed.step("ReleaseObject")
+    assert event, event.metadata["errorMessage"]
+    assert event.get_object(thing)["axisAlignedBoundingBox"]["center"] == pytest.approx(middle, abs=0.02)
 
 
 def test_the_arm_comes_back_from_what_it_cannot_do(before_apple) -> None:
@@ -66,8 +106,13 @@ def test_the_hand_takes_hold_of_what_it_touches(before_apple) -> None:
     event = before_apple.step("PickupObject", objectIdCandidates=[APPLE])
     assert event
     assert event.metadata["arm"]["heldObjects"] == [APPLE]
-    assert event.get_object(APPLE)["axisAlignedBoundingBox"]["center"] == pytest.approx(hand(event))
-    assert before_apple.step("MoveAgent", ahead=-0.25)
+    assert event.get_object(APPLE)["position"] == pytest.approx(apple, abs=1e-5)  # where it was taken hold of
+    before = {axis: apple[axis] - hand(event)[axis] for axis in "xyz"}
+    event = before_apple.step("MoveAgent", ahead=-0.25)
+    assert event
+    assert {a: event.get_object(APPLE)["position"][a] - hand(event)[a] for a in "xyz"} == pytest.approx(
+        before, abs=1e-5
+    )
     event = before_apple.step("ReleaseObject")
     assert event
     assert not event.get_object(APPLE)["isPickedUp"]

@@ -119,9 +119,27 @@ def test_an_unknown_object_is_refused(kitchen, mode, action, arguments) -> None:
     assert event.metadata["errorMessage"]
 
 
-def test_after_stop_there_is_no_scene() -> None:
+@pytest.mark.parametrize("call", ["step", "reset"])
+def test_after_stop_there_is_an_error(call) -> None:
     controller = Controller(scene="FloorPlan401", width=32, height=32)
     controller.stop()
     controller.stop()
-    with pytest.raises(ValueError, match="no scene is loaded"):
-        controller.step("RotateRight")
+    with pytest.raises(ValueError, match="has been stopped"):
+        controller.step("Pass") if call == "step" else controller.reset()
+
+
+@pytest.mark.parametrize("agent", [1, -1, "1", 0.5, True])
+def test_an_agent_that_is_not_there_cannot_act(kitchen, agent) -> None:
+    before = kitchen.last_event.metadata["agent"]
+    with pytest.raises(ValueError, match="is not an agent here"):
+        kitchen.step("RotateRight", agentId=agent)
+    assert kitchen.last_event.metadata["agent"] == before
+    assert kitchen.step("Pass", agentId=0)
+    assert kitchen.step("Pass", agentId="0")
+
+
+@pytest.mark.parametrize("other", [{"agentMode": "locobot"}, {"agentMode": "drone"}, {"agentCount": 2}])
+def test_other_agents_are_refused_in_one_line(kitchen, other) -> None:
+    with pytest.raises(ValueError, match="is not supported here") as raised:
+        kitchen.reset(**other)
+    assert "\n" not in str(raised.value)

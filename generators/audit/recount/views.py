@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from remqa_data.generators.audit.recount.wording import phrase_of
+from remqa_data.generators.audit.recount.wording import phrase_of, relation_of
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64
@@ -105,7 +105,7 @@ def _measured(row: Mapping[str, Any], room: _Room) -> dict[str, Any]:
     pixels = [float(np.count_nonzero(end == ids.index(a) + 1) * scale) if a in ids else 0.0 for a in row["answer_ids"]]
     return {
         **{name: row[name] for name in ("question_id", "kind", "split", "scene", "answer", "manipulation")},
-        "relation": next((step[1] for step in json.loads(row["program"]) if step[0] == "relate"), ""),
+        "relation": relation_of(json.loads(row["program"])),
         "revealed": len(revealed),
         "revealed_px": float(np.isin(end, new[new > 0]).sum() * scale),
         "start_bytes": len(row["start_rgb"]["bytes"]),

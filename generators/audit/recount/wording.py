@@ -40,7 +40,7 @@ def asked(root: str | os.PathLike[str]) -> pd.DataFrame:
     )
     programs = rows["program"].map(json.loads)
     rows["words"] = rows["question"].map(_words)
-    rows["relation"] = programs.map(lambda program: next((step[1] for step in program if step[0] == "relate"), ""))
+    rows["relation"] = programs.map(relation_of)
     rows["has_landmark"] = programs.map(_has_landmark)
     types = _types_of_rooms(root)
     rooms = [types[room] for room in zip(rows["scene"], rows["configuration"], strict=True)]
@@ -91,6 +91,15 @@ def expressions_in_frames(root: str | os.PathLike[str]) -> pd.DataFrame:
         parts.append(rows)
     found: pd.DataFrame = pd.concat(parts, ignore_index=True)
     return found
+
+
+def relation_of(program: list[list[Any]]) -> str:
+    """The relation of a program's first step that has one; "" if none has.
+
+    >>> relation_of([["filter_type", "Egg"], ["relate", "in", [["filter_type", "Fridge"]]], ["exist"]])
+    'in'
+    """
+    return next((str(step[1]) for step in program if step[0] == "relate"), "")
 
 
 def _words(text: str) -> int:

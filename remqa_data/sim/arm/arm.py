@@ -27,6 +27,8 @@ __all__ = ["HOME", "Arm", "ArmBase", "ArmMove", "ArmState"]
 
 NOT_WITHIN_REACH = "not within reach"
 HAND_RADIUS_M = 0.06
+TOUCH_M = 0.1
+"""A hand that is sent into an object may stop so far from there to touch it."""
 
 
 @dataclass(frozen=True)
@@ -137,6 +139,22 @@ class Arm:
         """
         goals = self._targets.goals(base, object_id, self.hand_radius_m)
         return self._after(self._search(base, [object_id]).to(goals, free_column=True, from_outside=True))
+
+    def touch(self, base: ArmBase, object_id: str, near: Vec3) -> ArmMove:
+        """Touch an object with the hand's ball, at most `TOUCH_M` from a point, the nearest places first.
+
+        The shoulder stays where it is.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such object.
+        """
+        goals = self._targets.goals(base, object_id, self.hand_radius_m)
+        away = arithmetic.length(goals.points - np.array(near))
+        order = np.argsort(np.round(away, 6), kind="stable")[: np.count_nonzero(away <= TOUCH_M)]
+        goals = HandGoals(goals.points[order], goals.axes[order])
+        return self._after(self._search(base, [object_id]).to(goals, free_column=False, from_outside=True))
 
     def parts(self) -> tuple[tuple[Surface, ...], ...]:
         """Surfaces of the whole agent, part by part: base, column, head, carriage, the arm's foot and links."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +24,8 @@ __all__ = ["Frame", "RenderPart", "Renderer"]
 
 AMBIENT = 0.37
 BACKGROUND = (0.93, 0.94, 0.95)
+_SLACK_PX = 1e-3
+"""So much beyond the border a box still counts as in the picture, for what rounding may do."""
 _NO_SHADOWS = empty_shadows((0.0, 0.0, 0.0), 0)
 _NO_PATCHES = Patches(np.zeros(1, dtype=np.int32), np.zeros(0, dtype=np.int32), np.zeros((0, 3), dtype=np.float32))
 
@@ -37,6 +40,17 @@ class Frame:
     """(h, w) metres along the camera's forward axis at the pixel's centre, 0 where nothing is."""
     instances: I32
     """(h, w) `Part.instance` at the pixel's centre, -1 where nothing is."""
+
+
+class Extents(NamedTuple):
+    """What the boxes of all parts take up of a picture."""
+
+    may_show: Flags
+    """(n,) False if a part is outside of the picture for sure."""
+    nearest: F64
+    """(n,) metres along the camera's axis."""
+    farthest: F64
+    """(n,) metres along the camera's axis."""
 
 
 class Renderer:
@@ -169,6 +183,18 @@ class Renderer:
         """
         _, depth, instances = self._rasterise(camera.view(), only)
         return depth, instances
+
+    def extents(self, camera: AnyCamera) -> Extents:
+        """What the boxes of the parts take up of a picture, without drawing anything."""
+        view = camera.view()
+        x, y, depth = np.moveaxis((self._placed.corners - view.eye) @ view.axes.T, 2, 0)
+        scale = depth if view.pinhole else np.ones_like(depth)
+        beyond = depth < 0.0
+        is_out = beyond.all(axis=1)
+        for across, pixels in ((x, view.width), (y, view.height)):
+            edge = 0.5 * pixels * scale + _SLACK_PX
+            is_out |= (across > edge).all(axis=1) | (-across > edge).all(axis=1)
+        return Extents(~is_out, depth.min(axis=1), depth.max(axis=1))
 
     def _rasterise(self, view: View, only: Flags | None = None) -> tuple[Buffers, F32, I32]:
         buffers = self._buffers(view.height, view.width)

@@ -17,7 +17,7 @@ from remqa_data.assets.looks.textures import repeats, texture
 from remqa_data.assets.mesh import primitives
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, I32, Flags
-from remqa_data.scene import Scene, StructureBox
+from remqa_data.scene import Scene, StructureBox, StructureKind
 from remqa_data.sim.render.mipmap import CLAMPED, SIZE_BITS, levels
 from remqa_data.sim.render.raster import Geometry
 from remqa_data.sim.render.shade import Materials
@@ -120,12 +120,17 @@ def solid_faces(surface: Surface) -> Flags:
 
 
 def structure_surfaces(scene: Scene) -> list[tuple[Surface, ...]]:
-    """Surfaces of the building in groups that are culled together: each wall panel, the rest by kind and finish."""
+    """Surfaces of the building in groups that are culled together."""
+    return [(surface,) for _, surface in structure_groups(scene)]
+
+
+def structure_groups(scene: Scene) -> list[tuple[StructureKind, Surface]]:
+    """Each wall panel of the building, the rest by kind and finish."""
     groups: dict[tuple[object, ...], list[StructureBox]] = {}
     for index, part in enumerate(scene.structure):
         key = (part.kind, index) if part.kind in ("wall", "outside", "ceiling") else (part.kind, part.finish)
         groups.setdefault(key, []).append(part)
-    return [(_boxes(parts),) for parts in groups.values()]
+    return [(parts[0].kind, _boxes(parts)) for parts in groups.values()]
 
 
 def _boxes(parts: list[StructureBox]) -> Surface:

@@ -1,21 +1,24 @@
 """What the agent with an arm does in its own way, as in ManipulaTHOR.
 
-An arm is there at once, or stops before what is in its way.
+An arm is there at once, or stops before what is in its way. In AI2-THOR that is only what never moves: a hand that is sent
+into a thing that can be picked up pushes it about. Here the hand goes into it or, if a table is in its way, touches it.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
 
 from remqa_data.catalog import object_type
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.actions import objects as actions_objects
-from remqa_data.thor.state.arm_metadata import touched_objects
+from remqa_data.thor.state.agent import ThorAgent
+from remqa_data.thor.state.arm_metadata import facing, touched_objects
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, whole
 from remqa_data.thor.state.simulator import SimulatorState
@@ -24,6 +27,8 @@ Space = Literal["armBase", "world"]
 """Where a position is given: in the room, or from the shoulder, with x to the agent's right and z ahead of it."""
 
 LEAST_RADIUS_M, MOST_RADIUS_M = 0.04, 0.5
+IS_THERE_M = 1e-4
+"""So near to where it should go the hand stays where it is."""
 
 
 def move_arm(
@@ -124,17 +129,36 @@ def _in_room(simulator: SimulatorState, position: Vector, space: Space, origin: 
     """A position of AI2-THOR in the room, metres."""
     if space == "world":
         return to_room(position)
-    yaw = np.radians(simulator.agent.yaw_deg)
-    ahead: F64 = np.array([np.cos(yaw), np.sin(yaw), 0.0])
-    right: F64 = np.array([np.sin(yaw), -np.cos(yaw), 0.0])
-    up: F64 = np.array([0.0, 0.0, 1.0])
-    place = np.asarray(origin) + position["x"] * right + position["y"] * up + position["z"] * ahead
-    x, y, z = place.tolist()
+    away = facing(simulator.agent.yaw_deg) @ np.array([position["x"], position["z"], position["y"]])
+    x, y, z = (np.asarray(origin) + away).tolist()
     return x, y, z
 
 
 def _reach(simulator: SimulatorState, point: Vec3, return_to_start: bool) -> ActionResult:
-    return _or_back(simulator, return_to_start, lambda: simulator.agent.move_hand(point))
+    agent = simulator.agent
+    if math.dist(agent.arm.hand(agent.base), point) < IS_THERE_M:
+        return ActionResult(True)
+    return _or_back(simulator, return_to_start, lambda: _bring_hand(agent, point))
+
+
+def _bring_hand(agent: ThorAgent, point: Vec3) -> ActionResult:
+    """Bring the hand to a point, into what can be picked up there; or else until it touches that."""
+    world, before = agent.world, agent.arm.state
+    there = [
+        name
+        for name in touched_objects(world, point, agent.arm.hand_radius_m)
+        if object_type(world.type_of(name)).pickupable
+    ]
+    stopped = agent.arm.move_hand(agent.base, point, ignore=there)
+    if stopped.success:
+        return ActionResult(True)
+    after = agent.arm.state
+    for name in there:
+        agent.arm.state = before
+        if agent.arm.touch(agent.base, name, point).success:
+            return ActionResult(True)
+    agent.arm.state = after
+    return ActionResult(False, stopped.error)
 
 
 def _or_back(simulator: SimulatorState, return_to_start: bool, movement: Callable[[], ActionResult]) -> ActionResult:

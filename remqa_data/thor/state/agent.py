@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -12,13 +11,18 @@ from remqa_data.geometry.types import F64, I32, Vec3
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
 from remqa_data.sim.metadata import scaled_min_pixels
 from remqa_data.sim.navigation.embodiment import Embodiment
+from remqa_data.sim.navigation.viewpoints import pixel_counts
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import WorldView
 from remqa_data.thor.state.settings import FrameSize, Settings
+from remqa_data.thor.state.sight import Sight
 
 HAND: Vec3 = (0.0, -0.16, 0.38)
 """Where AI2-THOR's agent without an arm holds things: metres to the right of its camera, above and ahead of it."""
+
+RISES_M = (0.0, 0.005, 0.015, 0.03, 0.06)
+"""What an arm lets go of where it touches things is let go of so far above."""
 
 
 class ThorAgent(Agent):
@@ -61,6 +65,8 @@ class ThorAgent(Agent):
         )
         hands: Hands = "arm" if settings.has_arm else "near"
         super().__init__(world, view, position, yaw_deg, embodiment=body, hands=hands, **pose)
+        self._grasp: F64 = np.zeros(3)
+        self._sight = Sight(world, view, body)
 
     def camera(self, width: int | None = None, height: int | None = None) -> Camera:
         """Its eye, by default with the size of its frames."""
@@ -90,26 +96,41 @@ class ThorAgent(Agent):
         return abs(up) <= tall and abs(right) <= tall * self.frame.width / self.frame.height
 
     def pick_up(self, object_id: str, force: bool = False) -> ActionResult:
-        """Take an object into the hand, which is where it usually is."""
+        """Take an object into the hand, which is where it usually is; an arm holds it as it took hold of it."""
+        middle = self.world.box(object_id).mean(axis=0)
         result = super().pick_up(object_id, force)
         if result.success:
             self.hand_offset = HAND
+            self._grasp = middle - np.asarray(self.hand_at()) if self.hands == "arm" else np.zeros(3)
         return result
 
+    def held_at(self) -> Vec3:
+        """Where the middle of the box of what it holds is, metres in the room."""
+        x, y, z = arithmetic.snapped(np.asarray(self.hand_at()) + self._grasp).tolist()
+        return x, y, z
+
     def drop_spots(self) -> list[Vec3]:
-        """Where it lets go: where its hand is, if it has been moved."""
-        moved = [self.hand_at()] if self.hands != "arm" and self.hand_offset != HAND else []
-        return moved + super().drop_spots()
+        """Where it lets go: where its hand is, if it has been moved, or where its arm holds the thing, or just above."""
+        if self.hands != "arm":
+            return ([self.hand_at()] if self.hand_offset != HAND else []) + super().drop_spots()
+        held = str(self.held)
+        origin = np.asarray(self.world.state(held).position) - self.world.box(held).mean(axis=0)
+        x, y, z = arithmetic.snapped(np.asarray(self.held_at()) + origin).tolist()
+        return [(x, y, z + rise) for rise in RISES_M] + super().drop_spots()
 
     def visible_objects(self, distance_m: float | None = None) -> list[str]:
         """Ids of the objects that its frame shows, in the scene's order; with a distance, those nearer in plan."""
-        return self.seen_in(self.view.instances(self.camera()), distance_m)
+        if distance_m is None:
+            return self.seen_in(self.view.instances(self.camera()))
+        seen = self._sight.visible(self.camera(), distance_m)
+        return [name for name in self.world.ids if name in seen]
 
     def seen_in(self, objects: I32, distance_m: float | None = None) -> list[str]:
         """Ids of the objects that a (h, w) image of object indices shows; with a distance, those nearer in plan."""
-        counts = np.bincount(objects[objects >= 0].ravel(), minlength=len(self.world.ids))
-        ids = [self.world.ids[index] for index in np.flatnonzero(counts >= scaled_min_pixels(objects.shape))]
-        return ids if distance_m is None else [name for name in ids if self.plan_distance(name) <= distance_m]
+        enough = pixel_counts(objects, len(self.world.ids)) >= scaled_min_pixels(objects.shape)
+        if distance_m is not None:
+            enough &= self._sight.distances((self.x, self.y)) <= distance_m
+        return [self.world.ids[index] for index in np.flatnonzero(enough)]
 
     def is_near(self, object_id: str) -> bool:
         """Whether an object is within the visibility distance, in plan."""
@@ -118,16 +139,9 @@ class ThorAgent(Agent):
     def sees(self, object_id: str, distance_m: float | None = None) -> bool:
         """Whether its frame shows an object within a distance in plan, by default the visibility distance."""
         limit = self.embodiment.visibility_m if distance_m is None else distance_m
-        if self.plan_distance(object_id) > limit or not _may_show(self.camera(), self.world.box(object_id)):
+        if self.plan_distance(object_id) > limit:
             return False
-        return object_id in self.visible_objects()
-
-
-def _may_show(camera: Camera, box: F64) -> bool:
-    """False if a (2, 3) box is outside the picture for sure: all its corners lie beyond one border."""
-    corners = np.array([[x, y, z] for x in box[:, 0] for y in box[:, 1] for z in box[:, 2]]) - camera.position
-    right, up, ahead = camera.rotation() @ corners.T
-    tall = math.tan(math.radians(camera.fov_deg) / 2)
-    wide = tall * camera.width / camera.height
-    beyond = (ahead < 0, right > wide * ahead, -right > wide * ahead, up > tall * ahead, -up > tall * ahead)
-    return not any(bool(side.all()) for side in beyond)
+        index = self.world.ids.index(object_id)
+        camera = self.camera()
+        pixels = self.view.pixels_of(camera, [object_id])[index]
+        return int(pixels) >= scaled_min_pixels((camera.height, camera.width))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remqa_data.catalog import object_type
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import quaternion_of, rotation_of
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.arm import jaco
@@ -13,19 +14,28 @@ from remqa_data.thor.state.frames import SWAP, to_thor
 from remqa_data.thor.state.objects import Metadata
 from remqa_data.thor.state.simulator import LoadedFloorPlan
 
-JOINTS = {"robot_arm_1_jnt": 0, "robot_arm_2_jnt": 2, "robot_arm_3_jnt": 3, "robot_arm_4_jnt": jaco.HAND}
-"""AI2-THOR's names of four joints (foot, shoulder, elbow, hand), and the links of our six-joint arm that stand there."""
+JOINTS = {"robot_arm_2_jnt": 3, "robot_arm_3_jnt": 5, "robot_arm_4_jnt": jaco.HAND}
+"""AI2-THOR's names of elbow, wrist and hand, and the links of our six-joint arm that begin there. The first joint is the
+shoulder, which faces where the agent does, as in AI2-THOR."""
+
+
+def facing(yaw_deg: float) -> F64:
+    """(3, 3) rotation whose columns are an agent's right, ahead and up in the room."""
+    sine, cosine = arithmetic.sin_cos_deg(yaw_deg)
+    return np.array([[sine, cosine, 0.0], [-cosine, sine, 0.0], [0.0, 0.0, 1.0]])
 
 
 def arm_metadata(room: LoadedFloorPlan) -> Metadata:
     """Joints, hand and what it touches."""
     agent = room.agent
     arm, base = agent.arm, agent.base
-    poses, hand = arm.link_poses(base), np.asarray(arm.hand(base))
+    links, hand = arm.link_poses(base), np.asarray(arm.hand(base))
     touched = touched_objects(room.world, hand, arm.hand_radius_m)
-    root, parent, joints = poses[0], poses[0], []
-    for name, link in JOINTS.items():
-        pose = poses[link]
+    root = np.eye(4)
+    root[:3, :3], root[:3, 3] = facing(agent.yaw_deg), arm.shoulder(base)
+    poses = {"robot_arm_1_jnt": root, **{name: links[link] for name, link in JOINTS.items()}}
+    parent, joints = root, []
+    for name, pose in poses.items():
         joints.append(
             {
                 "name": name,
@@ -34,7 +44,7 @@ def arm_metadata(room: LoadedFloorPlan) -> Metadata:
                 "rotation": _axis_angle(pose[:3, :3]),
                 "rootRelativeRotation": _axis_angle(root[:3, :3].T @ pose[:3, :3]),
                 "localRotation": _axis_angle(parent[:3, :3].T @ pose[:3, :3]),
-                "armBaseHeight": float(arm.shoulder(base)[2]),
+                "armBaseHeight": float(root[2, 3]),
                 "elbowOrientation": 0.0,
             }
         )

@@ -54,18 +54,21 @@ def reply(simulator: SimulatorState, action: str, result: ActionResult, code: st
         files["image"].append(bytes(3 * simulator.frame.width * simulator.frame.height))
         return Reply(metadata, files)
     room, camera = simulator.room, simulator.agent.camera()
+    distance = simulator.settings.visibility_distance
     if images.none:
-        objects = room.view.instances(camera)
+        visible = room.agent.visible_objects(distance)
     else:
         seen = room.view.render(camera)
-        objects = seen.objects
+        visible = room.agent.seen_in(seen.objects, distance)
         _add(files, _AGENT_FILES, seen, images, room.palette, simulator.settings.far_plane)
         for third in simulator.cameras:
             drawn = room.view.render(third.camera(simulator.frame))
             _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, simulator.settings.far_plane)
-    visible = frozenset(room.agent.seen_in(objects, simulator.settings.visibility_distance))
     hand = room.agent.hand_at()
-    metadata["objects"] = room.records.listing(room.agent_position(), visible, hand, simulator.shown_objects)
+    held_at = room.agent.held_at()
+    metadata["objects"] = room.records.listing(
+        room.agent_position(), frozenset(visible), held_at, simulator.shown_objects
+    )
     metadata["sceneBounds"] = box_metadata(room.box())
     metadata["colors"] = room.palette.metadata() if images.colors else None
     metadata["thirdPartyCameras"] = [camera.metadata(index) for index, camera in enumerate(simulator.cameras)]

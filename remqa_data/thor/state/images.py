@@ -40,15 +40,21 @@ class Palette:
 
     def instances(self, objects: npt.NDArray[np.int32]) -> U8:
         """(h, w, 4) picture of which object each pixel shows, from indices into the objects (-1 is the building)."""
-        return np.asarray(self._by_object[objects])
+        return _colored(self._by_object, objects)
 
     def types(self, objects: npt.NDArray[np.int32]) -> U8:
         """(h, w, 4) picture of which type each pixel shows."""
-        return np.asarray(self._by_type[objects])
+        return _colored(self._by_type, objects)
 
     def _rgba(self, names: Sequence[str]) -> U8:
         colors = np.array([self._colors[name] for name in names], dtype=np.uint8).reshape(-1, 3)
         return np.column_stack([colors, np.full(len(colors), OPAQUE, dtype=np.uint8)])
+
+
+def _colored(colors: U8, objects: npt.NDArray[np.int32]) -> U8:
+    """(h, w, 4) the colour of every pixel's object; four bytes taken as one number are several times as quick."""
+    words = colors.view(np.uint32).ravel()
+    return words.take(objects, mode="wrap").view(np.uint8).reshape(*objects.shape, 4)
 
 
 def as_bytes(image: npt.NDArray[np.uint8 | np.float32]) -> bytes:
@@ -58,7 +64,9 @@ def as_bytes(image: npt.NDArray[np.uint8 | np.float32]) -> bytes:
 
 def depth_bytes(depth: npt.NDArray[np.float32], far_m: float) -> bytes:
     """Depth in metres; where nothing is seen, or beyond the far plane, it is the far plane's."""
-    return as_bytes(np.where((depth > 0) & (depth < far_m), depth, np.float32(far_m)).astype(np.float32))
+    shown = np.minimum(depth, np.float32(far_m))
+    shown[depth <= 0.0] = far_m
+    return as_bytes(shown)
 
 
 BACKGROUND: Color = (0, 0, 0)

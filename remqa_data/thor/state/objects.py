@@ -1,11 +1,13 @@
 """The `objects` of AI2-THOR's metadata.
 
 What never changes of an object is written down once; poses and boxes only when an object has moved. Each event gets
-records and positions of its own, so that an agent may keep events and change these; boxes are shared.
+records and positions of its own, so that an agent may keep events and change these. Boxes and lists are shared, as copying
+them would cost more than all the rest; what a client changes in one event is mended before the next.
 """
 
 from __future__ import annotations
 
+import marshal
 import zlib
 from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
@@ -51,9 +53,12 @@ class ObjectRecords:
         self._static = {object_id: _static(world, object_id) for object_id in world.ids}
         self._shown: dict[str, ObjectState] = {}
         self._held: str | None = None
+        self._revision: int | None = None
         self._boxes: dict[str, F64] = {}
         self._moving: dict[str, Metadata] = {}
-        self._holding: dict[str, Metadata] = {}
+        self._records: dict[str, Metadata] = {}
+        self._lent: list[list[Any]] = []
+        self._unchanged: list[list[Any]] = []
         self._positions = np.zeros((len(world.ids), 3))
 
     def position(self, object_id: str) -> Vec3:
@@ -103,15 +108,16 @@ class ObjectRecords:
         only : collection of str, optional
             Ids of the objects to list, by default all.
         """
+        self._forget_if_changed()
         self._follow()
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
         listed = []
         for object_id, distance in zip(self._world.ids, distances, strict=True):
             if object_id in self.away or (only is not None and object_id not in only):
                 continue
-            record = {**self._static[object_id], **self._moving[object_id], **self._holding[object_id]}
-            record["position"] = dict(record["position"])
-            record["rotation"] = dict(record["rotation"])
+            record = self._records[object_id].copy()
+            record["position"] = record["position"].copy()
+            record["rotation"] = record["rotation"].copy()
             record["visible"] = record["isInteractable"] = object_id in visible
             record["isToggled"] = object_id in self.toggled
             record["distance"] = distance
@@ -123,6 +129,9 @@ class ObjectRecords:
     def _follow(self) -> None:
         """Bring the records up to the world's state; states are replaced, never changed, so identity tells."""
         world = self._world
+        if world.revision == self._revision:
+            return
+        self._revision = world.revision
         moved = [name for name in world.ids if world.state(name) is not self._shown.get(name)]
         if not moved and world.held == self._held and self._shown:
             return
@@ -132,7 +141,19 @@ class ObjectRecords:
             self._moving[object_id] = self._pose_and_boxes(object_id)
             self._positions[world.ids.index(object_id)] = self.position(object_id)
         self._held = world.held
-        self._holding = _holding(world, self._boxes)
+        holding = _holding(world, self._boxes)
+        self._records = {
+            object_id: {**self._static[object_id], **self._moving[object_id], **holding[object_id]}
+            for object_id in world.ids
+        }
+        self._lent = [[record[name] for name in _SHARED] for record in self._records.values()]
+        self._unchanged = marshal.loads(marshal.dumps(self._lent))  # the quickest copy of plain lists and dicts
+
+    def _forget_if_changed(self) -> None:
+        """Have everything written down anew if a client has changed, in an event, what events share."""
+        if self._lent != self._unchanged:
+            self._static = {object_id: _static(self._world, object_id) for object_id in self._world.ids}
+            self._shown, self._revision = {}, None
 
     def _pose_and_boxes(self, object_id: str) -> Metadata:
         state, kind = self._world.state(object_id), object_type(self._world.type_of(object_id))
@@ -263,4 +284,11 @@ def _oriented_corners(world: World, object_id: str) -> F64:
     return np.asarray(_CORNERS * half @ pose[:3, :3].T + pose[:3, 3])
 
 
+_SHARED = (
+    "axisAlignedBoundingBox",
+    "objectOrientedBoundingBox",
+    "salientMaterials",
+    "receptacleObjectIds",
+    "parentReceptacles",
+)
 _CORNERS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])

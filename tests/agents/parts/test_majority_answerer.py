@@ -10,7 +10,7 @@ NOW = percept_of(AgentPose((0, 0), 0))
 def test_each_kind_has_its_own_most_frequent_answer() -> None:
     known = majority([(EXISTENCE, "yes"), (COUNTING, "2"), (COUNTING, "3"), (COUNTING, "3"), (EXISTENCE, "yes")])
     assert known == {"EXISTENCE": "yes", "COUNTING": "3"}
-    assert MajorityAnswerer(known).answer(read_question(COUNTING), NOW, NOW) == "3"
+    assert MajorityAnswerer(known).answer(read_question(COUNTING), NOW, NOW, None) == "3"
 
 
 def test_of_equally_frequent_answers_the_first_is_taken_whatever_their_order() -> None:
@@ -19,4 +19,4 @@ def test_of_equally_frequent_answers_the_first_is_taken_whatever_their_order() -
 
 
 def test_nothing_is_answered_to_a_kind_that_is_not_known() -> None:
-    assert MajorityAnswerer({}).answer(read_question(COUNTING), NOW, NOW) is None
+    assert MajorityAnswerer({}).answer(read_question(COUNTING), NOW, NOW, None) is None

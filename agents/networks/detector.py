@@ -1,0 +1,173 @@
+"""The detector: objects as points (Zhou et al. 2019), each with a box (Tian et al. 2019) and a type, and a type for each cell.
+
+A heatmap says where middles of objects are, whatever their type; at each peak a box and a type are read. Masks come from the
+types of the cells within the box.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from remqa_data.agents.networks.pyramid import CHANNELS, STRIDE, Pyramid
+from remqa_data.geometry.types import F32, Flags
+
+MOST_PEAKS = 80
+"""Middles of objects that are looked at in a picture."""
+
+TYPES_OF_A_PEAK = 2
+"""A peak is reported as so many of its likeliest types."""
+
+LEAST_SCORE = 0.02
+SAME_OBJECT_IOU = 0.6
+"""Of two boxes of a type that overlap so much, the likelier one counts."""
+
+LEAST_MASK_SHARE = 0.1
+"""Where fewer cells of a box than this have its type, the mask is the whole box."""
+
+
+class Raw(NamedTuple):
+    """What the detector says of (n, 3, h, w) pictures, whose features have h' = h / STRIDE, w' = w / STRIDE.
+
+    Attributes
+    ----------
+    features : (n, CHANNELS, h', w')
+        Of the backbone.
+    middles : (n, h', w')
+        Logits that the middle of an object is there.
+    sides : (n, 4, h', w')
+        Distances in pixels to the left, upper, right and lower side of the object whose middle is there.
+    cells : (n, 1 + types, h', w')
+        Logits of what the cell shows: 0 is none of the types.
+    """
+
+    features: Tensor
+    middles: Tensor
+    sides: Tensor
+    cells: Tensor
+
+
+@dataclass(frozen=True, eq=False)
+class Detections:
+    """Objects that were found in one picture, the likeliest first.
+
+    Attributes
+    ----------
+    boxes : (m, 4) float32
+        x1, y1, x2, y2 in pixels.
+    types : (m,) int64
+        Indices into the detector's types.
+    scores : (m,) float32
+        0 to 1.
+    cells : (h', w') int64
+        What each cell of STRIDE x STRIDE pixels shows: index of its type + 1, or 0.
+    """
+
+    boxes: F32
+    types: np.ndarray
+    scores: F32
+    cells: np.ndarray
+
+    def mask(self, place: int, size: tuple[int, int]) -> Flags:
+        """(h, w) pixels of the object at a place of the list, in a picture of a size; all of its box where few cells agree."""
+        x1, y1, x2, y2 = np.rint(self.boxes[place]).astype(int)
+        is_inside = np.zeros(size, dtype=bool)
+        is_inside[max(y1, 0) : max(y2, 0), max(x1, 0) : max(x2, 0)] = True
+        of_type = np.kron(self.cells == self.types[place] + 1, np.ones((STRIDE, STRIDE), dtype=bool))
+        found = is_inside & of_type[: size[0], : size[1]]
+        return found if found.sum() >= LEAST_MASK_SHARE * is_inside.sum() else is_inside
+
+
+class Detector(nn.Module):
+    """Finds objects.
+
+    Parameters
+    ----------
+    types : int
+        How many types of objects it knows.
+    """
+
+    def __init__(self, types: int) -> None:
+        super().__init__()
+        self.types = types
+        self.backbone = Pyramid()
+        self.heads = nn.Conv2d(CHANNELS, 1 + 4 + 1 + types, 1)
+        self.kinds = nn.Sequential(nn.Linear(CHANNELS, CHANNELS), nn.ReLU(), nn.Linear(CHANNELS, types))
+        with torch.no_grad():
+            self.heads.bias[0] = -4.0  # type: ignore[index]  # few cells are middles: else the first steps are wasted on it
+            self.heads.bias[1:5] = 3.0  # type: ignore[index]  # objects are some 40 pixels wide
+
+    def forward(self, rgb: Tensor) -> Raw:
+        """What it says of (n, 3, h, w) uint8 pictures."""
+        features = self.backbone(rgb)
+        said = self.heads(features)
+        return Raw(features, said[:, 0], said[:, 1:5].clamp(max=6.0).exp(), said[:, 5:])
+
+    def types_at(self, features: Tensor) -> Tensor:
+        """(m, types) logits of the types of the objects whose middles have (m, CHANNELS) features."""
+        return self.kinds(features)  # type: ignore[no-any-return]
+
+    @torch.no_grad()
+    def detect(self, rgb: Tensor) -> list[Detections]:
+        """Objects in (n, 3, h, w) uint8 pictures."""
+        return self.read(self(rgb), rgb.shape[-2:])
+
+    @torch.no_grad()
+    def read(self, raw: Raw, size: tuple[int, ...]) -> list[Detections]:
+        """Objects in what was said of pictures of a (height, width)."""
+        heat = raw.middles.sigmoid()
+        heat = torch.where(functional.max_pool2d(heat, 3, 1, 1) == heat, heat, 0.0)
+        scores, places = heat.flatten(1).topk(min(MOST_PEAKS, heat[0].numel()))
+        rows, columns = places // heat.shape[-1], places % heat.shape[-1]
+        shown = raw.cells.argmax(1)
+        found = []
+        for image in range(len(heat)):
+            row, column = rows[image], columns[image]
+            types = self.types_at(raw.features[image, :, row, column].T).softmax(1)
+            likely, kinds = types.topk(min(TYPES_OF_A_PEAK, types.shape[1]))
+            boxes = boxes_at(raw.sides[image, :, row, column].T, row, column, size)
+            found.append(
+                _without_doubles(
+                    boxes.repeat_interleave(kinds.shape[1], 0).numpy(force=True),
+                    kinds.flatten().numpy(force=True),
+                    (scores[image, :, None] * likely).flatten().numpy(force=True),
+                    shown[image].numpy(force=True),
+                )
+            )
+        return found
+
+
+def boxes_at(sides: Tensor, rows: Tensor, columns: Tensor, size: tuple[int, ...]) -> Tensor:
+    """(m, 4) boxes in pixels, within a (height, width), of (m, 4) distances from the cells at (m,) rows and columns."""
+    x, y = (columns + 0.5) * STRIDE, (rows + 0.5) * STRIDE
+    height, width = size
+    left, up, right, down = sides.unbind(1)
+    corners = [(x - left).clamp(0, width), (y - up).clamp(0, height), (x + right).clamp(0, width)]
+    return torch.stack([*corners, (y + down).clamp(0, height)], dim=1)
+
+
+def _without_doubles(boxes: F32, types: np.ndarray, scores: F32, cells: np.ndarray) -> Detections:
+    """The likelier one of every two boxes of a type that are of the same object."""
+    order = np.argsort(-scores, kind="stable")
+    order = order[scores[order] >= LEAST_SCORE]
+    boxes, types, scores = boxes[order], types[order], scores[order]
+    overlaps = iou(boxes, boxes) > SAME_OBJECT_IOU
+    kept: list[int] = []
+    for place in range(len(boxes)):
+        if not any(overlaps[place, other] and types[place] == types[other] for other in kept):
+            kept.append(place)
+    return Detections(boxes[kept], types[kept], scores[kept], cells)
+
+
+def iou(first: F32, second: F32) -> F32:
+    """(m, n) shares of (m, 4) and (n, 4) boxes in a picture: what two have in common, of what either has."""
+    low = np.maximum(first[:, None, :2], second[None, :, :2])
+    high = np.minimum(first[:, None, 2:], second[None, :, 2:])
+    common = np.prod(np.clip(high - low, 0, None), axis=-1)
+    areas = [np.prod(boxes[:, 2:] - boxes[:, :2], axis=-1) for boxes in (first, second)]
+    return np.asarray(common / np.maximum(areas[0][:, None] + areas[1][None] - common, 1e-9), dtype=np.float32)

@@ -1,0 +1,146 @@
+"""The language attention network (MAttNet, Yu et al. 2018): which object of a picture an expression means.
+
+The words are weighed three times: for what the object is and looks like, for where it is, and for what it is close to. Each of
+these parts of the expression is compared with each object, and the expression says how much each comparison counts.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from remqa_data.agents.networks.language import EMBEDDED, HIDDEN, WordReader
+from remqa_data.agents.networks.pyramid import CHANNELS
+from remqa_data.agents.networks.regions import ALIKE, PLACE, Regions
+
+JOINT = 128
+"""Numbers of what is compared."""
+
+PARTS = ("subject", "location", "relationship")
+SHARPNESS = 10.0
+"""What similarities, -1 to 1, are multiplied with."""
+
+
+class Match(NamedTuple):
+    """How well each of m objects of a picture fits each of e expressions of at most t words.
+
+    Attributes
+    ----------
+    scores : (e, m)
+        The sum of all parts.
+    weights : (e, 3)
+        How much each part counts.
+    attention : (e, 3, t)
+        How much each word counts for each part.
+    """
+
+    scores: Tensor
+    weights: Tensor
+    attention: Tensor
+
+
+class LanguageAttentionMatcher(nn.Module):
+    """Matches expressions with objects in three modules.
+
+    Parameters
+    ----------
+    words : int
+        Size of the vocabulary.
+    types : int
+        How many types the detector knows.
+    """
+
+    def __init__(self, words: int, types: int) -> None:
+        super().__init__()
+        self.reader = WordReader(words)
+        self.attend = nn.Linear(2 * HIDDEN, len(PARTS))
+        self.weigh = nn.Linear(2 * HIDDEN, len(PARTS))
+        self.type_look = nn.Linear(types, CHANNELS)
+        self.look = nn.Conv2d(CHANNELS, CHANNELS, 1)
+        self.asked_look = nn.Linear(EMBEDDED, CHANNELS)
+        self.focus = nn.Linear(CHANNELS, 1)
+        seen = (2 * CHANNELS, PLACE * (1 + ALIKE), 2 * CHANNELS + PLACE)
+        self.seen = nn.ModuleList(_joint(width) for width in seen)
+        self.asked = nn.ModuleList(_joint(EMBEDDED) for _ in PARTS)
+
+    def forward(self, numbers: Tensor, regions: Regions) -> Match:
+        """How well the objects of a picture fit expressions that have (e, t) numbers of words."""
+        words = self.reader(numbers)
+        logits = self.attend(words.read).masked_fill(~words.is_word[..., None], -torch.inf)
+        attention = logits.softmax(1).transpose(1, 2)
+        weights = self.weigh(words.sentence).softmax(1)
+        phrases = (attention @ words.embedded).unbind(1)
+        asked = [functional.normalize(layer(phrase), dim=1) for layer, phrase in zip(self.asked, phrases, strict=True)]
+        types = self.type_look(regions.types)
+        subjects = self._subjects(phrases[0], regions.looks)
+        seen = torch.cat([subjects, types.expand(len(subjects), -1, -1)], 2)
+        subject = torch.einsum("ej,emj->em", asked[0], functional.normalize(self.seen[0](seen), dim=2))
+        seen = torch.cat([regions.places, regions.from_alike.flatten(1)], 1)
+        location = asked[1] @ functional.normalize(self.seen[1](seen), dim=1).T
+        looks = regions.looks.mean((2, 3))
+        seen = torch.cat([looks[regions.around], types[regions.around], regions.from_around], 2)
+        beside = torch.einsum("ej,mkj->emk", asked[2], functional.normalize(self.seen[2](seen), dim=2))
+        relationship = beside.masked_fill(~regions.is_around, -1.0).amax(2)
+        scores = torch.stack([subject, location, relationship], 1)
+        return Match(SHARPNESS * torch.einsum("ep,epm->em", weights, scores), weights, attention)
+
+    def _subjects(self, phrases: Tensor, looks: Tensor) -> Tensor:
+        """(e, m, CHANNELS) looks, (m, CHANNELS, g, g), where each of (e, EMBEDDED) phrases looks."""
+        seen = self.look(looks).flatten(2).transpose(1, 2)
+        focus = self.focus(torch.tanh(seen[None] + self.asked_look(phrases)[:, None, None])).softmax(2)
+        return torch.einsum("mgc,emg->emc", seen, focus[..., 0])
+
+
+class PlainMatcher(nn.Module):
+    """The same without modules: one vector for the expression, one for each object. What LAN is compared with."""
+
+    def __init__(self, words: int, types: int) -> None:
+        super().__init__()
+        self.reader = WordReader(words)
+        self.asked = _joint(2 * HIDDEN)
+        self.seen = _joint(CHANNELS + types + PLACE * (1 + ALIKE))
+
+    def forward(self, numbers: Tensor, regions: Regions) -> Match:
+        """See `LanguageAttentionMatcher.forward`; every word counts alike."""
+        words = self.reader(numbers)
+        asked = functional.normalize(self.asked(words.sentence), dim=1)
+        seen = [regions.looks.mean((2, 3)), regions.types, regions.places, regions.from_alike.flatten(1)]
+        scores = SHARPNESS * asked @ functional.normalize(self.seen(torch.cat(seen, 1)), dim=1).T
+        is_word = words.is_word.to(scores.dtype)
+        attention = (is_word / is_word.sum(1, keepdim=True))[:, None].expand(-1, len(PARTS), -1)
+        return Match(scores, torch.full((len(numbers), len(PARTS)), 1 / len(PARTS)), attention)
+
+
+Matcher = LanguageAttentionMatcher | PlainMatcher
+
+
+def _joint(width: int) -> nn.Sequential:
+    return nn.Sequential(nn.Linear(width, JOINT), nn.ReLU(), nn.Linear(JOINT, JOINT))
+
+
+def ranking_loss(scores: Tensor, right: int, of_others: Tensor, margin: float = 1.0) -> Tensor:
+    """Hinge loss of one expression with its object.
+
+    Parameters
+    ----------
+    scores : (m,)
+        How well the objects of the picture fit the expression.
+    right : int
+        Which of them is meant.
+    of_others : (k,)
+        How well other expressions fit the one that is meant.
+    margin : float
+        By how much the right pair is to fit better.
+
+    Returns
+    -------
+    The mean over all wrong pairs, plus that of the worst: hard negatives are those of the same picture.
+    """
+    wrong = torch.cat([scores[:right], scores[right + 1 :], of_others])
+    if not len(wrong):
+        return scores.sum() * 0
+    short = functional.relu(margin + wrong - scores[right])
+    return short.mean() + short.amax()

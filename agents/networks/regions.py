@@ -1,0 +1,150 @@
+"""What is known of the objects in a picture that an expression may mean: how they look, and where they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from remqa_data.agents.networks.detector import Detections, Detector, iou
+from remqa_data.agents.networks.pyramid import features_in
+from remqa_data.geometry.types import F32
+
+GRID = 3
+"""Features are taken at so many points across and down a box."""
+
+PLACE = 8
+"""Numbers of a place, see `places_of`."""
+
+ALIKE, AROUND = 5, 10
+"""How many objects of its type, and how many of any, an object is compared with: the nearest ones."""
+
+SAME_TYPE = 0.5
+"""Cosine of the probabilities of two objects that are of one type."""
+
+CANDIDATES = 40
+"""Detections of a picture among which one is chosen."""
+
+SAME_BOX_IOU = 0.9
+
+UNSEEN_M = 4.0
+"""Where depth has nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Regions:
+    """Objects in one picture.
+
+    Attributes
+    ----------
+    boxes : (m, 4) float32
+        x1, y1, x2, y2 in pixels.
+    looks : (m, channels, GRID, GRID)
+        Features in the boxes.
+    types : (m, types)
+        Probabilities by the detector.
+    places : (m, PLACE) float32
+        See `places_of`.
+    from_alike : (m, ALIKE, PLACE)
+        Where each is as seen from the nearest ones of its type, see `compared`; 0 where there are fewer.
+    around : (m, AROUND) int64
+        The nearest ones.
+    from_around : (m, AROUND, PLACE)
+        Where those are as seen from it.
+    is_around : (m, AROUND) bool
+        False where there are fewer.
+    """
+
+    boxes: F32
+    looks: Tensor
+    types: Tensor
+    places: Tensor
+    from_alike: Tensor
+    around: Tensor
+    from_around: Tensor
+    is_around: Tensor
+
+
+def candidates(found: Detections) -> list[int]:
+    """Which detections to choose from: each box once, the likeliest first."""
+    kept: list[int] = []
+    same = iou(found.boxes, found.boxes) > SAME_BOX_IOU
+    for place in range(len(found.boxes)):
+        if len(kept) < CANDIDATES and not same[place, kept].any():
+            kept.append(place)
+    return kept
+
+
+@torch.no_grad()
+def regions_of(detector: Detector, features: Tensor, boxes: F32, depth: F32) -> Regions:
+    """What is known of (m, 4) boxes in a picture with (1, channels, h', w') features and (h, w) depth in metres."""
+    at = torch.from_numpy(np.asarray(boxes, dtype=np.float32)).to(features.device)
+    looks = features_in(features, at, torch.zeros(len(at), dtype=torch.int64, device=features.device), GRID)
+    types = detector.types_at(looks[:, :, GRID // 2, GRID // 2]).softmax(1)
+    places = places_of(boxes, depth).to(features.device)
+    direction = types / types.norm(dim=1, keepdim=True).clamp(min=1e-6)
+    others = ~torch.eye(len(boxes), dtype=torch.bool, device=features.device)
+    offsets = compared(places)
+    alike, is_alike = nearest(places, others & (direction @ direction.T > SAME_TYPE), ALIKE)
+    around, is_around = nearest(places, others, AROUND)
+    return Regions(
+        boxes,
+        looks,
+        types,
+        places,
+        _offsets(offsets, alike) * is_alike[..., None],
+        around,
+        _offsets(offsets, around),
+        is_around,
+    )
+
+
+def _offsets(offsets: Tensor, chosen: Tensor) -> Tensor:
+    """(m, k, PLACE) offsets to (m, k) chosen ones, of (m, m, PLACE) to all."""
+    return offsets.gather(1, chosen[..., None].expand(-1, -1, PLACE))
+
+
+def places_of(boxes: F32, depth: F32) -> Tensor:
+    """(m, PLACE) left, upper, right and lower side and area as shares of the picture; right, down and ahead in metres.
+
+    Metres are those of the middle of the box, by the median depth within it, as the camera sees (90 degrees).
+    """
+    height, width = depth.shape
+    places = np.zeros((len(boxes), PLACE), dtype=np.float32)
+    for place, (x1, y1, x2, y2) in zip(places, boxes, strict=True):
+        left, up = min(int(x1), width - 1), min(int(y1), height - 1)
+        within = depth[up : max(int(np.ceil(y2)), up + 1), left : max(int(np.ceil(x2)), left + 1)]
+        seen = within[within > 0]
+        ahead = float(np.median(seen)) if len(seen) else UNSEEN_M
+        right = ((x1 + x2) / width - 1) * ahead
+        down = ((y1 + y2) / height - 1) * ahead
+        share = (x2 - x1) * (y2 - y1) / (width * height)
+        place[:] = x1 / width, y1 / height, x2 / width, y2 / height, share, right, down, ahead
+    return torch.from_numpy(places)
+
+
+def compared(places: Tensor) -> Tensor:
+    """(m, m, PLACE) how each object, second, lies as seen from each, first: offsets in its own sizes and in metres."""
+    x1, y1, x2, y2, area, *metres = places.unbind(-1)
+    wide, high = (x2 - x1).clamp(min=1e-3)[:, None], (y2 - y1).clamp(min=1e-3)[:, None]
+    middles_x, middles_y = ((x1 + x2) / 2)[:, None], ((y1 + y2) / 2)[:, None]
+    across, down = (
+        ((side[None] - middles_x) / wide for side in (x1, x2)),
+        ((side[None] - middles_y) / high for side in (y1, y2)),
+    )
+    sides = [*across, *down]
+    ratio = (area[None].clamp(min=1e-6) / area[:, None].clamp(min=1e-6)).log()
+    offsets = [at[None] - at[:, None] for at in metres]
+    return torch.stack([*(side.clamp(-10, 10) / 5 for side in sides), ratio / 5, *offsets], dim=-1)
+
+
+def nearest(places: Tensor, allowed: Tensor, count: int) -> tuple[Tensor, Tensor]:
+    """For each of m objects the nearest in metres of those that (m, m) are allowed: (m, count), and if there are so many."""
+    metres = places[:, 5:]
+    distances = torch.cdist(metres, metres).masked_fill(~allowed, torch.inf)
+    least, found = distances.topk(min(count, len(places)), dim=1, largest=False)
+    missing = count - found.shape[1]
+    found = torch.nn.functional.pad(found, (0, missing))
+    return found, torch.nn.functional.pad(least.isfinite(), (0, missing))

@@ -1,0 +1,49 @@
+"""Squares that are cut out of views: what is looked at when it is known where the target is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+SIDE_PX = 192
+"""Of the square that the answerer sees."""
+
+AROUND, LEAST_PX = 1.5, 120.0
+"""It shows so many times the target's box, and at least so many pixels of the view."""
+
+
+def window(box: Sequence[float] | npt.NDArray[np.floating] | None, size: tuple[int, int]) -> tuple[float, float, float]:
+    """Middle and side in pixels of the square that is looked at, for a box x1, y1, x2, y2 in a picture of a (height, width).
+
+    Without a box it is the whole picture.
+    """
+    height, width = size
+    if box is None:
+        return width / 2, height / 2, float(max(size))
+    x1, y1, x2, y2 = box
+    side = min(max(AROUND * max(x2 - x1, y2 - y1), LEAST_PX), float(max(size)))
+    x, y = ((low + high) / 2 for low, high in ((x1, x2), (y1, y2)))
+    return (
+        float(np.clip(x, side / 2, width - side / 2)),
+        float(np.clip(y, side / 2, height - side / 2)),
+        float(side),
+    )
+
+
+def cut(picture: np.ndarray, place: tuple[float, float, float], mirrored: bool = False) -> np.ndarray:
+    """The square of a picture, (h, w, 3) colours or (h, w) numbers, as (SIDE_PX, SIDE_PX, ...)."""
+    x, y, side = place
+    zoom = SIDE_PX / side
+    across = -zoom if mirrored else zoom
+    matrix = np.array([[across, 0.0, SIDE_PX / 2 - across * x], [0.0, zoom, SIDE_PX / 2 - zoom * y]])
+    how = (
+        cv2.INTER_AREA
+        if picture.ndim == 3 and zoom < 1
+        else cv2.INTER_LINEAR
+        if picture.ndim == 3
+        else cv2.INTER_NEAREST
+    )
+    return cv2.warpAffine(picture, matrix, (SIDE_PX, SIDE_PX), flags=how)

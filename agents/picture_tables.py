@@ -1,0 +1,81 @@
+"""The tables of networks on stored pictures: referring expressions and answers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from remqa_data.agents.paper import paper_results
+from remqa_data.errors import ResultsError, SubmissionError
+from remqa_data.evaluation.report.tables import Grid, cell, rounded
+from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
+from remqa_data.evaluation.scoring.results import Results, load_results, make_results, write_results
+from remqa_data.evaluation.scoring.scoring import score
+from remqa_data.evaluation.submission.reader import open_submission
+from remqa_data.evaluation.submission.tracks import Track
+from remqa_data.version import __version__
+
+PAPER = " (paper)"
+PRECISION = "prec@0.5"
+SPLITS = ("val", "test")
+ACCURACY = "answer_accuracy"
+PERCENT = 100
+"""The paper's precision is in percent."""
+
+
+def score_pictures(folder: Path, root: Path, track: Track) -> list[Results]:
+    """Score the submissions to a track without walks that are in `<folder>/<track>`; beside each its results are written.
+
+    Raises
+    ------
+    SubmissionError
+        If one is none, is to another track, or is about another dataset.
+    """
+    found = []
+    for path in sorted((folder / track).glob("*.jsonl")):
+        submission = open_submission(path)
+        truth = load_ground_truth(root, track, submission.header.split)
+        sha256 = dataset_sha256(truth.manifest)
+        if submission.header.track != track or submission.header.dataset not in (None, sha256):
+            raise SubmissionError(path, "the header", f"the predictions are not for track {track!r} of {root}")
+        known = path.with_suffix(".results.json")
+        results = _known(known, submission.sha256(), sha256)
+        if results is None:
+            results = make_results(submission, truth, score(submission, truth), replay=False)
+            write_results(known, results)
+        found.append(results)
+    return found
+
+
+def rec_grid(results: Sequence[Results]) -> Grid:
+    """prec@0.5 on both splits that have expressions."""
+    rows = [
+        (name + PAPER, *(rounded(figures[f"{PRECISION} {split}"] / PERCENT) for split in SPLITS))
+        for name, figures in paper_results()["REC"].items()
+    ]
+    by_key = {(found.submission.agent, found.split): cell(found.metric(PRECISION)) for found in results}
+    for title in dict.fromkeys(title for title, _ in by_key):
+        rows.append((title, *(by_key.get((title, split), "") for split in SPLITS)))
+    return Grid("Referring expressions", ("System", *(f"{PRECISION} {split}" for split in SPLITS)), tuple(rows))
+
+
+def qa_grid(results: Sequence[Results]) -> Grid:
+    """Share of right answers from stored views, by kind of question."""
+    kinds = list(
+        dict.fromkeys(metric.group for found in results for metric in found.metrics if metric.breakdown == "kind")
+    )
+    rows = tuple(
+        (found.submission.agent, found.split, *(cell(found.metric(ACCURACY, "kind", kind)) for kind in kinds))
+        for found in results
+    )
+    return Grid("Answers from stored views", ("System", "Split", *kinds), rows)
+
+
+def _known(path: Path, submission: str, dataset: str) -> Results | None:
+    """Results of the same file on the same data by the same version."""
+    try:
+        results = load_results(path)
+    except ResultsError:
+        return None
+    same = results.submission.sha256, results.dataset.sha256, results.versions["remqa-data"]
+    return results if same == (submission, dataset, __version__) else None

@@ -1,0 +1,148 @@
+"""What trained networks say of stored pictures, as submissions: expressions (track `rec`) and questions (track `qa`)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from remqa_data.agents.detection_scores import score_detector
+from remqa_data.agents.networks.answerer import ManipulationAnswerer, likeliest
+from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.matcher import Matcher
+from remqa_data.agents.training.answering import AskedViews
+from remqa_data.agents.training.config import AnswererConfig
+from remqa_data.agents.training.learn import DETECTOR
+from remqa_data.agents.training.matching import chosen, referred_pictures
+from remqa_data.agents.training.weights import About, load_network, weights_path
+from remqa_data.errors import ConfigError
+from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
+from remqa_data.evaluation.submission.reader import Header, write_submission
+from remqa_data.evaluation.submission.tracks import Track
+from remqa_data.files import atomic_path
+from remqa_data.storage.manifest import load_manifest
+
+AT_ONCE = 16
+"""Questions that are answered together."""
+
+Progress = Callable[[int], None]
+
+
+def predict_expressions(
+    detector: Detector,
+    networks: Sequence[tuple[Matcher, About]],
+    root: Path,
+    split: str,
+    device: str = "cpu",
+    progress: Progress | None = None,
+) -> dict[str, list[dict[str, Any]]]:
+    """What matchers say that the expressions of a split mean.
+
+    Returns
+    -------
+    Rows of the track `rec` by title: each matcher's with the boxes that the detector finds, and with the true ones.
+    """
+    pictures = referred_pictures(root, split, detector.to(device).eval(), device, None, progress)
+    rows: dict[str, list[dict[str, Any]]] = {}
+    for network, about in networks:
+        for which in ("detected", "true"):
+            found = rows.setdefault(f"{about.network.title}, {which} boxes", [])
+            for picture in pictures:
+                regions = picture.found if which == "detected" else picture.true
+                numbers = torch.from_numpy(about.vocabulary.encode_batch(picture.texts)[0]).to(device)
+                boxes = chosen(network.to(device), numbers, regions) if len(regions.boxes) else None
+                for place, name in enumerate(picture.expression_ids):
+                    box = None if boxes is None else [float(side) for side in boxes[place]]
+                    found.append({"expression_id": name, "box": box})
+    return rows
+
+
+@torch.no_grad()
+def predict_answers(
+    network: ManipulationAnswerer,
+    about: About,
+    root: Path,
+    split: str,
+    device: str = "cpu",
+    progress: Progress | None = None,
+) -> list[dict[str, Any]]:
+    """What an answerer says to the questions of a split, from the stored views: rows of the track `qa`."""
+    config = about.network.network
+    assert isinstance(config, AnswererConfig)
+    views, vocabulary, rows = AskedViews(root, split, with_box=config.with_box), about.vocabulary, []
+    network = network.to(device)
+    for first in range(0, len(views), AT_ONCE):
+        places = range(first, min(first + AT_ONCE, len(views)))
+        asked = [views.view(place) for place in places]
+        numbers = torch.from_numpy(vocabulary.encode_batch([one.question for one in asked])[0]).to(device)
+        said = network(numbers, torch.stack([one.views for one in asked]).to(device))
+        answers = likeliest(said.answers, [one.kind for one in asked], vocabulary.answers)
+        for place, answer in zip(places, answers, strict=True):
+            rows.append({"question_id": views.rows[place]["question_id"], "answer": answer})
+        if progress is not None:
+            progress(len(asked))
+    return rows
+
+
+def predict_all(
+    names: Sequence[str],
+    root: Path,
+    split: str,
+    out: Path,
+    weights: Path | None = None,
+    *,
+    device: str = "cpu",
+    force: bool = False,
+    progress: Progress | None = None,
+) -> list[Path]:
+    """Let networks say what they see in the pictures of a split, and write it.
+
+    Matchers write submissions to `<out>/rec`, answerers to `<out>/qa`, a detector its scores to `<out>/detector-<split>.json`.
+
+    Raises
+    ------
+    ConfigError
+        If there are no such weights, or they have learnt from another dataset.
+    DatasetError
+        If the dataset has no such split.
+    """
+    loaded = [load_network(weights_path(name, weights), root, force=force) for name in names]
+    matchers = [(network, about) for network, about in loaded if isinstance(network, Matcher)]
+    written: list[Path] = []
+    for network, about in loaded:
+        if isinstance(network, Detector):
+            scores = score_detector(network, about.types, root, split, device, progress=progress)
+            written.append(out / f"detector-{split}.json")
+            with atomic_path(written[-1]) as temporary:
+                temporary.write_text(json.dumps(scores, indent=1) + "\n", encoding="utf-8")
+        elif isinstance(network, ManipulationAnswerer):
+            rows = predict_answers(network, about, root, split, device, progress)
+            written.append(out / "qa" / file_name(about.network.title, split))
+            write_predictions(written[-1], "qa", root, split, about.network.title, rows)
+    if matchers:
+        detector, _ = load_network(weights_path(DETECTOR, weights), root, force=force)
+        if not isinstance(detector, Detector):
+            raise ConfigError(f"{DETECTOR!r} is no detector")
+        for title, rows in predict_expressions(detector, matchers, root, split, device, progress).items():
+            written.append(out / "rec" / file_name(title, split))
+            write_predictions(written[-1], "rec", root, split, title, rows)
+    return written
+
+
+def write_predictions(path: Path, track: Track, root: Path, split: str, title: str, rows: list[dict[str, Any]]) -> None:
+    """Write a submission; rows are put in the order of their ids."""
+    header = Header(track=track, split=split, dataset=dataset_sha256(load_manifest(root)), agent=title)
+    write_submission(path, header, sorted(rows, key=lambda row: str(next(iter(row.values())))))
+
+
+def file_name(title: str, split: str) -> str:
+    """The name of a file for a title.
+
+    >>> file_name("BiLSTM, no modules, true boxes", "val")
+    'bilstm-no-modules-true-boxes-val.jsonl'
+    """
+    words = "".join(letter if letter.isalnum() else " " for letter in title.lower()).split()
+    return f"{'-'.join([*words, split])}.jsonl"

@@ -1,0 +1,1 @@
+"""Training of networks: data, one trainer for all, weights."""

@@ -1,0 +1,273 @@
+"""Learning to answer: from the views before and after the manipulation, around the target.
+
+Beside the answer, the answerer learns what each cell shows and where what is asked for is. And it is asked more than the
+dataset asks: of each view after a manipulation it is also asked for other things that are there now, or that could be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+from torch.nn import functional
+
+from remqa_data.agents.networks.answerer import VIEWS, Answered, ManipulationAnswerer, View, likeliest
+from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.pyramid import STRIDE
+from remqa_data.agents.networks.windows import cut, window
+from remqa_data.agents.training.pictures import detector_types, relit
+from remqa_data.agents.training.rooms import learning_rooms, rooms_of
+from remqa_data.catalog import object_type, plural, with_article
+from remqa_data.datasets.random_access import SplitReader
+from remqa_data.datasets.vocabulary import Vocabulary
+from remqa_data.tables.images import decode_instances, decode_rgb
+
+EVIDENCE_PX = 30
+"""What shows so many pixels after the manipulation and none before has come to light."""
+
+ASKED_AGAIN = 0.5
+"""Share of the questions in which another thing is asked for."""
+
+KINDS = ("EXISTENCE", "COUNTING", "SPATIAL")
+COLUMNS = (
+    "question",
+    "answer",
+    "kind",
+    "scene",
+    "room_type",
+    "answer_type",
+    "answer_ids",
+    "object_ids",
+    "start_target_box_2d",
+    "program",
+)
+IMAGES = ("start_rgb", "end_rgb", "start_instances", "end_instances")
+MASK_WEIGHT, CELL_WEIGHT, TYPE_WEIGHT = 0.5, 0.5, 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A question with what is to be seen.
+
+    Attributes
+    ----------
+    question, answer, kind : str
+    wanted : int
+        Index of the type that is asked for.
+    views : (2, 3, SIDE_PX, SIDE_PX) uint8
+        Before and after.
+    cells : (2, h', w') int64
+        What each cell shows, index of its type + 1, or 0; at places STRIDE apart.
+    masks : (2, h', w') bool
+        Where what is asked for is seen, and was not before.
+    """
+
+    question: str
+    answer: str
+    kind: str
+    wanted: int
+    views: Tensor
+    cells: Tensor
+    masks: Tensor
+
+
+class AskedViews:
+    """The questions of a split, in some rooms.
+
+    Parameters
+    ----------
+    root, split : path, str
+        Of the dataset.
+    rooms : collection of str, optional
+        Only these.
+    with_box : bool
+        Whether the target's box is given.
+    """
+
+    def __init__(self, root: Path, split: str, rooms: frozenset[str] | None = None, *, with_box: bool = True) -> None:
+        self._reader = SplitReader(root, "questions", split)
+        self.rows: list[dict[str, Any]] = [
+            row | {"place": place}
+            for place, row in enumerate(self._reader.columns(("question_id", *COLUMNS)).to_pylist())
+            if rooms is None or row["scene"] in rooms
+        ]
+        self.with_box = with_box
+        self._numbers = {name: number for number, name in enumerate(detector_types())}
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def view(self, index: int, rng: np.random.Generator | None = None, others: Others | None = None) -> Asked:
+        """A question; with a generator varied, and then perhaps for another of the things that can be asked for."""
+        row = self.rows[index]
+        start, end, start_ids, end_ids = self._reader.images(row["place"], IMAGES)
+        pictures = [decode_rgb(start), decode_rgb(end)]
+        instances = [decode_instances(data).astype(np.int32) for data in (start_ids, end_ids)]
+        box = row["start_target_box_2d"] if self.with_box else None
+        place, mirrored = window(box, instances[0].shape), False
+        question, answer, wanted = row["question"], row["answer"], row["answer_type"]
+        names = [name.partition("|")[0] for name in row["object_ids"]]
+        counts = [np.bincount(ids.ravel(), minlength=len(names) + 1)[1:] for ids in instances]
+        is_new = (counts[0] == 0) & (counts[1] >= EVIDENCE_PX)
+        if rng is not None:
+            mirrored = bool(rng.random() < 0.5)
+            place = _shaken(place, rng)
+            light = int(rng.integers(2**31))
+            pictures = [relit(picture, np.random.default_rng(light)) for picture in pictures]
+            is_plain = row["kind"] != "SPATIAL" or "the " + object_type(wanted).singular not in question.lower()
+            if others is not None and is_plain and rng.random() < ASKED_AGAIN:
+                there = [name for name, new in zip(names, is_new, strict=True) if new]
+                question, answer, wanted = others.ask(row, there, rng)
+        is_wanted = np.array([False, *(new and name == wanted for name, new in zip(names, is_new, strict=True))])
+        kinds = np.array([0, *(self._numbers.get(name, -1) + 1 for name in names)])
+        shown = [
+            cut(ids.astype(np.float32), place, mirrored)[STRIDE // 2 :: STRIDE, STRIDE // 2 :: STRIDE].astype(np.int64)
+            for ids in instances
+        ]
+        views = np.stack([cut(picture, place, mirrored) for picture in pictures]).transpose(0, 3, 1, 2)
+        return Asked(
+            question,
+            answer,
+            row["kind"],
+            self._numbers[wanted],
+            torch.from_numpy(np.ascontiguousarray(views)),
+            torch.from_numpy(np.stack([kinds[ids] for ids in shown])),
+            torch.from_numpy(np.stack([is_wanted[ids] for ids in shown])),
+        )
+
+
+def _shaken(place: tuple[float, float, float], rng: np.random.Generator) -> tuple[float, float, float]:
+    x, y, side = place
+    dx, dy = rng.normal(0, 0.06 * side, 2)
+    return x + dx, y + dy, side * float(np.exp(rng.normal(0, 0.15)))
+
+
+@dataclass(frozen=True)
+class Others:
+    """What else can be asked for.
+
+    Attributes
+    ----------
+    by_room_type : mapping of str to tuple of str
+        Types that questions in rooms of a type ask for.
+    most : int
+        The largest number that is an answer.
+    """
+
+    by_room_type: Mapping[str, tuple[str, ...]]
+    most: int
+
+    @classmethod
+    def of_rows(cls, rows: Sequence[Mapping[str, Any]]) -> Others:
+        """What some questions ask for."""
+        types: dict[str, dict[str, None]] = {}
+        for row in rows:
+            types.setdefault(row["room_type"], {})[row["answer_type"]] = None
+        most = max((int(row["answer"]) for row in rows if row["answer"].isdigit()), default=0)
+        return cls({room: tuple(found) for room, found in types.items()}, most)
+
+    def ask(self, row: Mapping[str, Any], there: Sequence[str], rng: np.random.Generator) -> tuple[str, str, str]:
+        """A question for another thing, its answer, and the thing: as often as not, one of those that have come to light."""
+        types = self.by_room_type[row["room_type"]]
+        present = sorted({name for name in there if name in types and there.count(name) <= self.most})
+        absent = [name for name in types if name not in there]
+        pool = present if present and rng.random() < 0.5 else absent
+        if not pool:
+            return row["question"], row["answer"], row["answer_type"]
+        wanted = str(pool[int(rng.integers(len(pool)))])
+        question = row["question"]
+        for words in (plural, with_article):
+            question = question.replace(f" {words(row['answer_type'])} ", f" {words(wanted)} ", 1)
+        count = there.count(wanted)
+        return question, (str(count) if row["kind"] == "COUNTING" else "yes" if count else "no"), wanted
+
+
+class AnsweringTask:
+    """An answerer learns from the questions of train rooms; see `remqa_data.agents.training.trainer.Task`.
+
+    Parameters
+    ----------
+    roots : sequence of path
+        Datasets; the first one's val rooms give the score.
+    views : sequence of {"start", "end"}
+        What it looks at.
+    with_box : bool
+        Whether the target's box is given.
+    detector : Detector
+        Trained: what it begins with.
+    device : str
+        Where to compute.
+    """
+
+    def __init__(
+        self, roots: Sequence[Path], views: Sequence[View], with_box: bool, detector: Detector, device: str = "cpu"
+    ) -> None:
+        rooms = learning_rooms(roots)
+        self._asked = [AskedViews(root, "train", rooms, with_box=with_box) for root in roots]
+        self._places = [(asked, index) for asked in self._asked for index in range(len(asked))]
+        self._val = AskedViews(roots[0], "train", rooms_of(roots[0], "val"), with_box=with_box)
+        rows = [row for asked in self._asked for row in asked.rows]
+        self.others = Others.of_rows(rows)
+        self.vocabulary = Vocabulary.build([row["question"] for row in rows], [row["answer"] for row in rows])
+        self.model = ManipulationAnswerer(
+            len(self.vocabulary.words), len(self.vocabulary.answers), len(detector_types()), views
+        )
+        if views:
+            self.model.detector.load_state_dict(detector.state_dict())
+        self.device = device
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> list[Asked]:
+        """Some questions, varied."""
+        places = [self._places[sample] for sample in samples]
+        return [asked.view(index, rng, self.others) for (asked, index), rng in zip(places, rngs, strict=True)]
+
+    def losses(self, batch: list[Asked]) -> Mapping[str, Tensor]:
+        """Of the answers, of where what is asked for is, and of what the cells show."""
+        said = self._said(batch)
+        right = torch.tensor([self.vocabulary.answers.index(asked.answer) for asked in batch], device=self.device)
+        losses = {"answers": functional.cross_entropy(said.answers, right)}
+        types = torch.tensor([asked.wanted for asked in batch], device=self.device)
+        losses["types"] = TYPE_WEIGHT * functional.cross_entropy(said.types, types)
+        used = [VIEWS.index(view) for view in self.model.views]
+        if used:
+            masks = torch.stack([asked.masks for asked in batch])[:, used].to(self.device, torch.float32)
+            losses["masks"] = MASK_WEIGHT * _mask_loss(said.fits, masks)
+            cells = torch.stack([asked.cells for asked in batch])[:, used].to(self.device)
+            losses["cells"] = CELL_WEIGHT * functional.cross_entropy(said.cells.flatten(0, 1), cells.flatten(0, 1))
+        total = sum(losses.values(), torch.zeros((), device=self.device))
+        return {"loss": total, "right": (said.answers.argmax(1) == right).float().mean(), **losses}
+
+    def score(self) -> Mapping[str, float]:
+        """Share of right answers in val rooms, by kind and in all."""
+        hits: dict[str, list[bool]] = {kind: [] for kind in KINDS}
+        for first in range(0, len(self._val), 16):
+            batch = [self._val.view(index) for index in range(first, min(first + 16, len(self._val)))]
+            for asked, answer in zip(batch, self.answers(batch), strict=True):
+                hits[asked.kind].append(answer == asked.answer)
+        every = [hit for found in hits.values() for hit in found]
+        shares = {f"val_{kind}": float(np.mean(found)) for kind, found in hits.items() if found}
+        return shares | {"val": float(np.mean(every)) if every else 0.0}
+
+    @torch.no_grad()
+    def answers(self, batch: list[Asked]) -> list[str]:
+        """The likeliest answer to each question, of those that its kind has."""
+        return likeliest(self._said(batch).answers, [asked.kind for asked in batch], self.vocabulary.answers)
+
+    def _said(self, batch: list[Asked]) -> Answered:
+        numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.question for asked in batch])[0])
+        views = torch.stack([asked.views for asked in batch])
+        return self.model(numbers.to(self.device), views.to(self.device))  # type: ignore[no-any-return]
+
+
+def _mask_loss(fits: Tensor, masks: Tensor) -> Tensor:
+    """Cross entropy of where what is asked for is: of the cells that show it, and of the others, as much of either."""
+    each = functional.binary_cross_entropy_with_logits(fits, masks, reduction="none")
+    return sum(((each * share).sum() / share.sum().clamp(min=1) for share in (masks, 1 - masks)), fits.new_zeros(()))

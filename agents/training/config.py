@@ -1,0 +1,98 @@
+"""What `remqa-agent train` is told of a network: a YAML file of `configs/agents/training/`, read and checked."""
+
+from __future__ import annotations
+
+import os
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from remqa_data.errors import ConfigError
+from remqa_data.generators.config_files import config_text, first_problem, preset_names, read_keys
+from remqa_data.limits import MOST_SEED
+from remqa_data.storage.manifest import config_hash
+
+PRESETS = "remqa_data.configs.agents.training"
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class DetectorConfig(_Section):
+    """Finds objects; learns from squares of so many pixels."""
+
+    kind: Literal["detector"]
+    side_px: Annotated[int, Field(ge=32, le=1024)]
+
+
+class MatcherConfig(_Section):
+    """Finds what an expression means, by language attention or with one vector for all words."""
+
+    kind: Literal["matcher"]
+    form: Literal["language_attention", "plain"]
+
+
+class AnswererConfig(_Section):
+    """Answers by what it looks at; `with_box` is whether it is told where the target is."""
+
+    kind: Literal["answerer"]
+    views: tuple[Literal["start", "end"], ...]
+    with_box: bool
+
+
+class ScheduleConfig(_Section):
+    """How long and how fast is learnt; see `remqa_data.agents.training.trainer.Schedule`."""
+
+    epochs: Annotated[int, Field(ge=1, le=10_000)]
+    batch_size: Annotated[int, Field(ge=1, le=4096)]
+    learning_rate: Annotated[float, Field(gt=0, le=1)]
+    weight_decay: Annotated[float, Field(ge=0, le=1)]
+    seed: Annotated[int, Field(ge=0, le=MOST_SEED)]
+    score_every: Annotated[int, Field(ge=1)]
+
+
+class NetworkConfig(_Section):
+    """A network and its training.
+
+    Attributes
+    ----------
+    title : str
+        What it is called in tables.
+    network : DetectorConfig, MatcherConfig or AnswererConfig
+        What is learnt.
+    schedule : ScheduleConfig
+        How.
+    """
+
+    title: Annotated[str, Field(min_length=1, max_length=200)]
+    network: Annotated[DetectorConfig | MatcherConfig | AnswererConfig, Field(discriminator="kind")]
+    schedule: ScheduleConfig
+
+    @property
+    def sha256(self) -> str:
+        """Hash of what the configuration says, whatever its file looks like."""
+        return config_hash(self.model_dump(mode="json"))
+
+
+def networks() -> tuple[str, ...]:
+    """Names of the networks that come with the package, such as "detector"."""
+    return preset_names(PRESETS)
+
+
+def load_network_config(path: str | os.PathLike[str]) -> NetworkConfig:
+    """Read a network: a YAML file, or the name of one that comes with the package.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or a key is missing, unknown or has a wrong value: names file, key and reason.
+    """
+    where = os.fspath(path)
+    data = {**read_keys(config_text(path, PRESETS), where)}
+    if isinstance(network := data.get("network"), dict) and isinstance(network.get("views"), list):
+        data["network"] = network | {"views": tuple(network["views"])}  # YAML has no tuples
+    try:
+        return NetworkConfig.model_validate(data)
+    except ValidationError as error:
+        raise ConfigError(f"{where}: {first_problem(error)}") from None

@@ -1,0 +1,196 @@
+"""Learning to refer: a matcher on expressions, over the regions that a trained detector sees."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from torch import Tensor
+
+from remqa_data.agents.networks.detector import Detector, iou
+from remqa_data.agents.networks.detector_loss import LEAST_PIXELS
+from remqa_data.agents.networks.matcher import LanguageAttentionMatcher, Match, Matcher, PlainMatcher, ranking_loss
+from remqa_data.agents.networks.regions import Regions, candidates, regions_of
+from remqa_data.agents.training.rooms import learning_rooms, rooms_of
+from remqa_data.datasets.random_access import SplitReader
+from remqa_data.datasets.vocabulary import Vocabulary
+from remqa_data.geometry.types import F32
+from remqa_data.storage.manifest import load_manifest
+from remqa_data.storage.shards import read_table
+from remqa_data.tables.images import decode_depth, decode_rgb
+
+RIGHT_IOU = 0.5
+
+MATCHERS: Mapping[str, Callable[[int, int], Matcher]] = {
+    "language_attention": LanguageAttentionMatcher,
+    "plain": PlainMatcher,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Referred:
+    """A picture, and expressions that are about it.
+
+    Attributes
+    ----------
+    expression_ids, texts : tuple of str
+    targets : (e, 4) float32
+        Box of what each expression means, pixels.
+    found, true : Regions
+        What the detector found, and the objects that are there.
+    right_found, right_true : (e,) int64
+        Which of them each expression means; -1 where the detector has not found it.
+    """
+
+    expression_ids: tuple[str, ...]
+    texts: tuple[str, ...]
+    targets: F32
+    found: Regions
+    true: Regions
+    right_found: np.ndarray
+    right_true: np.ndarray
+
+
+class MatchingTask:
+    """A matcher learns from the expressions of the train split; see `remqa_data.agents.training.trainer.Task`.
+
+    Parameters
+    ----------
+    roots : sequence of path
+        Datasets; the first one's val expressions give the score.
+    kind : str
+        Which matcher: a key of MATCHERS.
+    detector : Detector
+        Trained.
+    device : str
+        Where to compute.
+    progress : callable, optional
+        Called with the number of pictures that were looked at since the last call, before training begins.
+    """
+
+    def __init__(
+        self,
+        roots: Sequence[Path],
+        kind: str,
+        detector: Detector,
+        device: str = "cpu",
+        progress: Callable[[int], None] | None = None,
+    ) -> None:
+        detector = detector.to(device).eval()
+        rooms = learning_rooms(roots)
+        self._pictures = [
+            picture for root in roots for picture in referred_pictures(root, "train", detector, device, rooms, progress)
+        ]
+        has_val = bool(rooms_of(roots[0], "val"))
+        self._val = referred_pictures(roots[0], "val", detector, device, None, progress) if has_val else []
+        self.vocabulary = Vocabulary.build((text for picture in self._pictures for text in picture.texts), ())
+        types = detector.types
+        self.model: Matcher = MATCHERS[kind](len(self.vocabulary.words), types)
+        self.device = device
+
+    def __len__(self) -> int:
+        return len(self._pictures)
+
+    def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> list[tuple[Tensor, Regions, np.ndarray]]:
+        """Of each picture the words of its expressions, regions, found or true by chance, and which are right."""
+        made = []
+        for sample, rng in zip(samples, rngs, strict=True):
+            picture = self._pictures[sample]
+            is_true = rng.random() < 0.5 or not len(picture.found.boxes)
+            regions, right = (picture.true, picture.right_true) if is_true else (picture.found, picture.right_found)
+            made.append((self._numbers(picture.texts), regions, right))
+        return made
+
+    def losses(self, batch: list[tuple[Tensor, Regions, np.ndarray]]) -> Mapping[str, Tensor]:
+        """The ranking loss, a mean over expressions whose object is among the regions."""
+        total, hits, asked = torch.zeros((), device=self.device), 0, 0
+        for numbers, regions, right in batch:
+            scores = self.model(numbers, regions).scores
+            for e in np.flatnonzero(right >= 0).tolist():
+                others = scores[right != right[e], right[e]]
+                total = total + ranking_loss(scores[e], int(right[e]), others)
+                hits += int(scores[e].argmax()) == int(right[e])
+                asked += 1
+        return {"loss": total / max(asked, 1), "right": torch.tensor(hits / max(asked, 1))}
+
+    def score(self) -> Mapping[str, float]:
+        """prec@0.5 on val expressions, with detected and with true boxes, and the share of targets that are detected."""
+        found = {"detected": 0, "true": 0, "recall": 0}
+        asked = 0
+        for picture in self._val:
+            asked += len(picture.texts)
+            found["recall"] += int((picture.right_found >= 0).sum())
+            for name, regions in (("detected", picture.found), ("true", picture.true)):
+                if len(regions.boxes):
+                    boxes = chosen(self.model, self._numbers(picture.texts), regions)
+                    found[name] += int(sum(iou(boxes, picture.targets).diagonal() >= RIGHT_IOU))
+        return {f"val_{name}": count / max(asked, 1) for name, count in found.items()}
+
+    def _numbers(self, texts: Sequence[str]) -> Tensor:
+        return torch.from_numpy(self.vocabulary.encode_batch(texts)[0]).to(self.device)
+
+
+@torch.no_grad()
+def chosen(matcher: Matcher, numbers: Tensor, regions: Regions) -> F32:
+    """(e, 4) the boxes that (e, t) expressions mean."""
+    match: Match = matcher(numbers, regions)
+    places: npt.NDArray[np.int64] = match.scores.argmax(1).numpy(force=True)
+    return np.asarray(regions.boxes[places])
+
+
+@torch.no_grad()
+def referred_pictures(
+    root: Path,
+    split: str,
+    detector: Detector,
+    device: str,
+    rooms: frozenset[str] | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> list[Referred]:
+    """The pictures that expressions of a split are about, as the detector sees them; only those of some rooms, if given."""
+    columns = ["expression_id", "scene", "frame_id", "text", "target_id", "box_2d"]
+    by_frame: dict[str, list[dict[str, object]]] = {}
+    for row in read_table(root, "expressions", split, columns).to_pylist():
+        if rooms is None or row["scene"] in rooms:
+            by_frame.setdefault(row["frame_id"], []).append(row)
+    pictures = []
+    for frames_split in load_manifest(root).splits("frames"):
+        reader = SplitReader(root, "frames", frames_split)
+        table = reader.columns(["frame_id", "objects"])
+        for place, frame_id in enumerate(table["frame_id"].to_pylist()):
+            if frame_id in by_frame:
+                objects = table["objects"][place].as_py()
+                pictures.append(_referred(reader, place, objects, by_frame[frame_id], detector, device))
+                if progress is not None:
+                    progress(1)
+    return pictures
+
+
+def _referred(reader: SplitReader, place: int, objects: list, rows: list, detector: Detector, device: str) -> Referred:  # type: ignore[type-arg]
+    rgb, depth = reader.images(place, ["rgb", "depth"])
+    picture = torch.from_numpy(decode_rgb(rgb)).permute(2, 0, 1)[None].to(device)
+    raw = detector(picture)
+    metres = decode_depth(depth)
+    found = detector.read(raw, picture.shape[-2:])[0]
+    boxes = found.boxes[candidates(found)]
+    asked = {row["target_id"] for row in rows}
+    shown = [item for item in objects if item["pixels"] >= LEAST_PIXELS or item["id"] in asked]
+    true = np.array([item["box_2d"] for item in shown], dtype=np.float32)
+    targets = np.array([row["box_2d"] for row in rows], dtype=np.float32)
+    overlaps = iou(targets, boxes)
+    best = overlaps.argmax(1) if len(boxes) else np.zeros(len(targets), dtype=np.int64)
+    is_found = overlaps.max(1, initial=0.0) >= RIGHT_IOU
+    numbers = {item["id"]: number for number, item in enumerate(shown)}
+    return Referred(
+        tuple(row["expression_id"] for row in rows),
+        tuple(row["text"] for row in rows),
+        targets,
+        regions_of(detector, raw.features, boxes, metres),
+        regions_of(detector, raw.features, true, metres),
+        np.where(is_found, best, -1),
+        np.array([numbers[row["target_id"]] for row in rows]),
+    )

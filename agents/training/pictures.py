@@ -1,0 +1,126 @@
+"""Pictures to learn from, each with what is in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import cv2
+import numpy as np
+
+from remqa_data.catalog import catalog
+from remqa_data.datasets.random_access import SplitReader
+from remqa_data.geometry.types import U8
+from remqa_data.tables.images import decode_instances, decode_rgb
+
+Which = Literal["rgb", "start_rgb", "end_rgb"]
+UNKNOWN = -1
+
+LEAST_SIDE_PX, MOST_SIDE_PX = 110.0, 330.0
+"""Sides of the squares that are cut out of pictures for training."""
+
+LIGHTER, COLOURED = 0.2, 0.06
+"""How much brightness, and each colour by itself, is changed at most."""
+
+
+def detector_types() -> tuple[str, ...]:
+    """All types that are looked for: the catalogue's, but for floors and the like, of which rooms are made."""
+    return tuple(name for name in catalog() if name not in ("Floor", "Wall", "Ceiling"))
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture and what it shows.
+
+    Attributes
+    ----------
+    rgb : (h, w, 3) uint8
+    instances : (h, w) int32
+        0, or the number of an object, from 1.
+    types : (objects,) int64
+        Index into the types that are asked for; -1 for others.
+    """
+
+    rgb: U8
+    instances: np.ndarray
+    types: np.ndarray
+
+
+class Pictures:
+    """Pictures of a table of one split, in some rooms.
+
+    Parameters
+    ----------
+    root, split : path, str
+        Of the dataset.
+    which : {"rgb", "start_rgb", "end_rgb"}
+        Frames of walks, or views before or after the manipulation of questions.
+    rooms : collection of str, optional
+        Only these rooms.
+    types : sequence of str
+        What is asked for.
+    """
+
+    def __init__(
+        self, root: Path, split: str, which: Which, types: Sequence[str], rooms: frozenset[str] | None = None
+    ) -> None:
+        table = "frames" if which == "rgb" else "questions"
+        self._reader = SplitReader(root, table, split)
+        self._names = (which, which.replace("rgb", "instances"))
+        numbers = {name: number for number, name in enumerate(types)}
+        columns = self._reader.columns(["scene", "objects" if which == "rgb" else "object_ids"])
+        is_in = [rooms is None or scene in rooms for scene in columns["scene"].to_pylist()]
+        self.rows = np.flatnonzero(is_in)
+        if which == "rgb":
+            lists = columns["objects"].chunk(0)
+            flat, lengths = lists.flatten().field("type").to_pylist(), lists.value_lengths().to_numpy()
+        else:
+            lists = columns["object_ids"].chunk(0)
+            flat = [name.partition("|")[0] for name in lists.flatten().to_pylist()]
+            lengths = lists.value_lengths().to_numpy()
+        found = np.array([numbers.get(name, UNKNOWN) for name in flat], dtype=np.int64)
+        self._types = np.split(found, np.cumsum(lengths)[:-1])
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, index: int) -> Picture:
+        row = int(self.rows[index])
+        rgb, instances = self._reader.images(row, self._names)
+        return Picture(decode_rgb(rgb), decode_instances(instances).astype(np.int32), self._types[row])
+
+
+def varied(picture: Picture, side: int, rng: np.random.Generator) -> Picture:
+    """A part of a picture, enlarged or reduced to a square, perhaps mirrored, in a somewhat other light.
+
+    Every second part has an object in its middle that is drawn from those that are seen.
+    """
+    height, width = picture.instances.shape
+    cut = float(np.exp(rng.uniform(np.log(LEAST_SIDE_PX), np.log(MOST_SIDE_PX))))
+    centre = rng.uniform(0, (width, height))
+    seen = np.unique(picture.instances)
+    if rng.random() < 0.5 and len(seen) > 1:
+        rows, columns = np.nonzero(picture.instances == rng.choice(seen[seen > 0]))
+        centre = np.array([columns.mean(), rows.mean()]) + rng.normal(0, cut / 6, 2)
+    low, high = np.minimum(cut / 2, 150), np.maximum(np.array([width, height]) - cut / 2, 150)
+    centre = np.clip(centre, low, high)
+    zoom, mirror = side / cut, -1.0 if rng.random() < 0.5 else 1.0
+    across = [mirror * zoom, 0.0, side / 2 - mirror * zoom * centre[0]]
+    matrix = np.array([across, [0.0, zoom, side / 2 - zoom * centre[1]]])
+    return Picture(
+        relit(np.asarray(cv2.warpAffine(picture.rgb, matrix, (side, side), flags=cv2.INTER_LINEAR), np.uint8), rng),
+        cv2.warpAffine(picture.instances.astype(np.float32), matrix, (side, side), flags=cv2.INTER_NEAREST).astype(
+            np.int32
+        ),
+        picture.types,
+    )
+
+
+def relit(rgb: U8, rng: np.random.Generator) -> U8:
+    """A picture in a somewhat other light."""
+    gain = rng.uniform(1 - LIGHTER, 1 + LIGHTER) * rng.uniform(1 - COLOURED, 1 + COLOURED, 3)
+    offset = rng.uniform(-15, 15)
+    table = np.clip(np.arange(256)[:, None] * gain + offset, 0, 255).astype(np.uint8)
+    return np.stack([table[rgb[..., channel], channel] for channel in range(3)], axis=-1)

@@ -1,0 +1,39 @@
+"""Which rooms may be learnt from: those of the train split that are in no val or test split of any of the datasets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pyarrow.compute as pc
+
+from remqa_data.errors import DatasetError
+from remqa_data.storage.manifest import load_manifest
+from remqa_data.storage.shards import read_table
+
+HELD_OUT = ("val", "test")
+
+
+def rooms_of(root: Path, split: str) -> frozenset[str]:
+    """Names of the rooms of a split; none if the dataset has no such split.
+
+    Rooms of the split "val" are a part of the train questions, and have expressions of their own.
+    """
+    if split not in load_manifest(root).splits("expressions"):
+        return frozenset()
+    return frozenset(pc.unique(read_table(root, "expressions", split, ["scene"])["scene"]).to_pylist())
+
+
+def learning_rooms(roots: Sequence[Path]) -> frozenset[str]:
+    """Rooms to learn from in any of some datasets.
+
+    Raises
+    ------
+    DatasetError
+        If none is left, or one of these is no finished dataset.
+    """
+    held_out = frozenset().union(*(rooms_of(root, split) for root in roots for split in HELD_OUT))
+    rooms = frozenset().union(*(rooms_of(root, "train") for root in roots)) - held_out
+    if not rooms:
+        raise DatasetError(f"{', '.join(map(str, roots))}: no room to learn from that is not in val or test")
+    return rooms

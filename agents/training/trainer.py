@@ -1,0 +1,209 @@
+"""One small trainer for all networks: on the CPU the same seed gives the same weights, whether a run was killed or not.
+
+What is drawn for a sample depends on the seed, the epoch and the sample alone, and a checkpoint has everything else: so a run
+that goes on from a checkpoint does what it would have done.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from remqa_data.errors import ConfigError
+from remqa_data.files import atomic_path
+
+CHECKPOINT, CURVES = "checkpoint.pt", "curves.csv"
+
+
+class Task(Protocol):
+    """What is learnt: a network, samples, how wrong it is, and how good."""
+
+    @property
+    def model(self) -> nn.Module:
+        """The network."""
+
+    def __len__(self) -> int:
+        """How many samples there are to learn from."""
+
+    def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> Any:
+        """Some samples as a batch, each varied by its own generator."""
+
+    def losses(self, batch: Any) -> Mapping[str, Tensor]:
+        """What is to become small ("loss"), and other figures for the curves."""
+
+    def score(self) -> Mapping[str, float]:
+        """How good the network is, on rooms that it does not learn from; it is in evaluation mode."""
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """How long and how fast is learnt.
+
+    Attributes
+    ----------
+    epochs, batch_size : int
+    learning_rate : float
+        The highest, after `warm_up` of all steps; it falls to 0 as half a cosine.
+    weight_decay : float
+    seed : int
+    score_every : int
+        Epochs from one score to the next; the last is always scored.
+    """
+
+    epochs: int
+    batch_size: int
+    learning_rate: float
+    weight_decay: float
+    seed: int
+    score_every: int = 1
+    warm_up: float = 0.1
+
+    def batches(self, samples: int) -> int:
+        """Batches of an epoch; what is left over waits for another epoch."""
+        return max(1, samples // self.batch_size)
+
+    def samples(self, count: int) -> int:
+        """What is learnt from in all epochs, of so many samples."""
+        return self.epochs * self.batches(count) * self.batch_size
+
+    def rate(self, share: float) -> float:
+        """The learning rate when a share, 0 to 1, of all steps is done."""
+        if share < self.warm_up:
+            return self.learning_rate * share / self.warm_up
+        rest = (share - self.warm_up) / (1 - self.warm_up)
+        return float(self.learning_rate * (1 + np.cos(np.pi * rest)) / 2)
+
+
+def train(
+    task: Task,
+    schedule: Schedule,
+    folder: Path,
+    *,
+    fingerprint: str = "",
+    resume: bool = False,
+    device: str = "cpu",
+    checkpoint_s: float = 60.0,
+    progress: Callable[[int], None] | None = None,
+) -> dict[str, float]:
+    """Train a network; `task.model` has the weights then.
+
+    Parameters
+    ----------
+    task : Task
+        What is learnt.
+    schedule : Schedule
+        How.
+    folder : path
+        Where the checkpoint and the curves go.
+    fingerprint : str
+        What the run depends on: only a run with the same goes on with another.
+    resume : bool
+        Go on with an interrupted run, if there is one.
+    device : str
+        Where to compute, such as "cuda".
+    checkpoint_s : float
+        Seconds from one checkpoint to the next; nothing depends on it but what is done again.
+    progress : callable, optional
+        Called with the number of samples that were learnt from since the last call.
+
+    Returns
+    -------
+    The last score, with "minutes".
+
+    Raises
+    ------
+    ConfigError
+        If what is to be gone on with is another run.
+    """
+    torch.manual_seed(schedule.seed)
+    torch.use_deterministic_algorithms(device == "cpu")
+    model = task.model.to(device)
+    optimizer = torch.optim.AdamW(model.parameters(), lr=schedule.learning_rate, weight_decay=schedule.weight_decay)
+    state = _State()
+    path = folder / CHECKPOINT
+    about = json.dumps({"schedule": vars(schedule), "of": fingerprint})
+    if resume and path.is_file():
+        stored = torch.load(path, map_location=device, weights_only=True)
+        if stored["about"] != about:
+            raise ConfigError(f"{path} is of another training; leave --resume out to begin anew")
+        model.load_state_dict(stored["model"])
+        optimizer.load_state_dict(stored["optimizer"])
+        state = _State(**stored["state"])
+
+    def save() -> None:
+        with atomic_path(path) as temporary:
+            parts = {"model": model.state_dict(), "optimizer": optimizer.state_dict(), "state": vars(state)}
+            torch.save({"about": about, **parts}, temporary)
+
+    batches = schedule.batches(len(task))
+    if progress is not None:
+        progress((state.epoch * batches + state.step) * schedule.batch_size)
+    saved = began = time.monotonic()
+    while state.epoch < schedule.epochs:
+        order = np.random.default_rng([schedule.seed, state.epoch]).permutation(len(task))
+        model.train()
+        while state.step < batches:
+            rate = schedule.rate((state.epoch * batches + state.step) / (schedule.epochs * batches))
+            for group in optimizer.param_groups:
+                group["lr"] = rate
+            samples = order[state.step * schedule.batch_size : (state.step + 1) * schedule.batch_size]
+            rngs = [np.random.default_rng([schedule.seed, state.epoch, int(sample)]) for sample in samples]
+            torch.manual_seed(int(np.random.default_rng([schedule.seed, state.epoch, state.step]).integers(2**62)))
+            losses = task.losses(task.batch(samples, rngs))
+            optimizer.zero_grad()
+            losses["loss"].backward()  # type: ignore[no-untyped-call]
+            nn.utils.clip_grad_norm_(model.parameters(), 10.0)
+            optimizer.step()
+            state.step += 1
+            for name, value in losses.items():
+                state.sums[name] = state.sums.get(name, 0.0) + float(value.detach())
+            if progress is not None:
+                progress(len(samples))
+            if time.monotonic() - saved > checkpoint_s:
+                state.minutes += (time.monotonic() - began) / 60
+                save()
+                saved = began = time.monotonic()
+        state.epoch += 1
+        curve: dict[str, float] = {"epoch": state.epoch} | {k: v / batches for k, v in state.sums.items()}
+        if state.epoch % schedule.score_every == 0 or state.epoch == schedule.epochs:
+            model.eval()
+            with torch.no_grad():
+                state.score = dict(task.score())
+            curve |= state.score
+        state.curves.append(curve)
+        state.step, state.sums = 0, {}
+        state.minutes += (time.monotonic() - began) / 60
+        save()
+        _write_curves(folder / CURVES, state.curves)
+        saved = began = time.monotonic()
+    model.eval()
+    return state.score | {"minutes": state.minutes}
+
+
+class _State:
+    """How far a training has come."""
+
+    def __init__(self, **stored: Any) -> None:
+        self.epoch = self.step = 0
+        self.minutes = 0.0
+        self.sums: dict[str, float] = {}
+        self.score: dict[str, float] = {}
+        self.curves: list[dict[str, float]] = []
+        self.__dict__.update(stored)
+
+
+def _write_curves(path: Path, curves: list[dict[str, float]]) -> None:
+    names = list(dict.fromkeys(name for curve in curves for name in curve))
+    with atomic_path(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, names)
+        writer.writeheader()
+        writer.writerows({name: f"{value:.5g}" for name, value in curve.items()} for curve in curves)

@@ -1,0 +1,159 @@
+"""Trained networks as files: safetensors with half-precision weights, and what made them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import torch
+from torch import nn
+
+from remqa_data.agents.networks.answerer import ManipulationAnswerer
+from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.training.config import AnswererConfig, DetectorConfig, NetworkConfig
+from remqa_data.agents.training.matching import MATCHERS
+from remqa_data.datasets.vocabulary import Vocabulary
+from remqa_data.errors import ConfigError
+from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
+from remqa_data.extras import require
+from remqa_data.files import atomic_path
+from remqa_data.storage.manifest import load_manifest
+
+if TYPE_CHECKING:
+    from safetensors import safe_open
+    from safetensors.torch import save
+else:
+    safe_open = require("safetensors", "agents").safe_open
+    save = require("safetensors.torch", "agents").save
+
+KEY = "remqa"
+FORMAT = 1
+SUFFIX = ".safetensors"
+SHIPPED = "remqa_data.agents.weights"
+
+
+@dataclass(frozen=True)
+class About:
+    """What made a network.
+
+    Attributes
+    ----------
+    config : dict
+        `NetworkConfig`, as JSON has it.
+    datasets : tuple of str
+        sha256 of the datasets that it has learnt from, the first one's first: that is the one it is scored on.
+    types : tuple of str
+        What its detector knows.
+    words, answers : tuple of str
+        Of its vocabulary.
+    score : dict
+        Of the val rooms, and the minutes that its training took.
+    needs : dict
+        sha256 of the weights of the networks that it was built upon, by name.
+    """
+
+    config: dict[str, Any]
+    datasets: tuple[str, ...]
+    types: tuple[str, ...]
+    words: tuple[str, ...] = ()
+    answers: tuple[str, ...] = ()
+    score: dict[str, float] = field(default_factory=dict)
+    needs: dict[str, str] = field(default_factory=dict)
+    format: int = FORMAT
+
+    @property
+    def network(self) -> NetworkConfig:
+        """Its configuration."""
+        return NetworkConfig.model_validate_json(json.dumps(self.config))
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """Its words and answers."""
+        return Vocabulary(self.words, self.answers)
+
+
+def halved(model: nn.Module) -> None:
+    """Round all weights to what is stored, so that a stored network does what was measured."""
+    for tensor in model.state_dict().values():
+        if tensor.is_floating_point():
+            tensor.copy_(tensor.to(torch.float16).to(tensor.dtype))
+
+
+def save_network(path: Path, model: nn.Module, about: About) -> None:
+    """Write a network, whole or not at all."""
+    tensors = {
+        name: (tensor.to(torch.float16) if tensor.is_floating_point() else tensor).contiguous().cpu()
+        for name, tensor in model.state_dict().items()
+    }
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(save(tensors, metadata={KEY: json.dumps(asdict(about))}))
+
+
+def weights_path(name: str, folder: Path | None = None) -> Path:
+    """Where the weights of a network are: a file of that name, one in the folder, or one that comes with the package.
+
+    Raises
+    ------
+    ConfigError
+        If there are none.
+    """
+    shipped = Path(str(resources.files(SHIPPED) / f"{name}{SUFFIX}"))
+    places = [Path(name), *([folder / f"{name}{SUFFIX}"] if folder else []), shipped]
+    for place in places:
+        if place.suffix == SUFFIX and place.is_file():
+            return place
+    raise ConfigError(f"no weights of {name!r}; remqa-agent train makes them")
+
+
+def load_network(path: Path, root: Path | None = None, *, force: bool = False) -> tuple[nn.Module, About]:
+    """Read a network; it is in evaluation mode.
+
+    Parameters
+    ----------
+    path : path
+        What `save_network` wrote.
+    root : path, optional
+        The dataset that it is to be used on.
+    force : bool
+        Use it on another dataset than that from which it has learnt.
+
+    Raises
+    ------
+    ConfigError
+        If the file is no such network, or has learnt from another dataset: its rooms may be those that it is asked about.
+    """
+    try:
+        with safe_open(path, framework="pt") as file:
+            stored: Mapping[str, Any] = json.loads(file.metadata()[KEY])
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - it is no mapping
+        about = About(**{**stored, **{name: tuple(stored[name]) for name in ("datasets", "types", "words", "answers")}})
+        model = empty_network(about)
+        model.load_state_dict(
+            {name: tensor.float() if tensor.is_floating_point() else tensor for name, tensor in tensors.items()}
+        )
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError, _safetensors_error()) as error:
+        raise ConfigError(f"{path} is no network that remqa-agent has trained: {type(error).__name__}") from None
+    if root is not None and not force and (sha256 := dataset_sha256(load_manifest(root))) != about.datasets[0]:
+        raise ConfigError(
+            f"{path} has learnt from the dataset {about.datasets[0][:12]}, and {root} is {sha256[:12]}: rooms of its test "
+            "split may be among those. Train on it, or use --force"
+        )
+    return model.eval(), about
+
+
+def empty_network(about: About) -> nn.Module:
+    """A network that knows nothing yet."""
+    network, types, words = about.network.network, len(about.types), len(about.words)
+    if isinstance(network, DetectorConfig):
+        return Detector(types)
+    if isinstance(network, AnswererConfig):
+        return ManipulationAnswerer(words, len(about.answers), types, network.views)
+    return MATCHERS[network.form](words, types)
+
+
+def _safetensors_error() -> type[Exception]:
+    return require("safetensors", "agents").SafetensorError  # type: ignore[no-any-return]

@@ -1,0 +1,1 @@
+"""What leaves the package for other programs: rooms as GLB, MJCF and URDF; frames and expressions as COCO and RefCOCO."""

@@ -1,0 +1,117 @@
+"""A room found by its name, opened as asked, and written as a file for other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from xml.etree.ElementTree import Element, ElementTree, indent
+
+from remqa_data.errors import ConfigError, DatasetError, OutputError, UnknownNameError
+from remqa_data.export.glb import glb_bytes, room_scene
+from remqa_data.export.mjcf import mjcf
+from remqa_data.export.model import room_model
+from remqa_data.export.urdf import urdf
+from remqa_data.files import atomic_path
+from remqa_data.floorplans.load import load_scene
+from remqa_data.scene import Scene
+from remqa_data.sim.physics.world import World
+from remqa_data.storage.manifest import load_manifest
+from remqa_data.storage.shards import read_rows, read_table
+from remqa_data.tables.rows import SceneRow
+
+FORMATS = {".glb": "glb", ".xml": "mjcf", ".urdf": "urdf"}
+"""By the suffix of a file."""
+ALL = "all"
+
+
+def find_scene(name: str, data: Path | None = None, configuration: int = 0) -> Scene:
+    """A room as it stands: of a dataset if one is given, else of a file of `Scene.save`, or a floor plan or sampled room.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such room; names the nearest.
+    ConfigError
+        If a configuration is asked for, but no dataset is given.
+    DatasetError
+        If the dataset's room has no such configuration, or it is no finished dataset.
+    SceneFormatError
+        If the file is not a scene.
+    """
+    if data is None:
+        if configuration:
+            raise ConfigError(
+                f"--configuration {configuration}: only rooms of a dataset have several; name it with --data DIR"
+            )
+        return Scene.load(Path(name)) if name.endswith(".json") else _at_rest(load_scene(name))
+    known: dict[str, list[int]] = {}
+    for split in load_manifest(data).splits("scenes"):
+        for row in read_table(data, "scenes", split, ["scene", "configuration"]).to_pylist():
+            known.setdefault(row["scene"], []).append(row["configuration"])
+        if configuration in known.get(name, []):
+            (room,) = read_rows(data, SceneRow, split, scene=name, configuration=configuration)
+            return Scene.from_json(room.scene_json, f"{data}: {name}")
+    if name not in known:
+        raise UnknownNameError("room", name, known)
+    there = ", ".join(map(str, sorted(known[name])))
+    raise DatasetError(f"{data}: {name} has no configuration {configuration}; it has: {there}")
+
+
+def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterable[str] = ()) -> list[Path]:
+    """Write a room; returns the files, the meshes and textures first, which lie beside it in the folder NAME-meshes.
+
+    Parameters
+    ----------
+    scene : Scene
+        The room.
+    path : Path
+        The file; its suffix tells the format.
+    form : {"glb", "mjcf", "urdf"}, optional
+        The format of a file with another suffix.
+    opened : iterable of str
+        Ids of objects to open as far as they go, with what lies in them; "all" for all that open.
+
+    Raises
+    ------
+    OutputError
+        If the suffix is not known, or the file cannot be written there.
+    ConfigError
+        If something is to be open in URDF, which cannot say so.
+    UnknownNameError, ActionError
+        If an object is not there, or does not open.
+    """
+    form = form or FORMATS.get(path.suffix)
+    if form not in FORMATS.values():
+        raise OutputError(f"{path}: give a name that ends with {', '.join(FORMATS)}, or --format")
+    opened = list(opened)
+    if opened and form == "urdf":
+        raise ConfigError(
+            "--open: URDF holds no joint positions; set the joints where it is loaded, or write .xml or .glb"
+        )
+    with World(scene) as world:
+        for object_id in _openable(world) if ALL in opened else opened:
+            world.open(object_id)
+        if form == "glb":
+            with atomic_path(path) as temporary:
+                temporary.write_bytes(glb_bytes(room_scene(world)))
+            return [path]
+        room = room_model(world, path.with_name(f"{path.stem}-meshes"))
+    _write_xml(mjcf(room) if form == "mjcf" else urdf(room), path)
+    return [*room.files, path]
+
+
+def _openable(world: World) -> list[str]:
+    return [object_id for object_id in world.ids if world.assets[object_id].is_openable]
+
+
+def _at_rest(scene: Scene) -> Scene:
+    """A floor plan's things as they come to rest, as pictures of it show them."""
+    with World(scene) as world:
+        world.settle()
+        return world.to_scene()
+
+
+def _write_xml(root: Element, path: Path) -> None:
+    indent(root)
+    with atomic_path(path) as temporary:
+        ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)

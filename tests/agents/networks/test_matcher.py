@@ -1,0 +1,87 @@
+import numpy as np
+import pytest
+import torch
+
+from remqa_data.agents.networks.detector import Detections, Detector
+from remqa_data.agents.networks.matcher import LanguageAttentionMatcher, Matcher, PlainMatcher, ranking_loss
+from remqa_data.agents.networks.pyramid import CHANNELS
+from remqa_data.agents.networks.regions import Regions, candidates, compared, nearest, places_of, regions_of
+
+MATCHERS = (LanguageAttentionMatcher, PlainMatcher)
+TYPES, WORDS = 5, 12
+BOXES = np.array([[10, 10, 40, 40], [50, 10, 90, 60], [5, 60, 45, 95], [60, 70, 80, 90]], dtype=np.float32)
+
+
+def regions(boxes: np.ndarray = BOXES) -> Regions:
+    torch.manual_seed(0)
+    detector, features = Detector(TYPES).eval(), torch.randn((1, CHANNELS, 25, 25))
+    return regions_of(detector, features, boxes, np.full((100, 100), 2.0, dtype=np.float32))
+
+
+def matcher_of(kind: type[Matcher]) -> Matcher:
+    torch.manual_seed(1)
+    return kind(WORDS, TYPES).eval()
+
+
+@pytest.mark.parametrize("kind", MATCHERS)
+def test_the_order_of_the_objects_does_not_matter(kind: type[Matcher]) -> None:
+    matcher, numbers = matcher_of(kind), torch.tensor([[2, 3, 4], [5, 6, 0]])
+    scores = matcher(numbers, regions()).scores
+    turned = matcher(numbers, regions(BOXES[::-1].copy())).scores
+    assert torch.allclose(scores, turned.flip(1), atol=1e-4)
+    assert scores.shape == (2, len(BOXES))
+    assert scores.std(1).min() > 1e-4  # and it does see them
+
+
+@pytest.mark.parametrize("kind", MATCHERS)
+def test_padding_is_not_read(kind: type[Matcher]) -> None:
+    matcher, seen = matcher_of(kind), regions()
+    short = matcher(torch.tensor([[2, 3]]), seen)
+    long = matcher(torch.tensor([[2, 3, 0, 0]]), seen)
+    assert torch.allclose(short.scores, long.scores, atol=1e-5)
+    assert torch.allclose(long.attention[0, :, 2:], torch.zeros(3, 2))
+    assert torch.allclose(long.attention.sum(2), torch.ones(1, 3))
+
+
+@pytest.mark.parametrize("kind", MATCHERS)
+def test_a_single_object_can_be_meant(kind: type[Matcher]) -> None:
+    scores = matcher_of(kind)(torch.tensor([[2, 3]]), regions(BOXES[:1])).scores
+    assert scores.shape == (1, 1)
+    assert scores.isfinite().all()
+
+
+def test_the_loss_is_nothing_beyond_the_margin_and_most_for_the_worst() -> None:
+    scores = torch.tensor([3.0, 1.0, 2.5])
+    assert float(ranking_loss(scores, 0, torch.zeros(0))) == pytest.approx(0.25 + 0.5)  # mean and worst of 0 and 0.5
+    assert float(ranking_loss(scores, 0, torch.tensor([4.0]))) == pytest.approx((0 + 0.5 + 2) / 3 + 2)
+    assert float(ranking_loss(torch.tensor([3.0]), 0, torch.zeros(0))) == 0
+
+
+def test_places_are_shares_of_the_picture_and_metres_of_the_room() -> None:
+    (place,) = places_of(np.array([[50, 0, 100, 50]], np.float32), np.full((100, 100), 2.0, np.float32)).tolist()
+    assert place == pytest.approx(
+        [0.5, 0, 1, 0.5, 0.25, 1.0, -1.0, 2.0]
+    )  # 90 degrees: at 2 m one sees 2 m to each side
+
+
+def test_offsets_are_those_of_the_second_as_seen_from_the_first() -> None:
+    places = places_of(BOXES[:2], np.full((100, 100), 2.0, np.float32))
+    offsets = compared(places)
+    assert offsets[0, 1, 5] == pytest.approx(2 * 2 * (70 - 25) / 100)  # metres to the right
+    assert offsets[0, 1, 5] == -offsets[1, 0, 5]
+    assert offsets[0, 0, 5:].tolist() == [0, 0, 0]
+
+
+def test_the_nearest_are_those_that_are_allowed_and_no_more_than_there_are() -> None:
+    places = places_of(BOXES, np.full((100, 100), 2.0, np.float32))
+    allowed = ~torch.eye(4, dtype=torch.bool)
+    allowed[0, 1] = False
+    found, is_there = nearest(places, allowed, 5)
+    assert set(found[0, is_there[0]].tolist()) == {2, 3}
+    assert is_there.sum(1).tolist() == [2, 3, 3, 3]
+
+
+def test_a_box_is_chosen_from_once() -> None:
+    boxes = np.repeat(BOXES[:2], 2, axis=0)
+    found = Detections(boxes, np.array([0, 1, 0, 1]), np.array([0.9, 0.8, 0.7, 0.6], np.float32), np.zeros((25, 25)))
+    assert candidates(found) == [0, 2]

@@ -1,0 +1,39 @@
+"""The weights that come with the package: what they say of themselves, and to a slice of the test split."""
+
+import numpy as np
+import pytest
+
+from remqa_data.agents.networks.detector import iou
+from remqa_data.agents.training.config import load_network_config, networks
+from remqa_data.agents.training.weights import load_network, weights_path
+from tests.helpers.weights_slice import EXPRESSIONS, QUESTIONS, rows_of, said_answer, said_box
+
+MOST_MB = 25
+
+
+def test_all_networks_have_weights_of_their_configuration_from_the_same_data_and_not_too_large() -> None:
+    paths = {name: weights_path(name) for name in networks()}
+    abouts = {name: load_network(path)[1] for name, path in paths.items()}
+    assert all(about.network == load_network_config(name) for name, about in abouts.items())
+    assert len({about.datasets for about in abouts.values()}) == 1
+    assert sum(path.stat().st_size for path in paths.values()) < MOST_MB * 1e6
+
+
+def test_the_answerer_answers_a_slice_of_the_test_split_as_it_did() -> None:
+    rows = rows_of(QUESTIONS)
+    said = [said_answer(row) for row in rows]
+    same = np.mean([answer == row["said"] for answer, row in zip(said, rows, strict=True)])
+    right = np.mean([answer == row["answer"] for answer, row in zip(said, rows, strict=True)])
+    assert len(rows) >= 40
+    assert same >= 0.95  # the last digits of a convolution are another processor's
+    assert right == pytest.approx(np.mean([row["said"] == row["answer"] for row in rows]), abs=0.05)
+
+
+def test_lan_finds_what_a_slice_of_the_test_split_means_as_it_did() -> None:
+    rows = rows_of(EXPRESSIONS)
+    boxes = np.array([said_box(row) or [0, 0, 0, 0] for row in rows], dtype=np.float32)
+    before, true = (np.array([row[name] for row in rows], dtype=np.float32) for name in ("said", "box_2d"))
+    assert len(rows) >= 20
+    assert np.mean(np.diagonal(iou(boxes, before)) > 0.9) >= 0.95
+    hits = [np.mean(np.diagonal(iou(found, true)) >= 0.5) for found in (boxes, before)]
+    assert hits[0] == pytest.approx(hits[1], abs=0.05)

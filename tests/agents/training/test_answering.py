@@ -1,0 +1,45 @@
+import numpy as np
+import pytest
+
+from remqa_data.agents.training.answering import Others
+
+ROWS = [
+    {"room_type": "kitchen", "answer_type": name, "kind": kind, "question": question, "answer": answer}
+    for name, kind, question, answer in (
+        ("Mug", "EXISTENCE", "Is there a mug in the fridge?", "no"),
+        ("Egg", "COUNTING", "How many eggs are there in the fridge?", "2"),
+        ("Apple", "SPATIAL", "Is there an apple inside the fridge?", "yes"),
+    )
+]
+OTHERS = Others.of_rows(ROWS)
+
+
+def test_only_what_rooms_of_that_type_are_asked_about_and_numbers_that_occur() -> None:
+    assert Others({"kitchen": ("Mug", "Egg", "Apple")}, most=2) == OTHERS
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("row", ROWS)
+def test_another_question_is_grammatical_and_has_the_answer_that_is_there(row: dict[str, str], seed: int) -> None:
+    there = ["Egg", "Egg", "Mug"]
+    question, answer, wanted = OTHERS.ask(row, there, np.random.default_rng(seed))
+    words = {"Mug": ("a mug", "mugs"), "Egg": ("an egg", "eggs"), "Apple": ("an apple", "apples")}[wanted]
+    if row["kind"] == "COUNTING":
+        assert question == f"How many {words[1]} are there in the fridge?"
+        assert answer == str(there.count(wanted))
+    else:
+        assert f" {words[0]} " in question
+        assert answer == ("yes" if wanted in there else "no")
+
+
+def test_both_answers_are_asked_for_equally_often_and_never_more_than_can_be_answered() -> None:
+    draws = [OTHERS.ask(ROWS[0], ["Egg"], np.random.default_rng(seed))[1] for seed in range(400)]
+    assert 0.4 < draws.count("yes") / len(draws) < 0.6
+    many = {OTHERS.ask(ROWS[1], ["Egg"] * 3, np.random.default_rng(seed))[1:] for seed in range(50)}
+    assert many == {("0", "Mug"), ("0", "Apple")}
+
+
+def test_where_nothing_else_can_be_asked_the_question_stays() -> None:
+    row = ROWS[0]
+    others = Others({"kitchen": ("Mug",)}, most=0)
+    assert others.ask(row, ["Mug"], np.random.default_rng(0)) == (row["question"], row["answer"], "Mug")

@@ -1,0 +1,148 @@
+"""From a dataset to the tables: networks learn from it for a moment, look, and play."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+import yaml
+from typer.testing import CliRunner
+
+from remqa_data.agents.cli import app
+from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.training import rooms as rooms_module
+from remqa_data.agents.training.config import load_network_config, networks
+from remqa_data.agents.training.pictures import Pictures, detector_types, varied
+from remqa_data.agents.training.rooms import learning_rooms, rooms_of
+from remqa_data.agents.training.weights import About, halved, load_network, save_network, weights_path
+from remqa_data.errors import ConfigError, DatasetError
+
+pytestmark = pytest.mark.slow
+
+
+def asked(*arguments: object) -> str:
+    found = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    assert found.exit_code == 0, found.output
+    return found.output
+
+
+def short(name: str, folder: Path) -> Path:
+    """A network that comes with the package, which learns for one epoch from small pictures."""
+    config = load_network_config(name).model_dump(mode="json")
+    config["schedule"]["epochs"] = 1
+    if config["network"]["kind"] == "detector":
+        config["network"]["side_px"] = 64
+    path = folder / f"{name}.yaml"
+    path.write_text(yaml.safe_dump(config))
+    return path
+
+
+@pytest.fixture(scope="module")
+def trained(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Weights of all networks."""
+    folder = tmp_path_factory.mktemp("trained")
+    names = sorted(networks(), key=lambda name: name != "detector")
+    paths = [short(name, folder) for name in names]
+    asked("train", *paths, "--data", two_rooms, "--out", folder / "weights", "--threads", 1)
+    return folder / "weights"
+
+
+def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path, tmp_path: Path) -> None:
+    options = ("--data", two_rooms, "--out", tmp_path, "--weights", trained)
+    asked("predict", *networks(), *options)
+    asked("run", "framework", "framework_memory", *options, "--workers", 1)
+    asked("table", "--data", two_rooms, "--out", tmp_path, "--workers", 1)
+    text = (tmp_path / "table.md").read_text()
+    for wanted in (
+        "| framework (semantic map, LAN, answerer) |",
+        "| LAN, detected boxes |",
+        "| BiLSTM, no modules, true boxes |",
+        "| LAN + detectron2 (Ours) (paper) |",
+        "| answerer: the words alone |",
+    ):
+        assert wanted in text
+    scores = json.loads((tmp_path / "detector-test.json").read_text())
+    assert scores["frames"] > 0
+    rows = [json.loads(line) for line in (tmp_path / "framework.jsonl").read_text().splitlines()[1:]]
+    assert {row["answer"] for row in rows} <= {"0", "1", "2", "3", "yes", "no"}
+
+
+def test_weights_say_what_made_them_and_do_the_same_when_read_again(trained: Path, two_rooms: Path) -> None:
+    detector, about = load_network(weights_path("detector", trained), two_rooms)
+    assert about.network.network.kind == "detector"
+    assert about.types == detector_types()
+    assert about.score["minutes"] > 0
+    path = trained.parent / "again.safetensors"
+    halved(detector)
+    save_network(path, detector, about)
+    again, _ = load_network(path)
+    assert all(
+        torch.equal(a, b) for a, b in zip(detector.state_dict().values(), again.state_dict().values(), strict=True)
+    )
+
+
+def test_weights_are_refused_on_a_dataset_that_they_have_not_learnt_from(trained: Path, small_rooms: Path) -> None:
+    path = weights_path("language_attention", trained)
+    with pytest.raises(ConfigError, match=r"has learnt from the dataset .* rooms of its test split may be among those"):
+        load_network(path, small_rooms)
+    load_network(path, small_rooms, force=True)
+
+
+def test_what_is_no_network_is_refused_in_one_line(tmp_path: Path) -> None:
+    junk = tmp_path / "junk.safetensors"
+    junk.write_bytes(b"junk" * 100)
+    with pytest.raises(ConfigError, match=r"junk\.safetensors is no network"):
+        load_network(junk)
+    with pytest.raises(ConfigError, match="no weights of 'nobody'; remqa-agent train makes them"):
+        weights_path("nobody", tmp_path)
+    other = tmp_path / "other.safetensors"
+    config = load_network_config("detector").model_dump(mode="json")
+    save_network(other, Detector(3), About(config, ("",), ("a", "b")))  # says two types, and has three
+    with pytest.raises(ConfigError, match=r"other\.safetensors is no network"):
+        load_network(other)
+
+
+def test_no_val_or_test_room_of_any_dataset_is_learnt_from(two_rooms: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    train, test = rooms_of(two_rooms, "train"), rooms_of(two_rooms, "test")
+    assert train
+    assert test
+    assert learning_rooms([two_rooms]) == train
+    other = {"train": train | test, "val": frozenset(), "test": frozenset()}
+    monkeypatch.setattr(
+        rooms_module, "rooms_of", lambda root, split: other[split] if root == Path("other") else rooms_of(root, split)
+    )
+    assert learning_rooms([Path("other"), two_rooms]) == train  # a test room of one is a train room of the other
+    other["val"] = train
+    with pytest.raises(DatasetError, match="no room to learn from"):
+        learning_rooms([Path("other"), two_rooms])
+
+
+def test_a_varied_picture_shows_the_same_objects_elsewhere(two_rooms: Path) -> None:
+    picture = Pictures(two_rooms, "train", "rgb", detector_types())[0]
+    seen = [varied(picture, 96, np.random.default_rng(seed)) for seed in range(8)]
+    assert all(one.rgb.shape == (96, 96, 3) and one.instances.shape == (96, 96) for one in seen)
+    assert all(set(np.unique(one.instances)) <= set(np.unique(picture.instances)) for one in seen)
+    assert len({one.rgb.tobytes() for one in seen}) == 8
+    again = varied(picture, 96, np.random.default_rng(3))
+    assert (again.rgb == seen[3].rgb).all()
+
+
+def test_a_training_that_was_done_is_not_done_again(two_rooms: Path, trained: Path, tmp_path: Path) -> None:
+    shutil.copytree(trained, tmp_path / "weights")
+    path = tmp_path / "weights" / "detector.safetensors"
+    before = path.read_bytes()
+    path.unlink()
+    asked(
+        "train",
+        short("detector", tmp_path),
+        "--data",
+        two_rooms,
+        "--out",
+        tmp_path / "weights",
+        "--resume",
+        "--threads",
+        1,
+    )
+    assert path.read_bytes() == before

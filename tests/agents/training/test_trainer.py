@@ -1,0 +1,88 @@
+import csv
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+
+from remqa_data.agents.training.trainer import CHECKPOINT, CURVES, train
+from remqa_data.errors import ConfigError
+from tests.helpers.small_training import SCHEDULE, Sums, checksum
+
+
+def test_it_learns_and_writes_its_curves(tmp_path: Path) -> None:
+    score = train(Sums(), replace(SCHEDULE, epochs=40), tmp_path)
+    assert score["val_error"] < 0.1
+    with (tmp_path / CURVES).open() as file:
+        curves = list(csv.DictReader(file))
+    assert [row["epoch"] for row in curves] == [str(epoch) for epoch in range(1, 41)]
+    assert float(curves[-1]["loss"]) < float(curves[0]["loss"]) / 4
+
+
+def test_the_same_seed_gives_the_same_weights_and_another_seed_others(tmp_path: Path) -> None:
+    found = []
+    for place, seed in enumerate((3, 3, 4)):
+        task = Sums()
+        train(task, replace(SCHEDULE, seed=seed), tmp_path / str(place))
+        found.append(checksum(task.model))
+    assert found[0] == found[1] != found[2]
+
+
+def test_a_run_that_was_stopped_goes_on_where_it_was_to_the_same_weights(tmp_path: Path) -> None:
+    whole, stopped = Sums(), Sums()
+    train(whole, SCHEDULE, tmp_path / "whole")
+    learnt = 0
+
+    def stop(count: int) -> None:
+        nonlocal learnt
+        learnt += count
+        if learnt >= 200:  # in the third epoch
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        train(stopped, SCHEDULE, tmp_path / "stopped", checkpoint_s=0.0, progress=stop)
+    again = Sums()
+    train(again, SCHEDULE, tmp_path / "stopped", resume=True)
+    assert again.drawn < 4 * 80
+    assert checksum(again.model) == checksum(whole.model)
+    whole_curves, curves = ((tmp_path / name / CURVES).read_text() for name in ("whole", "stopped"))
+    assert curves == whole_curves
+
+
+def test_a_killed_run_ends_with_the_same_weights(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "tests.helpers.small_training"]
+    killed = subprocess.Popen([*command, str(tmp_path / "killed"), "0.2"], stdout=subprocess.DEVNULL)
+    patience = time.monotonic() + 60
+    while not (tmp_path / "killed" / CHECKPOINT).is_file() and time.monotonic() < patience:
+        time.sleep(0.05)
+    killed.kill()
+    assert killed.wait() == -9  # it was not at its end
+    sums = [
+        subprocess.run([*command, str(tmp_path / name)], check=True, capture_output=True, text=True).stdout
+        for name in ("killed", "whole")
+    ]
+    assert sums[0] == sums[1]
+
+
+def test_only_the_same_training_is_gone_on_with(tmp_path: Path) -> None:
+    train(Sums(), SCHEDULE, tmp_path)
+    with pytest.raises(ConfigError, match="is of another training; leave --resume out"):
+        train(Sums(), replace(SCHEDULE, learning_rate=0.02), tmp_path, resume=True)
+    with pytest.raises(ConfigError, match="is of another training"):
+        train(Sums(), SCHEDULE, tmp_path, fingerprint="another dataset", resume=True)
+
+
+def test_what_is_finished_is_not_done_again(tmp_path: Path) -> None:
+    first, again = Sums(), Sums()
+    score = train(first, SCHEDULE, tmp_path)
+    assert train(again, SCHEDULE, tmp_path, resume=True) == score
+    assert again.drawn == 0
+    assert torch.equal(first.model[0].weight, again.model[0].weight)
+
+
+def test_the_rate_rises_and_falls() -> None:
+    rates = [SCHEDULE.rate(share) for share in (0, SCHEDULE.warm_up / 2, SCHEDULE.warm_up, 1)]
+    assert rates == pytest.approx([0, 0.005, 0.01, 0])

@@ -1,0 +1,25 @@
+from pathlib import Path
+
+from remqa_data.datasets.random_access import SplitReader
+from remqa_data.storage.manifest import Manifest
+from tests.helpers.dataset_rows import question_row, scene_row
+
+
+def test_rows_come_in_the_order_asked_for_across_row_groups_and_shards(finished: tuple[Path, Manifest]) -> None:
+    reader = SplitReader(finished[0], "questions", "train")
+    assert len(reader.paths) == 2
+    asked = [17, 0, 5, 5, len(reader) - 1]
+    rows = reader.rows(asked, ["question_id", "answer"])
+    every = reader.columns(["question_id", "answer"]).to_pylist()
+    assert rows == [every[row] for row in asked]
+    assert rows[1]["answer"] == question_row("Kitchen1", "train", 0).answer
+    assert reader.rows([], ["answer"]) == []
+
+
+def test_a_name_may_lead_into_a_struct(finished: tuple[Path, Manifest]) -> None:
+    reader = SplitReader(finished[0], "scenes", "test")
+    (row,) = reader.rows([1], ["configuration", "semantic_map.labels"])
+    assert row == {
+        "configuration": 1,
+        "semantic_map": {"labels": list(scene_row("Kitchen3", "test").semantic_map.labels)},
+    }

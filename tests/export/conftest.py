@@ -1,0 +1,24 @@
+"""A kitchen that many tests write and none changes."""
+
+from pathlib import Path
+
+import pytest
+
+from remqa_data.export.rooms import find_scene, write_room
+from remqa_data.scene import Scene
+
+KITCHEN = "FloorPlan1"
+
+
+@pytest.fixture(scope="session")
+def kitchen() -> Scene:
+    return find_scene(KITCHEN)
+
+
+@pytest.fixture(scope="session")
+def kitchen_files(kitchen: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the closed kitchen as room.glb, room.xml and room.urdf."""
+    folder = tmp_path_factory.mktemp("kitchen")
+    for suffix in (".glb", ".xml", ".urdf"):
+        write_room(kitchen, folder / f"room{suffix}")
+    return folder

@@ -1,0 +1,89 @@
+"""Which room is meant, and the commands `remqa-data export` and `remqa-data coco`."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from remqa_data.cli import app
+from remqa_data.export.rooms import find_scene
+from remqa_data.storage.manifest import load_manifest
+from tests.helpers.small_rooms import FRIDGE, small_room
+
+
+def invoke(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def test_a_room_of_a_dataset_is_that_configuration_as_it_stands(small_rooms) -> None:
+    for configuration in (0, 1):
+        assert find_scene("Small2", small_rooms, configuration) == small_room("Small2", configuration)
+
+
+def test_a_saved_scene_is_read_from_its_file(tmp_path) -> None:
+    small_room("Small1", 0).save(tmp_path / "room.json")
+    assert find_scene(str(tmp_path / "room.json")) == small_room("Small1", 0)
+
+
+def test_open_says_what_is_open_and_the_suffix_the_format(small_rooms, tmp_path) -> None:
+    written = {}
+    for name, options in {"closed": (), "one": ("--open", FRIDGE), "all": ("--open", "all")}.items():
+        result = invoke("export", "Small1", "--data", small_rooms, "-o", tmp_path / f"{name}.glb", *options)
+        assert (result.exit_code, result.stdout) == (0, f"{tmp_path / name}.glb\n")
+        written[name] = (tmp_path / f"{name}.glb").read_bytes()
+    assert written["one"] == written["all"] != written["closed"]
+
+
+@pytest.mark.parametrize(("name", "options"), [("r.xml", ()), ("r.urdf", ()), ("r.txt", ("--format", "mjcf"))])
+def test_meshes_lie_in_a_folder_beside_the_file(small_rooms, tmp_path, name, options) -> None:
+    result = invoke("export", "Small1", "--data", small_rooms, "-o", tmp_path / name, "--json", *options)
+    assert result.exit_code == 0, result.output
+    files = [Path(path) for path in json.loads(result.stdout)["files"]]
+    assert files[-1] == tmp_path / name
+    assert {path.parent for path in files[:-1]} == {tmp_path / "r-meshes"}
+    assert sorted(files[:-1]) == sorted((tmp_path / "r-meshes").iterdir())
+    text, meshes = files[-1].read_text(), [path for path in files if path.suffix == ".obj"]
+    assert meshes
+    assert all(path.name in text for path in meshes)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("FloorPlan0",), "unknown scene 'FloorPlan0'; did you mean 'FloorPlan30'"),
+        (
+            ("FloorPlan1", "--configuration", "2"),
+            "--configuration 2: only rooms of a dataset have several; name it with",
+        ),
+        (("Small3", "--data", "DATA"), "unknown room 'Small3'; did you mean"),
+        (("Small1", "--data", "DATA", "--configuration", "7"), "Small1 has no configuration 7; it has: 0, 1"),
+        (("Small1", "--data", "DATA", "-o", "room.obj"), "room.obj: give a name that ends with .glb, .xml, .urdf"),
+        (("Small1", "--data", "DATA", "--open", "Stool|1"), "Stool|1 is not openable"),
+        (("Small1", "--data", "DATA", "--open", "Fridge|2"), "unknown object 'Fridge|2'; did you mean 'Fridge|1'?"),
+        (("Small1", "--data", "DATA", "-o", "r.urdf", "--open", "all"), "--open: URDF holds no joint positions"),
+        (("nowhere.json",), "nowhere.json: No such file or directory"),
+    ],
+)
+def test_what_cannot_be_written_is_one_line_and_no_file(small_rooms, tmp_path, monkeypatch, arguments, line) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = invoke("export", *(small_rooms if word == "DATA" else word for word in arguments))
+    assert result.exit_code == 2
+    assert line in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_coco_says_what_it_has_written(one_room, tmp_path) -> None:
+    result = invoke("coco", one_room, "-o", tmp_path / "coco", "--no-images", "--json")
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["images"] == load_manifest(one_room).rows("frames")
+    assert sorted(path.name for path in (tmp_path / "coco").rglob("*")) == [
+        *("annotations", "instances_test.json", "refs_test.json")
+    ]
+
+
+def test_coco_refuses_a_type_that_is_not_in_the_catalog_in_one_line(finished, tmp_path) -> None:
+    result = invoke("coco", finished[0], "-o", tmp_path / "coco")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "unknown object type 'Table'" in result.stderr

@@ -1,0 +1,90 @@
+"""What the weights that come with the package say to a slice of the test split of data version 1.0.
+
+`python -m tests.helpers.weights_slice DATASET` writes the slice anew, with what they say now: when weights have changed.
+"""
+
+import sys
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from remqa_data.agents.knowledge.reading import read_question
+from remqa_data.agents.parts.interfaces import Sighting
+from remqa_data.agents.parts.network_answerer import NetworkAnswerer
+from remqa_data.agents.parts.network_localizer import NetworkLocalizer
+from remqa_data.agents.training.weights import load_network, weights_path
+from remqa_data.datasets.random_access import SplitReader
+from remqa_data.tables.images import decode_depth, decode_rgb
+
+HERE = Path(__file__).resolve().parents[1] / "agents" / "data"
+QUESTIONS, EXPRESSIONS = HERE / "questions.parquet", HERE / "expressions.parquet"
+QUESTION_COLUMNS = ("question", "answer", "start_target_box_2d")
+EXPRESSION_COLUMNS = ("text", "box_2d", "frame_id")
+EVERY_QUESTION, EVERY_EXPRESSION = 15, 110
+SIZE_PX = 300
+
+Row = dict[str, Any]
+
+
+@cache
+def answerer() -> NetworkAnswerer:
+    network, about = load_network(weights_path("answerer"))
+    return NetworkAnswerer(network, about.vocabulary)
+
+
+@cache
+def localizer() -> NetworkLocalizer:
+    detector, _ = load_network(weights_path("detector"))
+    matcher, about = load_network(weights_path("language_attention"))
+    return NetworkLocalizer(detector, matcher, about.vocabulary)
+
+
+def said_answer(row: Row) -> str | None:
+    """The answer to a stored question, from its stored views."""
+    depth = np.zeros((SIZE_PX, SIZE_PX), dtype=np.float32)
+    before, after = (SimpleNamespace(rgb=decode_rgb(row[name]), depth=depth) for name in ("start_rgb", "end_rgb"))
+    box = None if row["start_target_box_2d"] is None else tuple(np.array(row["start_target_box_2d"]) / SIZE_PX)
+    sighting = None if box is None else Sighting(box, (0.5, 0.5))
+    return answerer().answer(read_question(row["question"]), before, after, sighting)
+
+
+def said_box(row: Row) -> list[float] | None:
+    """The box of what a stored expression means, pixels."""
+    percept = SimpleNamespace(rgb=decode_rgb(row["rgb"]), depth=decode_depth(row["depth"]))
+    sighting = localizer().locate(SimpleNamespace(expression=row["text"]), None, percept, np.random.default_rng(0))
+    return None if sighting is None else [round(SIZE_PX * share, 2) for share in sighting.box]
+
+
+def rows_of(path: Path) -> list[Row]:
+    return pq.read_table(path).to_pylist()
+
+
+def main(root: Path) -> None:
+    questions, expressions, frames = (
+        SplitReader(root, table, "test") for table in ("questions", "expressions", "frames")
+    )
+    rows = questions.columns(QUESTION_COLUMNS).to_pylist()
+    found = []
+    for place in range(0, len(rows), EVERY_QUESTION):
+        images = questions.images(place, ("start_rgb", "end_rgb"))
+        row = rows[place] | dict(zip(("start_rgb", "end_rgb"), map(bytes, images), strict=True))
+        found.append(row | {"said": said_answer(row)})
+    pq.write_table(pa.Table.from_pylist(found), QUESTIONS)
+    rows = expressions.columns(EXPRESSION_COLUMNS).to_pylist()
+    places = {name: place for place, name in enumerate(frames.columns(["frame_id"])["frame_id"].to_pylist())}
+    found = []
+    for place in range(0, len(rows), EVERY_EXPRESSION):
+        images = frames.images(places[rows[place]["frame_id"]], ("rgb", "depth"))
+        row = rows[place] | dict(zip(("rgb", "depth"), map(bytes, images), strict=True))
+        found.append(row | {"said": said_box(row)})
+    pq.write_table(pa.Table.from_pylist(found), EXPRESSIONS)
+
+
+if __name__ == "__main__":
+    HERE.mkdir(exist_ok=True)
+    main(Path(sys.argv[1]))
