@@ -39,8 +39,14 @@ DRAWN_THEN_SNAPPED = (
     *(f"remqa_data/assets/core/{module}.py" for module in ("builder", "posed", "shapes")),
 )
 """What only draws: `assets.core.fitting` snaps its meshes, and textures are whole numbers."""
-FOR_PEOPLE = ("generators/figures/", "remqa_data/thor/", "remqa_data/env/", "remqa_data/sim/agent/third_person.py")
-"""Pictures to look at, and AI2-THOR's figures; nothing of a dataset."""
+FOR_OTHERS = (
+    "generators/figures/",
+    "remqa_data/thor/",
+    "remqa_data/env/",
+    "remqa_data/export/",
+    "remqa_data/sim/agent/third_person.py",
+)
+"""Pictures to look at, AI2-THOR's figures, and files for other simulators; nothing of a dataset."""
 SINES = (
     "sin",
     "cos",
@@ -141,7 +147,7 @@ def modules() -> Iterator[Path]:
     for folder in ("remqa_data", "generators"):
         for path in sorted((ROOT / folder).rglob("*.py")):
             name = path.relative_to(ROOT).as_posix()
-            if not name.startswith(DRAWN_THEN_SNAPPED + FOR_PEOPLE) and name != "remqa_data/geometry/arithmetic.py":
+            if not name.startswith(DRAWN_THEN_SNAPPED + FOR_OTHERS) and name != "remqa_data/geometry/arithmetic.py":
                 yield path
 
 

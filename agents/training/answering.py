@@ -47,7 +47,9 @@ COLUMNS = (
     "program",
 )
 IMAGES = ("start_rgb", "end_rgb", "start_instances", "end_instances")
-MASK_WEIGHT, CELL_WEIGHT, TYPE_WEIGHT = 0.5, 0.5, 0.2
+MASK_WEIGHT, CELL_WEIGHT, TYPE_WEIGHT = 0.5, 0.5, 1.0
+WANTED, OTHER = 1, 2
+"""In masks: what is asked for, and what else has come to light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +65,8 @@ class Asked:
         Before and after.
     cells : (2, h', w') int64
         What each cell shows, index of its type + 1, or 0; at places STRIDE apart.
-    masks : (2, h', w') bool
-        Where what is asked for is seen, and was not before.
+    masks : (2, h', w') int64
+        Where something is seen that was not before: WANTED if it is asked for, OTHER if not; 0 elsewhere.
     """
 
     question: str
@@ -123,7 +125,9 @@ class AskedViews:
             if others is not None and is_plain and rng.random() < ASKED_AGAIN:
                 there = [name for name, new in zip(names, is_new, strict=True) if new]
                 question, answer, wanted = others.ask(row, there, rng)
-        is_wanted = np.array([False, *(new and name == wanted for name, new in zip(names, is_new, strict=True))])
+        masks = np.array(
+            [0, *(new * (WANTED if name == wanted else OTHER) for name, new in zip(names, is_new, strict=True))]
+        )
         kinds = np.array([0, *(self._numbers.get(name, -1) + 1 for name in names)])
         shown = [
             cut(ids.astype(np.float32), place, mirrored)[STRIDE // 2 :: STRIDE, STRIDE // 2 :: STRIDE].astype(np.int64)
@@ -137,7 +141,7 @@ class AskedViews:
             self._numbers[wanted],
             torch.from_numpy(np.ascontiguousarray(views)),
             torch.from_numpy(np.stack([kinds[ids] for ids in shown])),
-            torch.from_numpy(np.stack([is_wanted[ids] for ids in shown])),
+            torch.from_numpy(np.stack([masks[ids] for ids in shown])),
         )
 
 
@@ -238,7 +242,7 @@ class AnsweringTask:
         losses["types"] = TYPE_WEIGHT * functional.cross_entropy(said.types, types)
         used = [VIEWS.index(view) for view in self.model.views]
         if used:
-            masks = torch.stack([asked.masks for asked in batch])[:, used].to(self.device, torch.float32)
+            masks = torch.stack([asked.masks for asked in batch])[:, used].to(self.device)
             losses["masks"] = MASK_WEIGHT * _mask_loss(said.fits, masks)
             cells = torch.stack([asked.cells for asked in batch])[:, used].to(self.device)
             losses["cells"] = CELL_WEIGHT * functional.cross_entropy(said.cells.flatten(0, 1), cells.flatten(0, 1))
@@ -268,6 +272,7 @@ class AnsweringTask:
 
 
 def _mask_loss(fits: Tensor, masks: Tensor) -> Tensor:
-    """Cross entropy of where what is asked for is: of the cells that show it, and of the others, as much of either."""
-    each = functional.binary_cross_entropy_with_logits(fits, masks, reduction="none")
-    return sum(((each * share).sum() / share.sum().clamp(min=1) for share in (masks, 1 - masks)), fits.new_zeros(()))
+    """Cross entropy of where what is asked for is; cells that show it, that show other new things, and the rest count alike."""
+    each = functional.binary_cross_entropy_with_logits(fits, (masks == WANTED).to(fits.dtype), reduction="none")
+    groups = [masks == group for group in (0, WANTED, OTHER)]
+    return sum(((each * group).sum() / group.sum().clamp(min=1) for group in groups), fits.new_zeros(()))

@@ -15,8 +15,11 @@ from remqa_data.agents.networks.detector_loss import Wanted, batch_of, detector_
 from remqa_data.agents.training.pictures import Pictures, Which, detector_types, varied
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 
-SEEN: tuple[Which, ...] = ("rgb", "end_rgb")
+SEEN: tuple[Which, Which] = ("rgb", "end_rgb")
 """What is learnt from: frames of walks, and what is seen when something is opened or moved."""
+
+FRAMES_APART, END_TIMES = 2, 2
+"""In an epoch every second frame of a walk is seen, as it is much like the next, and twice what each question is about."""
 
 
 class DetectionTask:
@@ -39,8 +42,11 @@ class DetectionTask:
         self.model = Detector(len(self.types))
         self.side, self.device = side, device
         rooms = learning_rooms(roots)
-        sources = [Pictures(root, "train", which, self.types, rooms) for root in roots for which in SEEN]
-        self._places = [(source, index) for source in sources for index in range(len(source))]
+        self._places = []
+        for root in roots:
+            frames, ends = (Pictures(root, "train", which, self.types, rooms) for which in SEEN)
+            self._places += [(frames, index) for index in range(0, len(frames), FRAMES_APART)]
+            self._places += [(ends, index) for index in range(len(ends))] * END_TIMES
         val = Pictures(roots[0], "train", "rgb", self.types, rooms_of(roots[0], "val"))
         self._scored = [val[index] for index in range(0, len(val), max(1, len(val) // scored))]
 

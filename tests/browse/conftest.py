@@ -1,6 +1,5 @@
 """The pages of a hostile dataset as files and at a server, and a browser."""
 
-import shutil
 import threading
 import time
 from collections.abc import Iterator
@@ -13,8 +12,6 @@ from remqa_data.browse.dataset import BrowsedDataset
 from remqa_data.browse.site import Site
 from tests.helpers.hostile_dataset import Tab, write_hostile
 from tests.helpers.real_datasets import made_once
-
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
 @pytest.fixture(scope="session")
@@ -56,17 +53,6 @@ def served(site: Site) -> Iterator[str]:
     yield f"http://127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}/"
     server.should_exit = True
     thread.join(30)
-
-
-@pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api")
-    if BROWSER is None:
-        pytest.skip("no Chromium")
-    with playwright.sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        yield browser
-        browser.close()
 
 
 @pytest.fixture

@@ -165,6 +165,7 @@ def test_what_exporting_says_to_programs(hostile: Path, tmp_path: Path) -> None:
 def test_the_map_that_grows_ends_as_the_stored_one_but_for_millimetres(one_room: Path) -> None:
     dataset = BrowsedDataset(one_room)
     site = Site(dataset)
+    assert dataset.walk_places
     for key, places in dataset.walk_places.items():
         names = [f"p/w/{key.slug}/m{number}.png" for number in range(len(places))]
         grown = [decoded(site.get(name).body) for name in names]
@@ -183,6 +184,7 @@ def test_programs_of_real_questions_end_with_the_evidence(one_room: Path) -> Non
     from remqa_data.browse.room_map import RoomMap, way
 
     dataset = BrowsedDataset(one_room)
+    assert dataset.index.num_rows > 0
     for row in range(dataset.index.num_rows):
         asked = dataset.question(row)
         room = dataset.room(RoomKey(asked["scene"], asked["configuration"]))

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.geometry.arithmetic import turned
 from remqa_data.geometry.types import F32, F64, I32, U8, Flags, Vec3
 from remqa_data.sim.light.patches import Patches, light_faces, patches
 from remqa_data.sim.light.volume import Volume
@@ -187,7 +188,7 @@ class Renderer:
     def extents(self, camera: AnyCamera) -> Extents:
         """What the boxes of the parts take up of a picture, without drawing anything."""
         view = camera.view()
-        x, y, depth = np.moveaxis((self._placed.corners - view.eye) @ view.axes.T, 2, 0)
+        x, y, depth = np.moveaxis(turned(self._placed.corners - view.eye, view.axes), 2, 0)
         scale = depth if view.pinhole else np.ones_like(depth)
         beyond = depth < 0.0
         is_out = beyond.all(axis=1)

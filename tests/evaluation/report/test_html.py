@@ -1,6 +1,5 @@
 """The report in a real browser: nothing is loaded, rows sort and filter, hostile texts are texts."""
 
-import shutil
 from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
@@ -14,7 +13,6 @@ from remqa_data.evaluation.cli import app
 from remqa_data.evaluation.submission.reference import reference_rows
 from tests.helpers.submissions import written
 
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 HOSTILE = '<img src=x onerror="window.hacked=1"><script>window.hacked=1</script></script>"\'&{{7*7}}'
 
 
@@ -32,21 +30,16 @@ def hostile(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def page(hostile: Path) -> Iterator[tuple[Any, list[str]]]:
+def page(hostile: Path, chromium: Any) -> Iterator[tuple[Any, list[str]]]:
     """The opened report, and what it has asked the network for or complained about."""
-    playwright = pytest.importorskip("playwright.sync_api")
-    if BROWSER is None:
-        pytest.skip("no Chromium")
-    with playwright.sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        opened, events = browser.new_page(), []
-        opened.on("request", lambda r: events.append(r.url) if not r.url.startswith(("file:", "data:")) else None)
-        opened.on("console", lambda message: events.append(message.text))
-        opened.on("pageerror", lambda error: events.append(str(error)))
-        opened.on("dialog", lambda dialog: events.append(dialog.message))
-        opened.goto(hostile.as_uri())
-        yield opened, events
-        browser.close()
+    opened, events = chromium.new_page(), []
+    opened.on("request", lambda r: events.append(r.url) if not r.url.startswith(("file:", "data:")) else None)
+    opened.on("console", lambda message: events.append(message.text))
+    opened.on("pageerror", lambda error: events.append(str(error)))
+    opened.on("dialog", lambda dialog: events.append(dialog.message))
+    opened.goto(hostile.as_uri())
+    yield opened, events
+    opened.close()
 
 
 def test_it_loads_without_network_or_complaints(page: tuple[Any, list[str]]) -> None:
