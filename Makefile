@@ -19,6 +19,10 @@ SCENES ?= 120
 # A folder for each number of rooms, so that one does not stand in the way of another.
 DATASET := out/remqa$(if $(filter-out 120,$(SCENES)),-$(SCENES))
 
+# Rooms that networks learn from beside that dataset's own.
+MORE_SCENES ?= 100
+MORE := out/sampled-$(MORE_SCENES)
+
 # All that come with the package; the others are built upon the detector.
 NETWORKS := detector $(filter-out detector,$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
 
@@ -34,7 +38,8 @@ dataset: $(INSTALLED)  ## the main job: the whole benchmark, in out/remqa; `make
 	$(BIN)/remqa-gen --scenes $(SCENES) --out $(DATASET) --resume
 
 agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all systems play, and make their tables, in out/agents
-	$(BIN)/remqa-agent train $(NETWORKS) --data $(DATASET) --resume
+	$(BIN)/remqa-gen --layouts sampled --scenes $(MORE_SCENES) --out $(MORE) --resume
+	$(BIN)/remqa-agent train $(NETWORKS) --data $(DATASET) --more $(MORE) --resume
 	$(BIN)/remqa-agent predict detector language_attention plain_matcher --data $(DATASET) --split val --weights out/weights
 	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
 	$(BIN)/remqa-agent run random semantic_map framework framework_memory --data $(DATASET) --weights out/weights --resume
