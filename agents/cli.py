@@ -179,6 +179,7 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None) -> None:
     from remqa_data.agents.picture_tables import qa_grid, rec_grid, score_pictures
     from remqa_data.agents.table import (
         as_json,
+        failures_grid,
         navigation_grid,
         remqa_grid,
         score_systems,
@@ -197,7 +198,7 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None) -> None:
     write_tables(out, scored, more)
     say = output()
     if not (say.is_quiet or say.is_json):
-        for grid in (navigation_grid(scored), remqa_grid(scored), *more):
+        for grid in (navigation_grid(scored), remqa_grid(scored), failures_grid(scored), *more):
             print_grid(Console(), grid)
     say.say(f"{out}: table.md, table.json")
     say.result(**as_json(scored))

@@ -12,7 +12,8 @@ import numpy as np
 
 from remqa_data.agents.paper import paper_results
 from remqa_data.errors import ResultsError, SubmissionError
-from remqa_data.evaluation.report.tables import Grid, cell, markdown_rows, notes, rounded
+from remqa_data.evaluation.report.tables import STAGES as FAILS_AT
+from remqa_data.evaluation.report.tables import Grid, cell, failed_at, markdown_rows, notes, rounded
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth, dataset_sha256, load_ground_truth
 from remqa_data.evaluation.scoring.measures import STEP_LIMITS
 from remqa_data.evaluation.scoring.results import (
@@ -34,6 +35,7 @@ STAGES = ("S_N", "S_L", "S_QA")
 BESIDE = ("S_M", "S_MQA", "answer_accuracy")
 """What the paper does not tell."""
 PAPER = " (paper)"
+SUCCEEDED = "succeeded"
 SEED = 0
 """Of the resampling."""
 
@@ -103,7 +105,7 @@ def submissions_in(folder: Path) -> list[Path]:
 def write_tables(folder: Path, systems: Sequence[Scored], more: Sequence[Grid] = ()) -> None:
     """Write table.md, with more tables if there are any, and table.json."""
     lines: list[str] = []
-    for grid in (navigation_grid(systems), remqa_grid(systems), *more):
+    for grid in (navigation_grid(systems), remqa_grid(systems), failures_grid(systems), *more):
         lines += [f"**{grid.title}**", "", *markdown_rows(grid), ""]
     for system in systems:
         lines += [f"{system.title}: {' '.join(notes(system.results))}", ""]
@@ -155,6 +157,18 @@ def remqa_grid(systems: Sequence[Scored]) -> Grid:
         rows += [(system.title, kind, *(by_key[kind, name] for name in (*STAGES, *BESIDE))) for kind in kinds]
     headings = ("System", "Kind", *STAGES, *(name.replace("_", " ") for name in BESIDE))
     return Grid(f"REMQA, split {_split(systems)}", headings, tuple(rows))
+
+
+def failures_grid(systems: Sequence[Scored]) -> Grid:
+    """Of the questions the share that failed first at each stage, and that succeeded, by S_MQA."""
+    outcomes = ("nothing was submitted", *dict.fromkeys(FAILS_AT.values()), SUCCEEDED)
+    rows = []
+    for system in systems:
+        results = system.results
+        done = results.samples[results.main_measure]
+        found = [SUCCEEDED if ok else failed_at(results, place) for place, ok in enumerate(done)]
+        rows.append((system.title, *(rounded(found.count(outcome) / len(found)) for outcome in outcomes)))
+    return Grid(f"Where they fail first, split {_split(systems)}", ("System", *outcomes), tuple(rows))
 
 
 def navigation_metrics(results: Results, truth: GroundTruth) -> tuple[Metric, ...]:

@@ -47,7 +47,7 @@ COLUMNS = (
     "program",
 )
 IMAGES = ("start_rgb", "end_rgb", "start_instances", "end_instances")
-MASK_WEIGHT, CELL_WEIGHT, TYPE_WEIGHT = 0.5, 0.5, 1.0
+MASK_WEIGHT, CELL_WEIGHT, TYPE_WEIGHT = 1.0, 1.0, 1.0
 WANTED, OTHER = 1, 2
 """In masks: what is asked for, and what else has come to light."""
 
@@ -243,9 +243,12 @@ class AnsweringTask:
         used = [VIEWS.index(view) for view in self.model.views]
         if used:
             masks = torch.stack([asked.masks for asked in batch])[:, used].to(self.device)
-            losses["masks"] = MASK_WEIGHT * _mask_loss(said.fits, masks)
+            is_wanted = (masks == WANTED).to(said.fits.dtype)
+            fit = functional.binary_cross_entropy_with_logits(said.fits, is_wanted, reduction="none")
+            losses["masks"] = MASK_WEIGHT * _of_groups(fit, masks)
             cells = torch.stack([asked.cells for asked in batch])[:, used].to(self.device)
-            losses["cells"] = CELL_WEIGHT * functional.cross_entropy(said.cells.flatten(0, 1), cells.flatten(0, 1))
+            shown = functional.cross_entropy(said.cells.flatten(0, 1), cells.flatten(0, 1), reduction="none")
+            losses["cells"] = CELL_WEIGHT * _of_groups(shown, masks.flatten(0, 1))
         total = sum(losses.values(), torch.zeros((), device=self.device))
         return {"loss": total, "right": (said.answers.argmax(1) == right).float().mean(), **losses}
 
@@ -271,8 +274,7 @@ class AnsweringTask:
         return self.model(numbers.to(self.device), views.to(self.device))  # type: ignore[no-any-return]
 
 
-def _mask_loss(fits: Tensor, masks: Tensor) -> Tensor:
-    """Cross entropy of where what is asked for is; cells that show it, that show other new things, and the rest count alike."""
-    each = functional.binary_cross_entropy_with_logits(fits, (masks == WANTED).to(fits.dtype), reduction="none")
+def _of_groups(each: Tensor, masks: Tensor) -> Tensor:
+    """Mean loss of cells that show what is asked for, that show other new things, and of the rest: the groups count alike."""
     groups = [masks == group for group in (0, WANTED, OTHER)]
-    return sum(((each * group).sum() / group.sum().clamp(min=1) for group in groups), fits.new_zeros(()))
+    return torch.stack([(each * group).sum() / group.sum().clamp(min=1) for group in groups]).mean()

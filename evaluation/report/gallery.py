@@ -1,4 +1,4 @@
-"""Pictures of failures: what the agent saw, what it pointed at, and which way it went."""
+"""Pictures of what failed and what succeeded: what the agent saw, what it pointed at, and which way it went."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import UnknownNameError
-from remqa_data.evaluation.report.tables import in_words
+from remqa_data.evaluation.report.tables import failed_at, in_words
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
 from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, box_of, does, load_room, place_of, walk
 from remqa_data.evaluation.scoring.results import Results
@@ -26,16 +26,8 @@ from remqa_data.storage.shards import read_table
 from remqa_data.tables.images import decode_rgb
 from remqa_data.tables.rows import EmbodimentRow
 
-MAX_FAILURES = 24
+MAX_FAILURES, MAX_SUCCESSES = 24, 10
 SHOWN_DETAILS = ("steps", "goal_distance_m", "target_visible", "iou", "manipulated")
-REASONS = {
-    "S_N": "navigation",
-    "success": "navigation",
-    "S_L": "localisation",
-    "S_M": "manipulation",
-    "answer_accuracy": "answer",
-}
-"""What went wrong where a measure is the first that is not fulfilled."""
 TRUE_COLOR, PREDICTED_COLOR, PATH_COLOR, GOAL_COLOR = (40, 170, 70), (225, 60, 40), (30, 90, 220), (225, 60, 40)
 JPEG_QUALITY = 85
 MAP_MARGIN, MAP_CUT_M = 1.12, 2.0
@@ -44,7 +36,7 @@ MAP_MARGIN, MAP_CUT_M = 1.12, 2.0
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of a failure.
+    """A picture of an attempt.
 
     Attributes
     ----------
@@ -58,8 +50,8 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class FailedAttempt:
-    """A question that was not answered, or an expression that was not found.
+class ShownAttempt:
+    """A question, or an expression, and what became of it.
 
     Attributes
     ----------
@@ -76,14 +68,17 @@ class FailedAttempt:
     pictures: tuple[Picture, ...]
 
 
-def find_failures(results: Results, submission: Submission, truth: GroundTruth) -> list[FailedAttempt]:
-    """Some failures of a submission, spread evenly over the split.
+def find_attempts(
+    results: Results, submission: Submission, truth: GroundTruth, *, succeeded: bool
+) -> list[ShownAttempt]:
+    """Some failures of a submission, or some successes, spread evenly over the split.
 
     Agents walk again in the simulator if their actions were replayed; otherwise only stored frames are shown.
     """
-    failed = [place for place, ok in enumerate(results.samples[results.main_measure]) if not ok]
-    chosen = np.unique(np.linspace(0, len(failed) - 1, min(MAX_FAILURES, len(failed))).round().astype(int))
-    rows = _rows(submission, truth, [failed[i] for i in chosen], replay=results.replayed is not False)
+    places = [place for place, ok in enumerate(results.samples[results.main_measure]) if bool(ok) is succeeded]
+    count = min(MAX_SUCCESSES if succeeded else MAX_FAILURES, len(places))
+    chosen = np.unique(np.linspace(0, len(places) - 1, count).round().astype(int))
+    rows = _rows(submission, truth, [places[i] for i in chosen], replay=results.replayed is not False)
     build = _expressions if truth.track == "rec" else _questions
     return build(results, truth, rows)
 
@@ -100,17 +95,17 @@ def _rows(
     return found
 
 
-def _expressions(results: Results, truth: GroundTruth, rows: dict[int, dict[str, object]]) -> list[FailedAttempt]:
+def _expressions(results: Results, truth: GroundTruth, rows: dict[int, dict[str, object]]) -> list[ShownAttempt]:
     asked = read_table(truth.root, "expressions", truth.split, ["text", "frame_id"]).to_pylist()
     frames = _Frames(truth)
-    failures = []
+    attempts = []
     for place, row in rows.items():
         image = frames.image(asked[place]["frame_id"])
         _draw_boxes(image, truth.boxes[place], row.get("box"))
         facts = (("IoU", _shown(results.samples["mean_iou"][place])), ("submitted box", _shown(row.get("box"))))
         pictures = (_picture("frame: true box green, submitted red", image),)
-        failures.append(FailedAttempt(str(truth.ids[place]), asked[place]["text"], facts, pictures))
-    return failures
+        attempts.append(ShownAttempt(str(truth.ids[place]), asked[place]["text"], facts, pictures))
+    return attempts
 
 
 class _Frames:
@@ -131,40 +126,31 @@ class _Frames:
         return decode_rgb(memoryview(self._readers[number].images(row, ["rgb"])[0])).copy()
 
 
-def _questions(results: Results, truth: GroundTruth, rows: dict[int, dict[str, object]]) -> list[FailedAttempt]:
+def _questions(results: Results, truth: GroundTruth, rows: dict[int, dict[str, object]]) -> list[ShownAttempt]:
     stored = SplitReader(truth.root, "questions", truth.split)
     asked = stored.columns(["question", "start_target_box_2d"]).to_pylist()
     walked = _walked(truth, rows) if results.replayed else {}
-    failures = []
+    attempts = []
     for place, row in rows.items():
         before, after = (decode_rgb(memoryview(data)).copy() for data in stored.images(place, ["start_rgb", "end_rgb"]))
         _draw_boxes(before, asked[place]["start_target_box_2d"], None)
         pictures = [*walked.get(place, ()), _picture("stored view from the goal pose: target green", before)]
         pictures += [_picture("stored view after the manipulation", after)] if truth.track in ("remqa", "qa") else []
         facts = _facts(results, truth, place, row)
-        failures.append(FailedAttempt(str(truth.ids[place]), asked[place]["question"], facts, tuple(pictures)))
-    return failures
+        attempts.append(ShownAttempt(str(truth.ids[place]), asked[place]["question"], facts, tuple(pictures)))
+    return attempts
 
 
 def _facts(results: Results, truth: GroundTruth, place: int, row: dict[str, object]) -> tuple[tuple[str, str], ...]:
-    """Why it failed, and what was wanted beside what was submitted and happened."""
-    facts = [("failed", _reason(results, place)), ("target", truth.texts("target_id")[place])]
+    """Why it failed, if it did, and what was wanted beside what was submitted and happened."""
+    failed = [] if results.samples[results.main_measure][place] else [("failed", failed_at(results, place))]
+    facts = [*failed, ("target", truth.texts("target_id")[place])]
     if truth.track != "nav":
         facts.append(("true answer", truth.texts("answer")[place]))
     facts += [(name, _shown(row[name])) for name in ("answer", "manipulation") if name in row]
     samples = {name: column[place] for name, column in results.samples.items()}
     shown = (name for name in SHOWN_DETAILS if samples.get(name) is not None)
     return (*facts, *((in_words(name), _shown(samples[name])) for name in shown))
-
-
-def _reason(results: Results, place: int) -> str:
-    """The first thing that went wrong with a question."""
-    measured = {name: column[place] for name, column in results.samples.items() if column[place] is not None}
-    if not measured["answered"]:
-        return "nothing was submitted"
-    if measured.get("success"):
-        return "too many steps"
-    return next(reason for name, reason in REASONS.items() if not measured.get(name, True))
 
 
 def _walked(truth: GroundTruth, rows: dict[int, dict[str, object]]) -> dict[int, tuple[Picture, ...]]:

@@ -11,7 +11,7 @@ import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
-from remqa_data.evaluation.report.gallery import find_failures
+from remqa_data.evaluation.report.gallery import find_attempts
 from remqa_data.evaluation.report.published import questions_beside_published
 from remqa_data.evaluation.report.tables import (
     BREAKDOWNS,
@@ -82,7 +82,8 @@ def write_report(path: Path, results: Results, submission: Submission, truth: Gr
         things=asked_things(results),
         plots=_plots(results),
         plotted=[in_words(name) for name in _plotted(results)],
-        failures=find_failures(results, submission, truth),
+        failures=find_attempts(results, submission, truth, succeeded=False),
+        successes=find_attempts(results, submission, truth, succeeded=True),
         failed=results.samples[main_measure].count(False),
         main_measure=in_words(main_measure),
         samples=_sample_rows(results),

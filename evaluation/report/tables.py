@@ -30,6 +30,15 @@ IN_WORDS = {measure.name: measure.words for measure in MEASURES if measure.words
 }
 """Measures and details whose name for people is not their name with spaces."""
 
+STAGES = {
+    "S_N": "navigation",
+    "success": "navigation",
+    "S_L": "localisation",
+    "S_M": "manipulation",
+    "answer_accuracy": "answer",
+}
+"""What went wrong where a measure is the first that is not fulfilled."""
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -78,6 +87,16 @@ def rounded(share: float) -> str:
 def asked_things(results: Results) -> str:
     """What is counted."""
     return f"{TRACKS[results.track].asks}s"
+
+
+def failed_at(results: Results, place: int) -> str:
+    """The first thing that went wrong with a question."""
+    measured = {name: column[place] for name, column in results.samples.items() if column[place] is not None}
+    if not measured["answered"]:
+        return "nothing was submitted"
+    if measured.get("success"):
+        return "too many steps"
+    return next(stage for name, stage in STAGES.items() if not measured.get(name, True))
 
 
 def in_words(name: str) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 from remqa_data.agents import table
 from remqa_data.agents.paper import paper_results
-from remqa_data.agents.table import navigation_grid, remqa_grid, score_systems, write_tables
+from remqa_data.agents.table import failures_grid, navigation_grid, remqa_grid, score_systems, write_tables
 from remqa_data.errors import SubmissionError
 from remqa_data.evaluation.submission.reference import reference_rows
 from remqa_data.storage.shards import read_table
@@ -48,6 +48,7 @@ def test_the_oracle_stands_beside_the_paper_with_what_its_steps_allow(two_rooms:
     kinds = [row[1:5] for row in remqa_grid([system]).rows if row[0] == "oracle"]
     assert [kind[0] for kind in kinds] == ["EXISTENCE", "COUNTING", "SPATIAL"]
     assert all(text.startswith("1.000") for kind in kinds for text in kind[1:])
+    assert failures_grid([system]).rows == (("oracle", *5 * ["0.000"], "1.000"),)
     write_tables(tmp_path, [system])
     told = json.loads((tmp_path / "table.json").read_text())
     assert told["systems"][0]["title"] == "oracle"
@@ -69,6 +70,12 @@ def test_what_was_replayed_is_not_replayed_again_unless_it_has_changed(
     (changed,) = score_systems(tmp_path, two_rooms)
     assert replays == ["again"]
     assert changed.results.metric("S_N").value < 1
+    nothing, navigation, localisation, manipulation, answer, succeeded = map(
+        float, failures_grid([changed]).rows[0][1:]
+    )
+    assert navigation == pytest.approx(1 - changed.results.metric("S_N").value, abs=0.001)
+    assert nothing == answer == 0
+    assert navigation + localisation + manipulation + succeeded == pytest.approx(1, abs=0.002)
 
 
 @pytest.mark.slow

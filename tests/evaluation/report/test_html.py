@@ -117,7 +117,7 @@ def test_rows_sort_and_filter(page: tuple[Any, list[str]]) -> None:
     assert 0 < shown.count() < len(stored)
     assert all("COUNTING" in text for text in shown.all_text_contents())
     opened.fill("#filter-failures", "q4")
-    assert opened.locator(".failure:visible").count() == 1
+    assert opened.locator(".failures .attempt:visible").count() == 1
 
 
 def test_without_a_browser_the_text_is_escaped_too(hostile: Path) -> None:
@@ -130,15 +130,17 @@ def test_without_a_browser_the_text_is_escaped_too(hostile: Path) -> None:
 
 
 @pytest.mark.slow
-def test_failures_of_walks_show_view_map_and_boxes(two_rooms: Path, tmp_path: Path) -> None:
+def test_failures_and_successes_of_walks_show_view_map_and_boxes(two_rooms: Path, tmp_path: Path) -> None:
     for agent, track in (("random", "remqa"), ("random", "rec"), ("oracle", "nav")):
         predictions = tmp_path / f"{track}.jsonl"
         options = ["--data", str(two_rooms), "--track", track, "-o", str(predictions)]
         assert CliRunner().invoke(app, [agent, *options]).exit_code == 0
         text = report(two_rooms, tmp_path / track, predictions).read_text()
-        assert ("way from above" in text) == (track == "remqa")
-        assert ("<p>None.</p>" in text) == (agent == "oracle")
-        assert ("submitted red" in text) == (agent == "random")
+        failures, _, successes = text.partition("<h2>Successes</h2>")
+        assert ("way from above" in failures) == (track == "remqa")
+        assert ("<p>None.</p>" in failures) == (agent == "oracle")
+        assert ("submitted red" in failures) == (agent == "random")
+        assert (successes.count("way from above") == 10) == (agent == "oracle")
 
 
 @pytest.mark.slow
