@@ -15,7 +15,7 @@ from torch.nn import functional
 
 from remqa_data.agents.networks.detector import Detector
 from remqa_data.agents.networks.language import HIDDEN, WordReader
-from remqa_data.agents.networks.pyramid import CHANNELS
+from remqa_data.agents.networks.pyramid import CHANNELS, STRIDE
 
 View = Literal["start", "end"]
 VIEWS: tuple[View, ...] = ("start", "end")
@@ -28,9 +28,12 @@ EVIDENCE = 4
 NEVER = 1e-4
 """The least share of a type that a cell may show."""
 
-FIRST_MIX = (1.0, -0.3, 2.0)
+FIRST_MIX = (1.0, -0.3, 0.5, 2.0)
 """What a cell fits by at first: so much of the logarithm of how surely it shows the type that is asked for, of how surely it
-did in the other view, and a constant."""
+did in the other view, of how much its colours differ from those there, and a constant."""
+
+LEAST_CHANGE = 0.01
+"""What colours, 0 to 1, differ by at least, for its logarithm."""
 
 
 class Answered(NamedTuple):
@@ -107,9 +110,9 @@ class ManipulationAnswerer(nn.Module):
         # Each view is compared with the question beside the other view: what is new stands out.
         turned = torch.stack([values.roll(-k, 1).flatten(1, 2) for k in range(count)], 1)
         keys = _split(self.keys(turned.flatten(0, 1)), count)
-        fits = (keys * asked[:, None, :, None, None]).sum(2) / KEY**0.5 + self.mix[0] * shows + self.mix[2]
+        fits = (keys * asked[:, None, :, None, None]).sum(2) / KEY**0.5 + self.mix[0] * shows + self.mix[3]
         if count > 1:
-            fits = fits + self.mix[1] * shows.flip(1)
+            fits = fits + self.mix[1] * shows.flip(1) + self.mix[2] * _changes(views)[:, None]
         weights = fits.flatten(2).softmax(2)
         read = (values.flatten(3) * weights[:, :, None]).sum(3)
         said = torch.cat([asked, read.flatten(1), _evidence(fits).flatten(1)], 1)
@@ -119,6 +122,12 @@ class ManipulationAnswerer(nn.Module):
 def _split(images: Tensor, count: int) -> Tensor:
     """(n, count, ...) of (n * count, ...)."""
     return images.reshape(-1, count, *images.shape[1:])
+
+
+def _changes(views: Tensor) -> Tensor:
+    """(n, h', w') logarithms of how much the colours of two views, (n, 2, 3, h, w), differ in each cell."""
+    change = (views[:, 1].to(torch.float32) - views[:, 0].to(torch.float32)).abs().mean(1, keepdim=True) / 255
+    return functional.avg_pool2d(change, STRIDE, ceil_mode=True)[:, 0].clamp(min=LEAST_CHANGE).log()
 
 
 def likeliest(logits: Tensor, kinds: Sequence[str], answers: Sequence[str]) -> list[str]:

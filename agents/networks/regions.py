@@ -24,7 +24,7 @@ ALIKE, AROUND = 5, 10
 SAME_TYPE = 0.5
 """Cosine of the probabilities of two objects that are of one type."""
 
-CANDIDATES = 40
+CANDIDATES = 60
 """Detections of a picture among which one is chosen."""
 
 SAME_BOX_IOU = 0.9
