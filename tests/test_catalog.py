@@ -24,7 +24,11 @@ OPENABLE = {  # as the iTHOR documentation lists them
     "ShowerCurtain", "ShowerDoor", "Toilet",
 }  # fmt: skip
 ROOT = Path(__file__).parents[1]
-CODE = [*(ROOT / "remqa_data" / room for room in ("floorplans", "language", "sim")), ROOT / "generators"]
+CODE = [
+    *(ROOT / "remqa_data" / room for room in ("floorplans", "language", "sim")),
+    ROOT / "generators",
+    ROOT / "agents",
+]
 A_MUG = {
     "words": ["mug", "mugs"],
     "can": ["pickupable", "receptacle"],

@@ -20,7 +20,7 @@ from remqa_data.sim.navigation.viewpoints import FRAME_PX, AgentPose, facing_pos
 FRONT_DEG = 60.0
 """Who stands farther round than this does not stand before the front of a thing."""
 OPENS_FORWARD = types_with("opens_forward")
-SLIDES = "Drawer"
+SLIDES_OUT = types_with("slides_out")
 """What opens into the room; of that, what slides out. All else has doors."""
 SLIDE_SHARE = 0.9
 """How far it slides, as a share of its depth."""
@@ -87,7 +87,7 @@ def is_in_the_way(instance: Instance, position: tuple[float, float], radius_m: f
     low, high = np.array(instance.box[:2]), np.array(instance.box[3:5])
     depth, width = float(np.abs(ahead) @ (high - low)), float(np.abs(ahead[::-1]) @ (high - low))
     door = width / 2 if width >= TWO_DOORS_M else width
-    way = ahead * (SLIDE_SHARE * depth if instance.type == SLIDES else door)
+    way = ahead * (SLIDE_SHARE * depth if instance.type in SLIDES_OUT else door)
     low, high = low + np.minimum(way, 0.0), high + np.maximum(way, 0.0)
     nearest = np.clip(position, low, high)
     return math.dist(position, nearest.tolist()) <= radius_m
