@@ -140,7 +140,7 @@ def test_failures_and_successes_of_walks_show_view_map_and_boxes(two_rooms: Path
         assert ("way from above" in failures) == (track == "remqa")
         assert ("<p>None.</p>" in failures) == (agent == "oracle")
         assert ("submitted red" in failures) == (agent == "random")
-        assert (successes.count("way from above") == 10) == (agent == "oracle")
+        assert (successes.count("<figcaption>way from above") == 10) == (agent == "oracle")
 
 
 @pytest.mark.slow
