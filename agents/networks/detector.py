@@ -27,6 +27,12 @@ LEAST_SCORE = 0.02
 SAME_OBJECT_IOU = 0.6
 """Of two boxes of a type that overlap so much, the likelier one counts."""
 
+ENLARGED = 1.5
+"""Small objects are looked for in pictures that are enlarged so many times."""
+
+LARGE_PX, SMALL_PX = 34.0, 46.0
+"""The shorter side of a box is at least so long if it is found in the picture itself, less than so long in the enlarged one."""
+
 LEAST_MASK_SHARE = 0.1
 """Where fewer cells of a box than this have its type, the mask is the whole box."""
 
@@ -114,8 +120,18 @@ class Detector(nn.Module):
 
     @torch.no_grad()
     def detect(self, rgb: Tensor) -> list[Detections]:
-        """Objects in (n, 3, h, w) uint8 pictures."""
-        return self.read(self(rgb), rgb.shape[-2:])
+        """Objects in (n, 3, h, w) uint8 pictures, which are looked at twice: small things are looked for more closely."""
+        return self.look(rgb)[1]
+
+    @torch.no_grad()
+    def look(self, rgb: Tensor) -> tuple[Tensor, list[Detections]]:
+        """Features of (n, 3, h, w) uint8 pictures, see `Raw`, and the objects that `detect` finds in them."""
+        size = rgb.shape[-2:]
+        larger = [round(side * ENLARGED) for side in size]
+        closely = functional.interpolate(rgb.to(torch.float32), size=larger, mode="bilinear").round().to(torch.uint8)
+        raw = self(rgb)
+        found = zip(self.read(raw, size), self.read(self(closely), tuple(larger)), strict=True)
+        return raw.features, [_large_and_small(*both) for both in found]
 
     @torch.no_grad()
     def read(self, raw: Raw, size: tuple[int, ...]) -> list[Detections]:
@@ -149,6 +165,22 @@ def boxes_at(sides: Tensor, rows: Tensor, columns: Tensor, size: tuple[int, ...]
     left, up, right, down = sides.unbind(1)
     corners = [(x - left).clamp(0, width), (y - up).clamp(0, height), (x + right).clamp(0, width)]
     return torch.stack([*corners, (y + down).clamp(0, height)], dim=1)
+
+
+def _large_and_small(whole: Detections, closely: Detections) -> Detections:
+    """The large objects that were found in a picture, and the small ones that were found in the enlarged one."""
+    small_boxes = closely.boxes / ENLARGED
+    large, small = _shorter_sides(whole.boxes) >= LARGE_PX, _shorter_sides(small_boxes) < SMALL_PX
+    return _without_doubles(
+        np.concatenate([whole.boxes[large], small_boxes[small]]),
+        np.concatenate([whole.types[large], closely.types[small]]),
+        np.concatenate([whole.scores[large], closely.scores[small]]),
+        whole.cells,
+    )
+
+
+def _shorter_sides(boxes: F32) -> F32:
+    return np.asarray((boxes[:, 2:] - boxes[:, :2]).min(axis=1, initial=np.inf), dtype=np.float32)
 
 
 def _without_doubles(boxes: F32, types: np.ndarray, scores: F32, cells: np.ndarray) -> Detections:

@@ -41,12 +41,11 @@ class NetworkLocalizer:
         """See `remqa_data.agents.parts.interfaces.Localizer`; nothing is drawn."""
         with one_thread():
             rgb = torch.from_numpy(percept.rgb).permute(2, 0, 1)[None]
-            raw = self.detector(rgb)
-            found = self.detector.read(raw, percept.depth.shape)[0]
+            features, (found,) = self.detector.look(rgb)
             places = candidates(found)
             if not len(places):
                 return None
-            regions = regions_of(self.detector, raw.features, found.boxes[places], percept.depth)
+            regions = regions_of(self.detector, features, found.boxes[places], percept.depth)
             numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.expression])[0])
             best = places[int(self.matcher(numbers, regions).scores[0].argmax())]
         height, width = percept.depth.shape

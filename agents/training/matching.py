@@ -173,9 +173,8 @@ def referred_pictures(
 def _referred(reader: SplitReader, place: int, objects: list, rows: list, detector: Detector, device: str) -> Referred:  # type: ignore[type-arg]
     rgb, depth = reader.images(place, ["rgb", "depth"])
     picture = torch.from_numpy(decode_rgb(rgb)).permute(2, 0, 1)[None].to(device)
-    raw = detector(picture)
+    features, (found,) = detector.look(picture)
     metres = decode_depth(depth)
-    found = detector.read(raw, picture.shape[-2:])[0]
     boxes = found.boxes[candidates(found)]
     asked = {row["target_id"] for row in rows}
     shown = [item for item in objects if item["pixels"] >= LEAST_PIXELS or item["id"] in asked]
@@ -189,8 +188,8 @@ def _referred(reader: SplitReader, place: int, objects: list, rows: list, detect
         tuple(row["expression_id"] for row in rows),
         tuple(row["text"] for row in rows),
         targets,
-        regions_of(detector, raw.features, boxes, metres),
-        regions_of(detector, raw.features, true, metres),
+        regions_of(detector, features, boxes, metres),
+        regions_of(detector, features, true, metres),
         np.where(is_found, best, -1),
         np.array([numbers[row["target_id"]] for row in rows]),
     )

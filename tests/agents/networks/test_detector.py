@@ -59,6 +59,29 @@ def test_where_nothing_is_nothing_is_found() -> None:
     assert len(detector.read(said(detector, []), (40, 40))[0].boxes) == 0
 
 
+class Twice(Detector):
+    """Sees an object of 90 x 90 pixels at the top left of whatever it is shown, and one of 24 x 24 farther down."""
+
+    def forward(self, rgb: torch.Tensor) -> Raw:
+        height, width = (-(-side // 4) for side in rgb.shape[-2:])
+        middles, sides = torch.full((1, height, width), -9.0), torch.full((1, 4, height, width), 45.0)
+        middles[0, 8, 8] = middles[0, 20, 12] = 9.0
+        sides[0, :, 20, 12] = 12.0
+        features = torch.full((1, CHANNELS, height, width), float(height))
+        return Raw(features, middles, sides, torch.zeros((1, 1 + self.types, height, width)))
+
+
+def test_large_things_are_found_in_the_picture_and_small_ones_in_the_enlarged_one() -> None:
+    features, (found,) = Twice(1).eval().look(torch.zeros((1, 3, 100, 100), dtype=torch.uint8))
+    assert features.shape == (1, CHANNELS, 25, 25)
+    assert (features == 25).all()
+    boxes = sorted(found.boxes.tolist())
+    assert boxes[0] == [0.0, 0.0, 79.0, 79.0]  # so large a one is found in the picture itself
+    whole_px, x, y = 24 / 1.5, (12 + 0.5) * 4 / 1.5, (20 + 0.5) * 4 / 1.5
+    small = [(b[2] - b[0], (b[0] + b[2]) / 2, (b[1] + b[3]) / 2) for b in boxes if b[2] - b[0] < 34]
+    assert np.allclose(small, [(whole_px, x, y)], atol=1e-4)
+
+
 def test_a_mask_has_the_cells_of_its_type_within_its_box_or_else_all_of_it() -> None:
     cells = np.zeros((5, 5), dtype=np.int64)
     cells[1, 1] = cells[4, 4] = 3
