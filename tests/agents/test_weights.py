@@ -6,16 +6,20 @@ import pytest
 from remqa_data.agents.networks.detector import iou
 from remqa_data.agents.training.config import load_network_config, networks
 from remqa_data.agents.training.weights import load_network, weights_path
+from remqa_data.files import sha256_of
 from tests.helpers.weights_slice import EXPRESSIONS, QUESTIONS, rows_of, said_answer, said_box
 
 MOST_MB = 25
 
 
-def test_all_networks_have_weights_of_their_configuration_from_the_same_data_and_not_too_large() -> None:
-    paths = {name: weights_path(name) for name in networks()}
+def test_shipped_weights_are_of_their_configurations_from_the_same_data_and_detector_and_not_too_large() -> None:
+    paths = {path.stem: path for path in weights_path("detector").parent.glob("*.safetensors")}
+    assert {"detector", "language_attention", "answerer"} <= set(paths) <= set(networks())
     abouts = {name: load_network(path)[1] for name, path in paths.items()}
     assert all(about.network == load_network_config(name) for name, about in abouts.items())
     assert len({about.datasets for about in abouts.values()}) == 1
+    needs = {"detector": sha256_of(paths["detector"])}
+    assert all(about.needs == (needs if name != "detector" else {}) for name, about in abouts.items())
     assert sum(path.stat().st_size for path in paths.values()) < MOST_MB * 1e6
 
 
