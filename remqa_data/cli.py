@@ -84,7 +84,7 @@ def play(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
     question_id: Annotated[str, typer.Argument(help="A question of it, such as FloorPlan1-COUNTING-00-c2.")],
     film: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="The film to write, .mp4 or .webm.")
+        Path, typer.Option("-o", "--output", metavar="FILE", help="The film to write: .mp4, .webm, or .webp for pages.")
     ] = Path("episode.mp4"),
 ) -> None:
     """Film a question: what the agent sees, the agent from outside, and the map that it draws."""

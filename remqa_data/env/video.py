@@ -35,10 +35,12 @@ REACHING_FRAMES, LAST_FRAMES = 6, 10
 QUESTION_COLUMNS = 90
 CODECS = {".mp4": "vp09", ".webm": "VP90"}
 """VP9, which browsers play, as each container calls it; OpenCV's wheels have no encoder for H.264 or AV1."""
+ANIMATED, QUALITY = ".webp", 70
+"""A picture that moves, for a page that shows pictures only."""
 
 
 def write_film(root: Path, question_id: str, path: Path) -> int:
-    """Write the oracle's episode of a question of a dataset as .mp4 or .webm; returns the number of frames.
+    """Write the oracle's episode of a question of a dataset as .mp4, .webm or .webp; returns the number of frames.
 
     Raises
     ------
@@ -49,22 +51,36 @@ def write_film(root: Path, question_id: str, path: Path) -> int:
     OutputError
         If films of this kind cannot be written here, or the film was not written whole.
     """
-    if path.suffix not in CODECS:
-        raise OutputError(f"{path}: give a name that ends with {' or '.join(CODECS)}")
+    if path.suffix not in (*CODECS, ANIMATED):
+        raise OutputError(f"{path}: give a name that ends with {', '.join(CODECS)} or {ANIMATED}")
     with atomic_path(path) as temporary:
-        frames = _of_one_size(list(film(root, question_id)))
-        height, width = frames[0].shape[:2]
-        writer = cv2.VideoWriter(
-            str(temporary), cv2.VideoWriter.fourcc(*CODECS[path.suffix]), FRAMES_PER_S, (width, height)
-        )
-        if not writer.isOpened():
-            raise OutputError(f"{path}: this OpenCV cannot write VP9; install opencv-python-headless")
-        for frame in frames:
-            writer.write(np.ascontiguousarray(frame[..., ::-1]))
-        writer.release()
-        if _readable_frames(temporary) != len(frames):  # OpenCV says nothing when a write fails
+        frames = [np.ascontiguousarray(frame[..., ::-1]) for frame in _of_one_size(list(film(root, question_id)))]
+        is_whole = _write_animation(temporary, frames) if path.suffix == ANIMATED else _write_video(temporary, frames)
+        if not is_whole:  # OpenCV says nothing when a write fails
             raise OutputError(f"{path}: the film could not be written whole; is the disk full?")
     return len(frames)
+
+
+def _write_video(path: Path, frames: list[U8]) -> bool:
+    """Write BGR frames as a video; whether all can be read again."""
+    height, width = frames[0].shape[:2]
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*CODECS[path.suffix]), FRAMES_PER_S, (width, height))
+    if not writer.isOpened():
+        raise OutputError(f"{path}: this OpenCV cannot write VP9; install opencv-python-headless")
+    for frame in frames:
+        writer.write(frame)
+    writer.release()
+    return _readable_frames(path) == len(frames)
+
+
+def _write_animation(path: Path, frames: list[U8]) -> bool:
+    """Write BGR frames as a picture that moves, for ever; whether it can be read again and lasts as long."""
+    film, frame_ms = cv2.Animation(), round(1000 / FRAMES_PER_S)
+    film.frames, film.durations = frames, [frame_ms] * len(frames)
+    if not cv2.imwriteanimation(str(path), film, [cv2.IMWRITE_WEBP_QUALITY, QUALITY]):
+        return False
+    is_readable, written = cv2.imreadanimation(str(path))
+    return is_readable and sum(written.durations) == frame_ms * len(frames)  # frames that are alike become one
 
 
 def _readable_frames(path: Path) -> int:

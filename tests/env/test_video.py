@@ -57,15 +57,28 @@ def test_browsers_can_play_a_film(tmp_path: Path, suffix: str) -> None:
 
 @pytest.mark.usefixtures("noise")
 def test_another_kind_of_film_is_refused_before_anything_is_drawn(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match=r"film\.avi: give a name that ends with \.mp4 or \.webm"):
+    with pytest.raises(OutputError, match=r"film\.avi: give a name that ends with \.mp4, \.webm or \.webp"):
         play.write_film(tmp_path, "Q", tmp_path / "film.avi")
 
 
+@pytest.mark.usefixtures("noise")
+def test_a_film_can_be_a_picture_that_moves(tmp_path: Path) -> None:
+    path = tmp_path / "film.webp"
+    assert play.write_film(tmp_path, "Q", path) == FRAMES
+    is_readable, shown = cv2.imreadanimation(str(path))
+    assert is_readable
+    assert shown.loop_count == 0  # for ever
+    assert list(shown.durations) == [1000 // play.FRAMES_PER_S] * FRAMES
+    first = np.random.default_rng(0).integers(0, 256, (64, 96, 3), dtype=np.uint8)[..., ::-1]
+    assert np.corrcoef(shown.frames[0][..., :3].ravel(), first.ravel())[0, 1] > 0.5
+
+
 @pytest.mark.usefixtures("noise", "small_disk")
-def test_a_film_on_a_full_disk_is_an_error_and_leaves_the_old_one(tmp_path: Path) -> None:
-    path = tmp_path / "film.mp4"
+@pytest.mark.parametrize("suffix", [".mp4", ".webp"])
+def test_a_film_on_a_full_disk_is_an_error_and_leaves_the_old_one(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"film{suffix}"
     path.write_bytes(b"old")
-    with pytest.raises(OutputError, match=r"film\.mp4: the film could not be written whole; is the disk full"):
+    with pytest.raises(OutputError, match=rf"film\{suffix}: the film could not be written whole; is the disk full"):
         play.write_film(tmp_path, "Q", path)
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
