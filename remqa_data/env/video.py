@@ -35,7 +35,7 @@ REACHING_FRAMES, LAST_FRAMES = 6, 10
 QUESTION_COLUMNS = 90
 CODECS = {".mp4": "vp09", ".webm": "VP90"}
 """VP9, which browsers play, as each container calls it; OpenCV's wheels have no encoder for H.264 or AV1."""
-ANIMATED, QUALITY = ".webp", 70
+ANIMATED, QUALITY = ".webp", 85
 """A picture that moves, for a page that shows pictures only."""
 
 
