@@ -33,6 +33,9 @@ EVIDENCE_PX = 30
 ASKED_AGAIN = 0.5
 """Share of the questions in which another thing is asked for."""
 
+COUNTED = 0.5
+"""Share of those in which it is asked how many there are instead of whether there is one: few questions of the dataset do."""
+
 KINDS = ("EXISTENCE", "COUNTING", "SPATIAL")
 COLUMNS = (
     "question",
@@ -176,19 +179,40 @@ class Others:
         return cls({room: tuple(found) for room, found in types.items()}, most)
 
     def ask(self, row: Mapping[str, Any], there: Sequence[str], rng: np.random.Generator) -> tuple[str, str, str]:
-        """A question for another thing, its answer, and the thing: as often as not, one of those that have come to light."""
+        """A question for another thing, its answer, and the thing.
+
+        Whether there is one is true as often as not; how many there are, as far as possible, each number as often.
+        """
         types = self.by_room_type[row["room_type"]]
-        present = sorted({name for name in there if name in types and there.count(name) <= self.most})
-        absent = [name for name in types if name not in there]
-        pool = present if present and rng.random() < 0.5 else absent
-        if not pool:
+        counts = {name: there.count(name) for name in types}
+        numbers = sorted({count for count in counts.values() if count <= self.most})
+        is_counted = row["kind"] == "COUNTING" or rng.random() < COUNTED
+        if is_counted and not numbers:
             return row["question"], row["answer"], row["answer_type"]
+        if is_counted:
+            wanted_count = int(rng.choice(numbers))
+            pool = [name for name in types if counts[name] == wanted_count]
+        else:
+            is_there = bool(rng.random() < 0.5)
+            pool = [name for name in types if bool(counts[name]) is is_there] or list(types)
         wanted = str(pool[int(rng.integers(len(pool)))])
-        question = row["question"]
-        for words in (plural, with_article):
-            question = question.replace(f" {words(row['answer_type'])} ", f" {words(wanted)} ", 1)
-        count = there.count(wanted)
-        return question, (str(count) if row["kind"] == "COUNTING" else "yes" if count else "no"), wanted
+        answer = str(counts[wanted]) if is_counted else "yes" if counts[wanted] else "no"
+        return _asking(row["question"], row["answer_type"], wanted, is_counted=is_counted), answer, wanted
+
+
+def _asking(question: str, before: str, wanted: str, *, is_counted: bool) -> str:
+    """A question, asked for another type, and perhaps how many of it there are.
+
+    >>> _asking("Is there a mug in the drawer?", "Mug", "Egg", is_counted=False)
+    'Is there an egg in the drawer?'
+    >>> _asking("Is there a mug in the drawer?", "Mug", "Egg", is_counted=True)
+    'How many eggs are there in the drawer?'
+    """
+    if is_counted:
+        question = question.replace(f"Is there {with_article(before)} ", f"How many {plural(before)} are there ", 1)
+    for words in (plural, with_article):
+        question = question.replace(f" {words(before)} ", f" {words(wanted)} ", 1)
+    return question
 
 
 class AnsweringTask:
