@@ -49,7 +49,7 @@ def optional_packages() -> list[tuple[str, str]]:
     return [
         (name, extra)
         for extra, requirements in PYPROJECT["project"]["optional-dependencies"].items()
-        if extra not in ("dev", "lint", "test")  # for people who work on the package itself
+        if extra not in ("dev", "docs", "lint", "test")  # for people who work on the package itself
         for name in (re.match(r"[A-Za-z0-9_.-]+", requirement).group() for requirement in requirements)  # type: ignore[union-attr]
     ]
 

@@ -59,7 +59,7 @@ def dataset_card(manifest: Manifest) -> str:
         *("## Fields", ""),
     ]
     for spec in tables:
-        lines += [f"### {spec.name}", "", spec.description, "", *_fields(spec), ""]
+        lines += [f"### {spec.name}", "", spec.description, "", *field_table(spec), ""]
     lines += ["## Made by", "", *_versions(manifest), "", "## Citation", "", CITED, "", "```bibtex", BIBTEX, "```", ""]
     lines += ["## Licence and provenance", "", f"Apache-2.0. {PROVENANCE}"]
     return "\n".join(lines) + "\n"
@@ -155,7 +155,8 @@ def _snippet(manifest: Manifest) -> list[str]:
     ]
 
 
-def _fields(spec: TableSpec) -> list[str]:
+def field_table(spec: TableSpec) -> list[str]:
+    """Every field of a table, as a table in Markdown."""
     cells = []
     for doc in field_docs(spec.schema):
         notes = ", ".join(text for text in (doc.unit, f"{doc.frame} frame" if doc.frame else "") if text)
