@@ -90,7 +90,8 @@ def test_what_is_excluded_stays_and_stays_free(kitchen) -> None:
     assert event, event.metadata["errorMessage"]
     elsewhere = moved(event, before)
     assert elsewhere
-    assert not elsewhere & {EGG, APPLE}
+    for name in (EGG, APPLE):
+        assert event.get_object(name)["position"] == before.get_object(name)["position"]
     parents = {parent for name in elsewhere for parent in things(event)[name]["parentReceptacles"]}
     assert not parents & set(COUNTERS)
 
@@ -111,7 +112,7 @@ def test_what_is_held_is_put_down_too(kitchen) -> None:
     [
         ({"numPlacementAttempts": 0}, "positive integer"),
         ({"numDuplicatesOfType": [{"objectType": "Apple", "count": 2}]}, "objects cannot be copied here"),
-        ({"excludedObjectIds": ["Apple|0"]}, "did you mean"),
+        ({"excludedObjectIds": ["Apple|0"]}, "unknown object"),
         ({"excludedReceptacles": ["CounterTopp"]}, "did you mean"),
     ],
 )

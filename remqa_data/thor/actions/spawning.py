@@ -127,6 +127,9 @@ def _spawn(
         if not _stayed(world, name, owners):
             _put_alone(world, name, surfaces, tries, rng)
     _settle(world)
+    for name, state in before.states.items():
+        if name not in moved and _farthest(world, {name: state}) <= AT_REST_M:
+            world.put_back(name, state)
     sunken = next((name for name in moved if handling.sunk_into(world, name)), None)
     if sunken is not None:
         world.restore(before)

@@ -60,7 +60,7 @@ class LoadedFloorPlan:
         self.world = World(load_scene(scene))
         self.world.settle()
         self.view = WorldView(self.world)
-        self._is_ceiling = self.view.parts_of_building("ceiling")
+        self._hides_room = self.view.parts_of_building("ceiling") | self.view.parts_of_building("outside")
         self.looks = Looks(self.view)
         self.palette = Palette(self.world.ids, [self.world.type_of(object_id) for object_id in self.world.ids])
         self.at_rest = self.world.save()
@@ -119,11 +119,14 @@ class LoadedFloorPlan:
         return self.map_camera().camera(self.agent.frame) if self.shows_map else self.agent.camera()
 
     def shown_to(self, camera: AnyCamera) -> Flags | None:
-        """(parts,) what a camera is shown; None for all: from above the ceiling one sees through it."""
+        """(parts,) what a camera is shown; None for all.
+
+        From above one sees into the room: there is no ceiling then, and nothing around the house.
+        """
         if self.looks.only is not None:
             return self.looks.only
         is_above = camera.view().eye[2] >= self.world.scene.floor_z + self.world.scene.height
-        return ~self._is_ceiling if is_above else None
+        return ~self._hides_room if is_above else None
 
     def box(self) -> F64:
         """(2, 3) corners of the room inside its walls, metres."""
