@@ -118,6 +118,7 @@ def test_materials_say_where_they_are_from(rooms) -> None:
         ("RandomizeLighting", {"brightness": [-1, 1]}, "brightness must be 0 or more"),
         ("RandomizeLighting", {"hue": [0, 1.5]}, "hue must be in [0:1]"),
         ("RandomizeLighting", {"saturation": [1]}, "saturation must have 2 values"),
+        ("RandomizeLighting", {"brightness": []}, "brightness must have 2 values"),
     ],
 )
 def test_looks_that_are_refused_change_nothing(kitchen, action, arguments, words) -> None:

@@ -132,7 +132,9 @@ def randomize_lighting(
         if given is not None and not randomizeColor:
             return ActionResult(False, f"{name} is given, but randomizeColor is false")
     bounds = _Bounds(
-        *(tuple(given or usual) for given, usual in zip((brightness, hue, saturation), _USUAL, strict=True))
+        tuple(BRIGHTNESS if brightness is None else brightness),
+        tuple(HUE if hue is None else hue),
+        tuple(SATURATION if saturation is None else saturation),
     )
     if problem := bounds.problem():
         return ActionResult(False, problem)
@@ -208,9 +210,6 @@ def _choices(own: Material, shades: list[float], paints: list[Vec3]) -> list[Mat
         for m in palette
         for shade in shades
     ]
-
-
-_USUAL = (BRIGHTNESS, HUE, SATURATION)
 
 
 class _Bounds(NamedTuple):
