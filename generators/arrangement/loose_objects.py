@@ -52,6 +52,7 @@ def put_anew(
     surfaces: Sequence[OpenSurface],
     keep_out: Sequence[Box],
     rng: np.random.Generator,
+    tries: int = TRIES,
 ) -> bool:
     """Put a loose thing, with what is in it, somewhere else; False, and nothing has changed, if no room was found.
 
@@ -69,6 +70,8 @@ def put_anew(
         Boxes in the room, metres, that stay free.
     rng : numpy.random.Generator
         Draws receptacle, place and turn.
+    tries : int
+        How many places are tried.
     """
     by_type: dict[str, list[OpenSurface]] = {}
     for surface in surfaces:
@@ -79,7 +82,7 @@ def put_anew(
     names = sorted(weights)
     shares = np.array([weights[name] for name in names])
     snapshot = world.save()
-    for _ in range(TRIES):
+    for _ in range(tries):
         options = by_type[names[int(rng.choice(len(names), p=shares / shares.sum()))]]
         areas = np.array([_area(option.space) for option in options])
         surface = options[int(rng.choice(len(options), p=areas / areas.sum()))]

@@ -9,12 +9,14 @@ from remqa_data.errors import MisuseError, RemqaError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.actions import arm as actions_arm
 from remqa_data.thor.actions import hand as actions_hand
+from remqa_data.thor.actions import looks as actions_looks
 from remqa_data.thor.actions import navigation as actions_navigation
 from remqa_data.thor.actions import objects as actions_objects
 from remqa_data.thor.actions import placing as actions_placing
 from remqa_data.thor.actions import rays as actions_rays
 from remqa_data.thor.actions import scene as actions_scene
 from remqa_data.thor.actions import search as actions_search
+from remqa_data.thor.actions import spawning as actions_spawning
 from remqa_data.thor.actions import states as actions_states
 from remqa_data.thor.state.dispatch import call, checked
 from remqa_data.thor.state.events import Reply, reply
@@ -29,7 +31,9 @@ ACTIONS = checked(
     | actions_objects.ACTIONS
     | actions_hand.ACTIONS
     | actions_placing.ACTIONS
+    | actions_spawning.ACTIONS
     | actions_states.ACTIONS
+    | actions_looks.ACTIONS
 )
 """What the agent without an arm can do."""
 ARM_ACTIONS = ACTIONS | checked(actions_arm.ACTIONS)

@@ -132,3 +132,12 @@ def test_the_arm_belongs_to_arm_mode(kitchen) -> None:
     with pytest.raises(ValueError, match="Invalid action: MoveArm"):
         kitchen.step("MoveArm", position={"x": 0, "y": 0, "z": 0.4})
     assert kitchen.last_event.metadata["arm"] is None
+
+
+def test_wrist_and_elbow_say_why_they_cannot_be_turned(armed) -> None:
+    before = armed.last_event.metadata["arm"]
+    for action, arguments in (("RotateWristRelative", {"yaw": 20.0}), ("RotateElbowRelative", {"degrees": 20.0})):
+        event = armed.step(action, **arguments)
+        assert not event
+        assert "cannot be turned: " in event.metadata["errorMessage"]
+        assert event.metadata["arm"] == before

@@ -16,7 +16,7 @@ from remqa_data.sim.navigation.grid import ReachableGrid, reach_distance
 from remqa_data.sim.navigation.ground import Ground
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.camera import AnyCamera, Camera
 from remqa_data.sim.render.view import WorldView
 
 
@@ -70,8 +70,10 @@ class Body:
 
     # ---- what it sees
 
-    def object_at(self, x: float, y: float) -> str | None:
+    def object_at(self, x: float, y: float, camera: AnyCamera | None = None) -> str | None:
         """Id of the object at a point of its view, shares (0 to 1) of the width and height from the top left corner.
+
+        With a camera, at a point of that one's.
 
         Raises
         ------
@@ -80,7 +82,7 @@ class Body:
         """
         if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
             raise ActionError(f"the image point ({x}, {y}) is not between (0, 0) and (1, 1)")
-        image = self.view.instances(self.camera())
+        image = self.view.instances(camera or self.camera())
         height, width = image.shape
         index = image[min(int(y * height), height - 1), min(int(x * width), width - 1)]
         return self.world.ids[index] if index >= 0 else None

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.assets.core.model import Material
 from remqa_data.geometry.arithmetic import turned
 from remqa_data.geometry.types import F32, F64, I32, U8, Flags, Vec3
 from remqa_data.sim.light.patches import Patches, light_faces, patches
@@ -17,7 +18,13 @@ from remqa_data.sim.render.antialias import smooth_edges
 from remqa_data.sim.render.camera import AnyCamera, View
 from remqa_data.sim.render.mirrors import Mirrors, no_mirrors
 from remqa_data.sim.render.raster import Buffers, Geometry, Placed, part_faces, place_part, rasterise
-from remqa_data.sim.render.scene_arrays import RenderPart, build_geometry, build_materials, surface_instances
+from remqa_data.sim.render.scene_arrays import (
+    RenderPart,
+    build_geometry,
+    build_materials,
+    materials_and_texels,
+    surface_instances,
+)
 from remqa_data.sim.render.shade import Lights, shade, write_depth_and_instances
 from remqa_data.sim.render.shadow import empty_shadows, lamp_views, mark_faces, summarise
 
@@ -119,6 +126,19 @@ class Renderer:
         self._patches = _NO_PATCHES if volume is None else patches(self._geometry.vertices, self._geometry.faces)
         self._stale_light[:] = True
 
+    @property
+    def lights(self) -> Lights:
+        """The lamps, and light from everywhere where none is baked."""
+        return self._lights
+
+    def set_lamps(self, strength: npt.ArrayLike, ambient: float) -> None:
+        """Let the lamps shine with (k,) other strengths, and what comes from everywhere where none is baked."""
+        self._lights = self._lights._replace(strength=np.asarray(strength, dtype=np.float32), ambient=ambient)
+
+    def set_materials(self, materials: Sequence[Material]) -> None:
+        """Paint the surfaces, of which there is one material each in the order of the parts; light and shape stay."""
+        self._materials, self._texels = materials_and_texels(materials)
+
     def set_pose(self, part: int, pose: npt.ArrayLike) -> None:
         """Put one part elsewhere; `pose` is (4, 4), from its frame to the world."""
         matrix = np.ascontiguousarray(pose, dtype=np.float64)
@@ -142,7 +162,9 @@ class Renderer:
             self._mark_shadows(part)
             self._placed.visible[part] = visible
 
-    def render(self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True) -> Frame:
+    def render(
+        self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True, only: Flags | None = None
+    ) -> Frame:
         """Draw one frame.
 
         Parameters
@@ -153,12 +175,14 @@ class Renderer:
             Whether the first lamp casts shadows. Of its six maps, those that see a moved part are drawn again.
         antialias : bool
             Whether to smooth the edges in the colour image. Depth and instances are the same either way.
+        only : (n,) array of bool, optional
+            Which parts to draw; the others still cast shadows and throw light back.
         """
         view = camera.view()
         if shadows:
             self._draw_stale_maps()
         self._light_stale_parts()
-        buffers, depth, instances = self._rasterise(view)
+        buffers, depth, instances = self._rasterise(view, only)
         rgb = np.empty((view.height, view.width, 3), dtype=np.uint8)
         shade(
             self._geometry,

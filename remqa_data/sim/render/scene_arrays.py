@@ -69,7 +69,11 @@ def build_geometry(parts: Sequence[RenderPart]) -> Geometry:
 
 def build_materials(parts: Sequence[RenderPart]) -> tuple[Materials, I32]:
     """Materials of all surfaces, and the texels of the textures they name, which get the numbers 1, 2, ..."""
-    materials = [surface.material for part in parts for surface in part.surfaces]
+    return materials_and_texels([surface.material for part in parts for surface in part.surfaces])
+
+
+def materials_and_texels(materials: Sequence[Material]) -> tuple[Materials, I32]:
+    """The same for a list of materials, one for each surface."""
     names = sorted({material.texture for material in materials if material.texture is not None})
     number = {name: i + 1 if repeats(name) else i + 1 + CLAMPED for i, name in enumerate(names)}
     return (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.geometry.types import F32, F64, I32, Flags
+from remqa_data.scene import StructureKind
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import AnyCamera
 from remqa_data.sim.render.renderer import Renderer, RenderPart
 from remqa_data.sim.render.room_light import room_light
 from remqa_data.sim.render.room_mirrors import mirrors_of, room_mirrors
-from remqa_data.sim.render.scene_arrays import structure_surfaces
+from remqa_data.sim.render.scene_arrays import structure_groups, structure_surfaces
 
 if TYPE_CHECKING:
     from remqa_data.sim.render.renderer import Frame
@@ -81,6 +82,8 @@ class WorldView:
         self._out_of_room: str | None = None
         self._revision: int | None = None
         self.renderer = Renderer(parts, poses, lights=world.scene.lights)
+        self._lamps = self.renderer.lights
+        self._level = 1.0
         self._waits_for_light = world.scene.light == "baked"
 
     def sync(self) -> None:
@@ -104,19 +107,44 @@ class WorldView:
         self.hidings += 1
         self._show_or_hide(object_id)
 
-    def render(self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True) -> Observation:
-        """Draw the world as it is now; the first picture of a room with baked light takes a second."""
+    def render(
+        self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True, only: Flags | None = None
+    ) -> Observation:
+        """Draw the world as it is now; the first picture of a room with baked light takes a second.
+
+        With (parts,) `only`, some parts, in the light that all of them leave.
+        """
         self.sync()
         if self._waits_for_light:
             self._bake()
-        frame: Frame = self.renderer.render(camera, shadows=shadows, antialias=antialias)
+        frame: Frame = self.renderer.render(camera, shadows=shadows, antialias=antialias, only=only)
         return Observation(frame.rgb, frame.depth, self._object_of[frame.instances], self._link_of[frame.instances])
+
+    @property
+    def lamp_shares(self) -> F64:
+        """(k,) how much of the lamps' light each gives when the room is as it was built."""
+        strength = self._lamps.strength.astype(np.float64)
+        return np.asarray(strength / strength.sum())
+
+    def set_brightness(self, lamps: Sequence[float]) -> None:
+        """Let each lamp shine so many times as bright as it was built; what light the room throws back changes with them."""
+        self._level = float((self.lamp_shares * np.asarray(lamps)).sum())
+        strength = self._lamps.strength * np.asarray(lamps, dtype=np.float32)
+        self.renderer.set_lamps(strength, self._lamps.ambient * self._level)
+        if self.world.scene.light == "baked" and not self._waits_for_light:
+            self._bake()
 
     def parts_of(self, object_ids: Iterable[str]) -> Flags:
         """(parts,) which of the renderer's parts are those of some objects."""
         found = np.zeros(len(self.renderer.parts), dtype=np.bool_)
         for object_id in object_ids:
             found[self._parts_of[object_id]] = True
+        return found
+
+    def parts_of_building(self, kind: StructureKind) -> Flags:
+        """(parts,) which of the renderer's parts are walls, ceilings or another kind of the building's."""
+        found = np.zeros(len(self.renderer.parts), dtype=np.bool_)
+        found[: self._first_object_part] = [other == kind for other, _ in structure_groups(self.world.scene)]
         return found
 
     def instances(self, camera: AnyCamera, only: Flags | None = None) -> I32:
@@ -153,7 +181,10 @@ class WorldView:
         """Not before it is seen: most rooms that are planned are never drawn."""
         self._waits_for_light = False
         scene, bases = self.world.scene, {object_id: rows.start for object_id, rows in self._parts_of.items()}
-        self.renderer.set_light(room_light(scene), mirrors_of(room_mirrors(scene), self.renderer.parts, bases))
+        light = room_light(scene)
+        if self._level != 1.0:
+            light = light._replace(light=light.light * np.float32(self._level), least=light.least * self._level)
+        self.renderer.set_light(light, mirrors_of(room_mirrors(scene), self.renderer.parts, bases))
 
     def _show_or_hide(self, object_id: str) -> None:
         is_seen = object_id not in self._asked_to_hide and object_id != self._out_of_room

@@ -111,6 +111,20 @@ def rotate_agent(simulator: SimulatorState, degrees: float) -> ActionResult:
     return simulator.agent.rotate(-degrees)
 
 
+def rotate_wrist_relative(
+    simulator: SimulatorState, pitch: float = 0.0, yaw: float = 0.0, roll: float = 0.0, returnToStart: bool = True
+) -> ActionResult:
+    """Refuse to turn the hand: the search for movements points it as it likes, and what it holds does not turn with it."""
+    return ActionResult(False, "the wrist cannot be turned: each movement of the arm points the hand where it must")
+
+
+def rotate_elbow_relative(simulator: SimulatorState, degrees: float, returnToStart: bool = True) -> ActionResult:
+    """Refuse to turn the elbow: six joints have no freedom left once the hand is where it is."""
+    return ActionResult(
+        False, "the elbow cannot be turned: the arm has six joints, and the hand's place takes them all"
+    )
+
+
 ACTIONS: dict[str, Action] = {
     "MoveAgent": move_agent,
     "MoveArm": move_arm,
@@ -121,6 +135,8 @@ ACTIONS: dict[str, Action] = {
     "PickupObject": pick_up_object,
     "ReleaseObject": release_object,
     "RotateAgent": rotate_agent,
+    "RotateElbowRelative": rotate_elbow_relative,
+    "RotateWristRelative": rotate_wrist_relative,
     "SetHandSphereRadius": set_hand_sphere_radius,
 }
 

@@ -174,7 +174,8 @@ def _target(
         return ActionResult(False, f"{object_id} is not in the scene") if is_away else object_id
     if x is None or y is None:
         raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
-    return simulator.agent.object_at(x, y) or ActionResult(False, f"no object at ({x:g}, {y:g})")
+    seen = simulator.agent.object_at(x, y, simulator.room.frame_camera())
+    return seen or ActionResult(False, f"no object at ({x:g}, {y:g})")
 
 
 def _plain(result: ActionResult) -> ActionResult:

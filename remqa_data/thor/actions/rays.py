@@ -14,9 +14,10 @@ def get_coordinate_from_raycast(simulator: SimulatorState, x: float, y: float) -
     """The point of the room that a point of the frame shows; x to the right and y down, both from 0 to 1."""
     if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
         return ActionResult(False, f"x and y must be in [0:1] not (x={x:g}, y={y:g}).")
-    camera = simulator.agent.camera()
+    camera = simulator.room.frame_camera()
     depth, _ = simulator.room.view.depth_and_instances(camera)
-    row, column = min(int(y * camera.height), camera.height - 1), min(int(x * camera.width), camera.width - 1)
+    height, width = depth.shape
+    row, column = min(int(y * height), height - 1), min(int(x * width), width - 1)
     metres = float(depth[row, column])
     if metres <= 0.0:
         return ActionResult(False, f"nothing is seen at ({x:g}, {y:g})")

@@ -6,8 +6,6 @@ import warnings
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import scene_names
 from remqa_data.sim.agent.agent import ActionResult
@@ -142,15 +140,20 @@ def get_scene_bounds(simulator: SimulatorState) -> ActionResult:
 
 def get_map_view_camera_properties(simulator: SimulatorState) -> ActionResult:
     """A camera under the ceiling that sees the whole floor plan."""
-    low, high = simulator.room.box()
-    eye = np.array([*(low + high)[:2] / 2, high[2] - 0.05])
+    camera = simulator.room.map_camera()
     value = {
-        "position": to_thor(eye),
-        "rotation": {"x": 90.0, "y": 0.0, "z": 0.0},
-        "orthographicSize": float((high - low)[:2].max()) / 2,
+        "position": camera.position,
+        "rotation": camera.rotation,
+        "orthographicSize": camera.orthographic_size,
         "orthographic": True,
     }
     return ActionResult(True, value=value)
+
+
+def toggle_map_view(simulator: SimulatorState) -> ActionResult:
+    """Take the agent's pictures with the map camera, or with its own eye again; returns the room's highest corner."""
+    simulator.room.shows_map = not simulator.room.shows_map
+    return ActionResult(True, value=to_thor(simulator.room.box()[1]))
 
 
 def add_third_party_camera(
@@ -209,6 +212,7 @@ ACTIONS: dict[str, Action] = {
     "Reset": reset,
     "ResetObjectFilter": reset_object_filter,
     "SetObjectFilter": set_object_filter,
+    "ToggleMapView": toggle_map_view,
     "UnpausePhysicsAutoSim": do_nothing,
     "UpdateThirdPartyCamera": update_third_party_camera,
 }

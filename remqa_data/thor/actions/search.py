@@ -138,7 +138,7 @@ def get_shortest_path_to_point(
 
 def get_object_in_frame(simulator: SimulatorState, x: float, y: float, checkVisible: bool = False) -> ActionResult:
     """The id of the object at a point of the frame."""
-    object_id = simulator.agent.object_at(x, y)
+    object_id = simulator.agent.object_at(x, y, simulator.room.frame_camera())
     if object_id is None or (checkVisible and not simulator.agent.is_near(object_id)):
         return ActionResult(False, f"no object at ({x:g}, {y:g})")
     return ActionResult(True, value=object_id)

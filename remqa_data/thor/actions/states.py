@@ -91,7 +91,6 @@ WITHOUT_EFFECT = (
     "MakeObjectsStaticKinematicMassThreshold",
     "SetDecayTemperatureBool",
     "SetGlobalRoomTempDecayTime",
-    "SetRandomSeed",
     "SetRoomTempDecayTimeForType",
 )
 

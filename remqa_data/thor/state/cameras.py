@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from remqa_data.sim.render.camera import AnyCamera, Camera, TopDownCamera
+from remqa_data.sim.render.camera import Camera, TopDownCamera
 from remqa_data.thor.state.frames import Vector, to_room, yaw_to_room
 from remqa_data.thor.state.settings import FrameSize
 
@@ -54,7 +54,7 @@ class ThirdPartyCamera:
             "fieldOfView": self.field_of_view,
         }
 
-    def camera(self, frame: FrameSize) -> AnyCamera:
+    def camera(self, frame: FrameSize) -> Camera | TopDownCamera:
         """The camera that draws pictures of a size."""
         position, (width, height) = to_room(self.position), (frame.width, frame.height)
         if self.orthographic_size is not None:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent.agent import ActionResult
-from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import Observation
 from remqa_data.thor.state.arm_metadata import arm_metadata
 from remqa_data.thor.state.frames import to_thor, yaw_to_thor
@@ -53,16 +52,20 @@ def reply(simulator: SimulatorState, action: str, result: ActionResult, code: st
     if not simulator.has_room:
         files["image"].append(bytes(3 * simulator.frame.width * simulator.frame.height))
         return Reply(metadata, files)
-    room, camera = simulator.room, simulator.agent.camera()
+    room = simulator.room
     distance = simulator.settings.visibility_distance
     if images.none:
         visible = room.agent.visible_objects(distance)
     else:
-        seen = room.view.render(camera)
-        visible = room.agent.seen_in(seen.objects, distance)
+        camera = room.frame_camera()
+        only = room.shown_to(camera)
+        seen = room.view.render(camera, only=only)
+        is_sight = only is None and not room.shows_map
+        visible = room.agent.seen_in(seen.objects, distance) if is_sight else room.agent.visible_objects(distance)
         _add(files, _AGENT_FILES, seen, images, room.palette, simulator.settings.far_plane)
         for third in simulator.cameras:
-            drawn = room.view.render(third.camera(simulator.frame))
+            camera = third.camera(simulator.frame)
+            drawn = room.view.render(camera, only=room.shown_to(camera))
             _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, simulator.settings.far_plane)
     hand = room.agent.hand_at()
     held_at = room.agent.held_at()
@@ -73,7 +76,7 @@ def reply(simulator: SimulatorState, action: str, result: ActionResult, code: st
     metadata["colors"] = room.palette.metadata() if images.colors else None
     metadata["thirdPartyCameras"] = [camera.metadata(index) for index, camera in enumerate(simulator.cameras)]
     metadata["arm"] = arm_metadata(room) if simulator.settings.has_arm else None
-    return Reply(metadata | _agent(room, camera, hand), files)
+    return Reply(metadata | _agent(room, hand), files)
 
 
 _AGENT_FILES = ("image", "image_depth", "image_ids", "image_classes")
@@ -141,8 +144,9 @@ def _outcome(action: str, result: ActionResult, code: str | None) -> Metadata:
     }
 
 
-def _agent(room: LoadedFloorPlan, camera: Camera, hand: Vec3) -> Metadata:
+def _agent(room: LoadedFloorPlan, hand: Vec3) -> Metadata:
     agent, world = room.agent, room.world
+    above = room.map_camera() if room.shows_map else None
     rotation = {"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0}
     held = [] if world.held is None else [{"objectId": world.held, "objectType": world.type_of(world.held)}]
     return {
@@ -154,8 +158,9 @@ def _agent(room: LoadedFloorPlan, camera: Camera, hand: Vec3) -> Metadata:
             "isStanding": agent.is_standing,
             "inHighFrictionArea": False,
         },
-        "cameraPosition": to_thor(camera.position),
-        "fov": camera.fov_deg,
+        "cameraPosition": to_thor(agent.camera().position) if above is None else above.position,
+        "cameraOrthSize": -1.0 if above is None else above.orthographic_size,
+        "fov": agent.embodiment.fov_deg,
         "inventoryObjects": held,
         "heldObjectPose": {
             "localPosition": dict(zip("xyz", agent.hand_offset, strict=True)),

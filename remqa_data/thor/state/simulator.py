@@ -6,23 +6,30 @@ import numpy as np
 
 from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import load_scene
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose, pixels_per_object
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.camera import AnyCamera, Camera, TopDownCamera
 from remqa_data.sim.render.view import WorldView
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.cameras import ThirdPartyCamera
+from remqa_data.thor.state.frames import to_thor
 from remqa_data.thor.state.images import Palette
+from remqa_data.thor.state.looks import Look, Looks
 from remqa_data.thor.state.objects import ObjectRecords
 from remqa_data.thor.state.settings import FrameSize, Settings
 
 AGENT_MIDDLE_M = 0.900999
 """AI2-THOR describes its agent by its middle, which is so high above the floor."""
+BELOW_CEILING_M = 0.05
+"""Where the map camera is."""
 HOVERS_M = {"FloorPlan12": 0.079}
 """In this room it was recorded above the floor on which everything else stands."""
 SCENE_SUFFIX = "_physics"
+SEEDS = 1 << 32
+"""A seed is a 32-bit number there."""
 
 
 class LoadedFloorPlan:
@@ -39,10 +46,13 @@ class LoadedFloorPlan:
 
     Attributes
     ----------
-    world, view, agent, records, palette
-        The simulated room, its renderer, the agent in it, the objects' metadata and their colours.
+    world, view, agent, records, palette, looks
+        The simulated room, its renderer, the agent in it, the objects' metadata, their colours in masks, and how the room
+        is shown.
     at_rest : Snapshot
         The world as it was loaded.
+    shows_map : bool
+        Whether the agent's pictures are those of the map camera.
     """
 
     def __init__(self, scene: str, settings: Settings, frame: FrameSize) -> None:
@@ -50,6 +60,8 @@ class LoadedFloorPlan:
         self.world = World(load_scene(scene))
         self.world.settle()
         self.view = WorldView(self.world)
+        self._hides_room = self.view.parts_of_building("ceiling") | self.view.parts_of_building("outside")
+        self.looks = Looks(self.view)
         self.palette = Palette(self.world.ids, [self.world.type_of(object_id) for object_id in self.world.ids])
         self.at_rest = self.world.save()
         self.records = ObjectRecords(self.world)
@@ -61,6 +73,8 @@ class LoadedFloorPlan:
         self.world.restore(self.at_rest)
         self.show_all_but({})
         self.records = ObjectRecords(self.world)
+        self.shows_map = False
+        self.looks.change(Look())
         position, yaw_deg = self._start
         self.agent = ThorAgent(self.world, self.view, position, yaw_deg, settings=settings, frame=frame)
 
@@ -94,6 +108,26 @@ class LoadedFloorPlan:
         scene = self.world.scene
         return scene.floor_z + AGENT_MIDDLE_M + HOVERS_M.get(scene.name, 0.0)
 
+    def map_camera(self) -> ThirdPartyCamera:
+        """A camera under the ceiling that sees the whole floor plan."""
+        low, high = self.box()
+        eye = to_thor((*(low + high)[:2] / 2, high[2] - BELOW_CEILING_M))
+        return ThirdPartyCamera(eye, {"x": 90.0, "y": 0.0, "z": 0.0}, 90.0, float((high - low)[:2].max()) / 2)
+
+    def frame_camera(self) -> Camera | TopDownCamera:
+        """The camera that takes the agent's pictures: its eye, or that of the map."""
+        return self.map_camera().camera(self.agent.frame) if self.shows_map else self.agent.camera()
+
+    def shown_to(self, camera: AnyCamera) -> Flags | None:
+        """(parts,) what a camera is shown; None for all.
+
+        From above one sees into the room: there is no ceiling then, and nothing around the house.
+        """
+        if self.looks.only is not None:
+            return self.looks.only
+        is_above = camera.view().eye[2] >= self.world.scene.floor_z + self.world.scene.height
+        return ~self._hides_room if is_above else None
+
     def box(self) -> F64:
         """(2, 3) corners of the room inside its walls, metres."""
         scene = self.world.scene
@@ -119,6 +153,9 @@ class SimulatorState:
         In the order in which they were added.
     shown_objects : frozenset of str or None
         What SetObjectFilter restricts the metadata to; None for all objects.
+    rng : numpy.random.Generator
+        Draws what is random and has no seed of its own. As in AI2-THOR it goes on over resets, so that each room is
+        another one.
     """
 
     def __init__(self, frame: FrameSize) -> None:
@@ -127,6 +164,7 @@ class SimulatorState:
         self.scene_name = ""
         self.cameras: list[ThirdPartyCamera] = []
         self.shown_objects: frozenset[str] | None = None
+        self.rng = generator(0)
         self._room: LoadedFloorPlan | None = None
 
     @property
@@ -164,6 +202,10 @@ class SimulatorState:
         self.scene_name = scene_name
         self.cameras, self.shown_objects = [], None
 
+    def seed(self, seed: int) -> None:
+        """Start anew what is random."""
+        self.rng = generator(seed)
+
     def resize(self, frame: FrameSize) -> None:
         """Change the size of all pictures."""
         self.frame = frame
@@ -175,6 +217,11 @@ class SimulatorState:
         if self._room is not None:
             self._room.world.close()
             self._room = None
+
+
+def generator(seed: int) -> np.random.Generator:
+    """Random numbers from a seed of AI2-THOR, which may be negative."""
+    return np.random.default_rng(seed % SEEDS)
 
 
 def _start_pose(view: WorldView, grid: ReachableGrid) -> tuple[tuple[float, float], float]:

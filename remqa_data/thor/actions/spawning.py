@@ -1,0 +1,179 @@
+"""A room in which other things lie about: what can be picked up is put on and into other receptacles, at random.
+
+Where a thing may be is what was recorded of such things in such rooms. What is put down comes to rest; what would not stay
+where it was put is put down anew, alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from typing_extensions import TypedDict
+
+from remqa_data.catalog import object_type
+from remqa_data.generators.arrangement.loose_objects import OpenSurface, put_anew
+from remqa_data.geometry import arithmetic
+from remqa_data.sim.agent import handling
+from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.physics.state import ObjectState
+from remqa_data.sim.physics.world import World
+from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.simulator import SimulatorState, generator
+
+AT_REST_M = 0.001
+"""What physics moves by no more was at rest."""
+MOST_SETTLING = 5
+"""So often all are given time to come to rest."""
+
+
+class ObjectTypeCount(TypedDict):
+    """How many objects of a type there are to be."""
+
+    objectType: str
+    count: int
+
+
+def initial_random_spawn(
+    simulator: SimulatorState,
+    randomSeed: int = 0,
+    forceVisible: bool = False,
+    numPlacementAttempts: int = 5,
+    placeStationary: bool = True,
+    numDuplicatesOfType: list[ObjectTypeCount] | None = None,
+    excludedReceptacles: list[str] | None = None,
+    excludedObjectIds: list[str] | None = None,
+) -> ActionResult:
+    """Put what can be picked up somewhere else, at random; what finds no place stays where it is.
+
+    Parameters
+    ----------
+    simulator : SimulatorState
+        The room.
+    randomSeed : int
+        The same seed gives the same places to things that lie where they lay.
+    forceVisible : bool
+        Whether nothing is put into what is closed.
+    numPlacementAttempts : int
+        How many places are tried for each object.
+    placeStationary : bool
+        Means nothing: all is at rest after every action.
+    numDuplicatesOfType : list of ObjectTypeCount
+        No more than there are: nothing can be copied.
+    excludedReceptacles : list of str
+        Types of receptacles on and into which nothing is put.
+    excludedObjectIds : list of str
+        Objects that stay where they are.
+    """
+    world, away = simulator.room.world, simulator.room.records.away
+    if numPlacementAttempts < 1:
+        return ActionResult(False, "numPlacementAttempts must be a positive integer.")
+    for wish in numDuplicatesOfType or []:
+        count = sum(world.type_of(name) == wish["objectType"] for name in world.ids if name not in away)
+        if wish["count"] > count:
+            return ActionResult(
+                False,
+                f"{wish['count']} of {wish['objectType']} are asked for and there are {count}: objects cannot be copied here",
+            )
+    excluded = set(excludedObjectIds or [])
+    for name in excluded:
+        world.type_of(name)  # names the nearest ids if there is no such object
+    for type_name in excludedReceptacles or []:
+        object_type(type_name)
+    if world.held is not None and not (dropped := simulator.agent.drop()).success:
+        return ActionResult(False, dropped.error)
+    surfaces = _surfaces(world, {*away}, set(excludedReceptacles or []), forceVisible)
+    loose = [name for name in world.ids if name not in away and _may_move(world, name, excluded)]
+    return _spawn(world, loose, surfaces, numPlacementAttempts, generator(randomSeed))
+
+
+ACTIONS: dict[str, Action] = {"InitialRandomSpawn": initial_random_spawn}
+
+
+def _may_move(world: World, object_id: str, excluded: Collection[str]) -> bool:
+    """Whether an object can be picked up, is not hung up, and neither it nor what it carries is to stay."""
+    if not object_type(world.type_of(object_id)).pickupable or world.state(object_id).is_fixed:
+        return False
+    return not {object_id, *world.contents(object_id)} & set(excluded)
+
+
+def _surfaces(
+    world: World, away: Collection[str], excluded_types: Collection[str], force_visible: bool
+) -> list[OpenSurface]:
+    """Where things can be put: not onto the floor, nor onto what can be carried away itself."""
+    owners = [
+        name
+        for name in world.ids
+        if name not in away
+        and world.type_of(name) not in {"Floor", *excluded_types}
+        and not object_type(world.type_of(name)).pickupable
+    ]
+    return [
+        OpenSurface(name, space)
+        for name in owners
+        for space in (handling.open_spaces(world, name) if force_visible else world.assets[name].spaces)
+    ]
+
+
+def _spawn(
+    world: World, loose: Sequence[str], surfaces: Sequence[OpenSurface], tries: int, rng: np.random.Generator
+) -> ActionResult:
+    before, room_type = world.save(), world.scene.room_type
+    order = [loose[index] for index in rng.permutation(len(loose))]
+    moved = [name for name in order if put_anew(world, name, room_type, surfaces, (), rng, tries)]
+    owners = {surface.owner for surface in surfaces}
+    _settle(world)
+    for name in moved:
+        if not _stayed(world, name, owners):
+            _put_alone(world, name, surfaces, tries, rng)
+    _settle(world)
+    for name, state in before.states.items():
+        if name not in moved and _farthest(world, {name: state}) <= AT_REST_M:
+            world.put_back(name, state)
+    sunken = next((name for name in moved if handling.sunk_into(world, name)), None)
+    if sunken is not None:
+        world.restore(before)
+        return ActionResult(False, f"no room was found for {sunken}: try another seed")
+    return ActionResult(True)
+
+
+def _put_alone(
+    world: World, object_id: str, surfaces: Sequence[OpenSurface], tries: int, rng: np.random.Generator
+) -> None:
+    """Put a thing that did not stay somewhere where it does, and moves nothing else; or leave it where it came to rest."""
+    owners = {surface.owner for surface in surfaces}
+    for _ in range(tries):
+        before = world.save()
+        if not put_anew(world, object_id, world.scene.room_type, surfaces, (), rng, tries):
+            return
+        put = world.save()
+        handling.settle(world)
+        others = {name: state for name, state in put.states.items() if name != object_id}
+        if _stayed(world, object_id, owners) and _farthest(world, others) <= AT_REST_M:
+            return
+        world.restore(before)
+
+
+def _stayed(world: World, object_id: str, owners: Collection[str]) -> bool:
+    """Whether a thing lies where things can be put, or in what lies there, and is sunk into nothing."""
+    holder = handling.support_of(world, object_id)
+    if holder is None or handling.sunk_into(world, object_id):
+        return False
+    return holder in owners or object_type(world.type_of(holder)).pickupable
+
+
+def _settle(world: World) -> None:
+    """Let all come to rest; in the end, what physics moves by no more than a hair stays where it is."""
+    for _ in range(MOST_SETTLING):
+        before = world.save()
+        handling.settle(world)
+        if _farthest(world, before.states) <= AT_REST_M:
+            world.restore(before)
+            return
+
+
+def _farthest(world: World, states: dict[str, ObjectState]) -> float:
+    """Metres by which what has moved most is away from some states."""
+    return float(
+        arithmetic.length([np.subtract(world.state(n).position, state.position) for n, state in states.items()]).max()
+    )

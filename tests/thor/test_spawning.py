@@ -1,0 +1,125 @@
+"""InitialRandomSpawn, as AI2-THOR documents it."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from remqa_data.thor import Controller
+from tests.thor.test_placing import assert_at_rest_and_apart
+
+EGG, FRIDGE, APPLE = "Egg|-02.04|+00.81|+01.24", "Fridge|-02.10|+00.00|+01.07", "Apple|-00.47|+01.15|+00.48"
+COUNTERS = ("CounterTop|-00.08|+01.15|00.00", "CounterTop|-01.87|+00.95|-01.21", "CounterTop|+00.69|+00.95|-02.48")
+
+
+@pytest.fixture(scope="module")
+def bathroom() -> Iterator[Controller]:
+    with Controller(scene="FloorPlan401") as controller:
+        yield controller
+
+
+def things(event) -> dict[str, dict]:
+    return {o["objectId"]: o for o in event.metadata["objects"] if o["pickupable"]}
+
+
+def moved(event, before) -> set[str]:
+    """What is elsewhere than before by more than a centimetre."""
+    then = things(before)
+    return {
+        name
+        for name, o in things(event).items()
+        if np.linalg.norm(np.subtract(list(o["position"].values()), list(then[name]["position"].values()))) > 0.01
+    }
+
+
+def test_things_lie_elsewhere_at_rest_and_apart(kitchen, bathroom) -> None:
+    for controller in (kitchen, bathroom):
+        for seed in (0, 1):
+            before = controller.reset()
+            event = controller.step("InitialRandomSpawn", randomSeed=seed)
+            assert event, event.metadata["errorMessage"]
+            there = things(event)
+            assert set(there) == set(things(before))
+            elsewhere = moved(event, before)
+            assert len(elsewhere) > 0.5 * len(there)
+            assert all(there[name]["parentReceptacles"] for name in elsewhere)
+            assert_at_rest_and_apart(controller, elsewhere)
+            fixed = [o for o in before.metadata["objects"] if not o["pickupable"]]
+            for o in fixed:
+                assert event.get_object(o["objectId"])["position"] == o["position"]
+
+
+def test_the_seed_decides(kitchen) -> None:
+    first = kitchen.step("InitialRandomSpawn", randomSeed=5)
+    kitchen.step("RandomizeColors")  # draws from other random numbers
+    kitchen.reset()
+    assert kitchen.step("InitialRandomSpawn", randomSeed=5).metadata["objects"] == first.metadata["objects"]
+    kitchen.reset()
+    assert kitchen.step("InitialRandomSpawn", randomSeed=6).metadata["objects"] != first.metadata["objects"]
+    kitchen.reset()
+    assert kitchen.step("InitialRandomSpawn", randomSeed=-6)
+
+
+def test_things_come_out_of_what_is_closed_and_go_into_it(kitchen) -> None:
+    before, came_out, went_in = things(kitchen.last_event), False, False
+    closed = {o["objectId"] for o in kitchen.last_event.metadata["objects"] if o["openable"] and o["receptacle"]}
+    for seed in range(4):
+        kitchen.reset()
+        for name, o in things(kitchen.step("InitialRandomSpawn", randomSeed=seed)).items():
+            was, now = (set(x["parentReceptacles"] or ()) for x in (before[name], o))
+            came_out |= bool(was & closed - now)
+            went_in |= bool(now & closed - was)
+    assert came_out
+    assert went_in
+
+
+def test_force_visible_puts_nothing_into_what_is_closed(kitchen) -> None:
+    closed = {o["objectId"] for o in kitchen.last_event.metadata["objects"] if o["openable"] and o["receptacle"]}
+    before = kitchen.last_event
+    event = kitchen.step("InitialRandomSpawn", randomSeed=1, forceVisible=True)
+    elsewhere = moved(event, before)
+    assert elsewhere
+    assert not closed & {parent for name in elsewhere for parent in things(event)[name]["parentReceptacles"]}
+
+
+def test_what_is_excluded_stays_and_stays_free(kitchen) -> None:
+    before = kitchen.last_event
+    event = kitchen.step(
+        "InitialRandomSpawn", randomSeed=2, excludedObjectIds=[EGG, APPLE], excludedReceptacles=["CounterTop"]
+    )
+    assert event, event.metadata["errorMessage"]
+    elsewhere = moved(event, before)
+    assert elsewhere
+    for name in (EGG, APPLE):
+        assert event.get_object(name)["position"] == before.get_object(name)["position"]
+    parents = {parent for name in elsewhere for parent in things(event)[name]["parentReceptacles"]}
+    assert not parents & set(COUNTERS)
+
+
+def test_what_is_held_is_put_down_too(kitchen) -> None:
+    kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    event = kitchen.step("InitialRandomSpawn", randomSeed=1)
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["inventoryObjects"] == []
+    assert event.get_object(APPLE)["parentReceptacles"]
+    kitchen.step("RemoveFromScene", objectId=APPLE)
+    event = kitchen.step("InitialRandomSpawn", randomSeed=1)
+    assert event.get_object(APPLE) is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"numPlacementAttempts": 0}, "positive integer"),
+        ({"numDuplicatesOfType": [{"objectType": "Apple", "count": 2}]}, "objects cannot be copied here"),
+        ({"excludedObjectIds": ["Apple|0"]}, "unknown object"),
+        ({"excludedReceptacles": ["CounterTopp"]}, "did you mean"),
+    ],
+)
+def test_what_is_refused_changes_nothing(kitchen, arguments, words) -> None:
+    before = kitchen.last_event
+    event = kitchen.step("InitialRandomSpawn", **arguments)
+    assert not event
+    assert words in event.metadata["errorMessage"]
+    assert event.metadata["objects"] == before.metadata["objects"]
+    assert kitchen.step("InitialRandomSpawn", numDuplicatesOfType=[{"objectType": "Apple", "count": 1}])
