@@ -27,7 +27,7 @@ MORE := out/sampled-$(MORE_SCENES)
 NETWORKS := detector $(filter-out detector,$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup dataset agents test test-fast test-newest lint format build bench clean
+.PHONY: help setup dataset agents test test-fast test-newest lint format build docs bench clean
 
 help:  ## list the targets
 	@awk -F ':.*##  *' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -68,11 +68,14 @@ format: $(INSTALLED_LINT)  ## let ruff sort imports and lay the code out
 build: $(INSTALLED_DEV)  ## the sdist and the wheel, in dist/
 	$(BIN)/python -c "from setuptools import build_meta; build_meta.build_sdist('dist'); build_meta.build_wheel('dist')"
 
+docs: $(INSTALLED_DEV)  ## the documentation as a site, in site/
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+
 bench: $(INSTALLED_DEV)  ## measure speed, with the dataset in out/remqa if there is one
 	$(BIN)/python benchmarks/run.py $(patsubst %/manifest.json,%,$(wildcard $(DATASET)/manifest.json))
 
 clean:  ## remove .venv, caches and build files (out/ stays)
-	rm -rf .venv .venv-newest build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv .venv-newest build dist site *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # Installed again when a pin changes, so that `git pull && make test` is enough.
