@@ -162,12 +162,12 @@ class Others:
     ----------
     by_room_type : mapping of str to tuple of str
         Types that questions in rooms of a type ask for.
-    most : int
-        The largest number that is an answer.
+    answers : frozenset of str
+        What is ever answered.
     """
 
     by_room_type: Mapping[str, tuple[str, ...]]
-    most: int
+    answers: frozenset[str]
 
     @classmethod
     def of_rows(cls, rows: Sequence[Mapping[str, Any]]) -> Others:
@@ -175,8 +175,7 @@ class Others:
         types: dict[str, dict[str, None]] = {}
         for row in rows:
             types.setdefault(row["room_type"], {})[row["answer_type"]] = None
-        most = max((int(row["answer"]) for row in rows if row["answer"].isdigit()), default=0)
-        return cls({room: tuple(found) for room, found in types.items()}, most)
+        return cls({room: tuple(found) for room, found in types.items()}, frozenset(row["answer"] for row in rows))
 
     def ask(self, row: Mapping[str, Any], there: Sequence[str], rng: np.random.Generator) -> tuple[str, str, str]:
         """A question for another thing, its answer, and the thing.
@@ -185,7 +184,7 @@ class Others:
         """
         types = self.by_room_type[row["room_type"]]
         counts = {name: there.count(name) for name in types}
-        numbers = sorted({count for count in counts.values() if count <= self.most})
+        numbers = sorted({count for count in counts.values() if str(count) in self.answers})
         is_counted = row["kind"] == "COUNTING" or rng.random() < COUNTED
         if is_counted and not numbers:
             return row["question"], row["answer"], row["answer_type"]
@@ -197,6 +196,8 @@ class Others:
             pool = [name for name in types if bool(counts[name]) is is_there] or list(types)
         wanted = str(pool[int(rng.integers(len(pool)))])
         answer = str(counts[wanted]) if is_counted else "yes" if counts[wanted] else "no"
+        if answer not in self.answers:
+            return row["question"], row["answer"], row["answer_type"]
         return _asking(row["question"], row["answer_type"], wanted, is_counted=is_counted), answer, wanted
 
 

@@ -58,7 +58,10 @@ def test_hostile_texts_show_as_texts(tab: Tab, start: str) -> None:
 def test_injected_scripts_would_not_run(tab: Tab, start: str) -> None:
     tab.page.goto(start + "index.html")
     tab.page.evaluate("document.body.insertAdjacentHTML('beforeend', '<img src=x onerror=\"window.hacked=1\">')")
-    tab.page.wait_for_timeout(300)
+    for _ in range(50):  # until the browser has told of it
+        tab.page.wait_for_timeout(100)
+        if tab.events:
+            break
     assert tab.page.evaluate("window.hacked") is None
     assert any("Content Security Policy" in event for event in tab.events)
 

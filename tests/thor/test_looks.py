@@ -39,6 +39,7 @@ def most_seen(event) -> str:
 
 
 def test_a_masked_object_is_magenta_and_nothing_else_changes(rooms) -> None:
+    assert rooms
     for controller in rooms:
         before = controller.last_event
         name = most_seen(before)
@@ -52,6 +53,7 @@ def test_a_masked_object_is_magenta_and_nothing_else_changes(rooms) -> None:
 
 
 def test_an_emphasized_object_is_alone_in_the_picture(rooms) -> None:
+    assert rooms
     for controller in rooms:
         before = controller.last_event
         name = most_seen(before)
@@ -80,6 +82,7 @@ def test_masks_name_what_is_wrong(kitchen) -> None:
 
 @pytest.mark.parametrize("what", ["Materials", "Colors", "Lighting"])
 def test_looks_are_random_by_seed_and_change_only_colours(rooms, what) -> None:
+    assert rooms
     for controller in rooms:
         before = controller.last_event
         first = controller.step(f"Randomize{what}")
@@ -130,6 +133,7 @@ def test_looks_that_are_refused_change_nothing(kitchen, action, arguments, words
 
 
 def test_light_is_as_bright_and_as_coloured_as_asked_for(rooms) -> None:
+    assert rooms
     for controller in rooms:
         before = controller.last_event.frame.mean(axis=(0, 1))
         same = controller.step("RandomizeLighting", brightness=[1, 1], randomizeColor=False).frame.mean(axis=(0, 1))

@@ -55,7 +55,7 @@ def test_it_loads_without_network_or_complaints(page: tuple[Any, list[str]]) -> 
 def test_hostile_texts_show_as_texts(page: tuple[Any, list[str]]) -> None:
     opened, events = page
     assert opened.locator("p b").first.text_content() == HOSTILE
-    assert opened.locator(".failure dd", has_text="onerror").first.text_content() == HOSTILE
+    assert opened.locator(".attempt dd", has_text="onerror").first.text_content() == HOSTILE
     assert opened.evaluate("window.hacked") is None
     assert opened.locator("script").count() == 1
     assert events == []
