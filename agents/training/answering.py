@@ -33,8 +33,8 @@ EVIDENCE_PX = 30
 ASKED_AGAIN = 0.5
 """Share of the questions in which another thing is asked for."""
 
-COUNTED = 0.5
-"""Share of those in which it is asked how many there are instead of whether there is one: few questions of the dataset do."""
+MOST_COUNTED = 0.6
+"""Share of the things asked to be counted that are the most numerous in view: few views show two or three alike."""
 
 KINDS = ("EXISTENCE", "COUNTING", "SPATIAL")
 COLUMNS = (
@@ -180,16 +180,18 @@ class Others:
     def ask(self, row: Mapping[str, Any], there: Sequence[str], rng: np.random.Generator) -> tuple[str, str, str]:
         """A question for another thing, its answer, and the thing.
 
-        Whether there is one is true as often as not; how many there are, as far as possible, each number as often.
+        Whether there is one is true as often as not. How many there are is asked where something has come to light more than
+        once, so that each number is about as often the answer.
         """
         types = self.by_room_type[row["room_type"]]
         counts = {name: there.count(name) for name in types}
         numbers = sorted({count for count in counts.values() if str(count) in self.answers})
-        is_counted = row["kind"] == "COUNTING" or rng.random() < COUNTED
-        if is_counted and not numbers:
+        is_counted = max(numbers, default=0) > 1
+        if row["kind"] == "COUNTING" and not is_counted:
             return row["question"], row["answer"], row["answer_type"]
         if is_counted:
-            wanted_count = int(rng.choice(numbers))
+            is_most = len(numbers) == 1 or rng.random() < MOST_COUNTED
+            wanted_count = numbers[-1] if is_most else int(rng.choice(numbers[:-1]))
             pool = [name for name in types if counts[name] == wanted_count]
         else:
             is_there = bool(rng.random() < 0.5)

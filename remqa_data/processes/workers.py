@@ -70,6 +70,8 @@ def run_in_processes(work: Callable[[J], R], jobs: Sequence[J], workers: int) ->
                 yield outcome.number, outcome.result
     finally:
         for worker in staff:
+            worker.strike()  # all at once: what a process holds takes the system a moment to take back
+        for worker in staff:
             worker.kill()
 
 
@@ -110,10 +112,15 @@ class _Worker(Generic[J, R]):
             return None
         return _Outcome(self.number, result, error)
 
-    def kill(self) -> None:
-        """End it, whatever it is doing."""
+    def strike(self) -> None:
+        """Let it end, whatever it is doing."""
         if self._process.pid is not None:
             self._process.kill()
+
+    def kill(self) -> None:
+        """End it, and wait until it has."""
+        self.strike()
+        if self._process.pid is not None:
             self._process.join()
         self.pipe.close()
 

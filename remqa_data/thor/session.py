@@ -8,6 +8,7 @@ from typing import Any
 from remqa_data.errors import MisuseError, RemqaError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.actions import arm as actions_arm
+from remqa_data.thor.actions import conditions as actions_conditions
 from remqa_data.thor.actions import hand as actions_hand
 from remqa_data.thor.actions import looks as actions_looks
 from remqa_data.thor.actions import navigation as actions_navigation
@@ -33,6 +34,7 @@ ACTIONS = checked(
     | actions_placing.ACTIONS
     | actions_spawning.ACTIONS
     | actions_states.ACTIONS
+    | actions_conditions.ACTIONS
     | actions_looks.ACTIONS
 )
 """What the agent without an arm can do."""

@@ -10,7 +10,11 @@ from remqa_data.thor import Controller
     ("request_", "code", "message"),
     [
         ({"action": "Moveahead"}, "InvalidAction", "Invalid action: Moveahead"),
-        ({"action": "SliceObject", "objectId": "Apple|1"}, "InvalidAction", "Invalid action: SliceObject"),
+        (
+            {"action": "TouchThenApplyForce", "objectId": "Apple|1"},
+            "InvalidAction",
+            "Invalid action: TouchThenApplyForce",
+        ),
         (
             {"action": "OpenObject"},
             "MissingArguments",

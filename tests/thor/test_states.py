@@ -52,14 +52,14 @@ def test_all_is_opened_and_shut_again(kitchen, scene) -> None:
     assert all(places[o["objectId"]] == pytest.approx(o["position"], abs=0.01) for o in start.metadata["objects"])
 
 
-def test_states_that_nothing_has_here(kitchen) -> None:
+def test_states_that_nothing_has_here_and_that_there_are_not(kitchen) -> None:
     start = kitchen.last_event.metadata["objects"]
-    event = kitchen.step("SetStateOfAllObjects", stateChange="CanBeFilled", forceAction=False)
-    assert event  # all is empty anyway
+    event = kitchen.step("SetStateOfAllObjects", stateChange="CanBeSliced", forceAction=False)
+    assert event  # all is whole anyway
     assert event.metadata["objects"] == start
-    event = kitchen.step("SetStateOfAllObjects", stateChange="CanBeDirty", forceAction=True)
+    event = kitchen.step("SetStateOfAllObjects", stateChange="CanBeSliced", forceAction=True)
     assert not event
-    assert "CanBeDirty is not simulated here" in event.metadata["errorMessage"]
+    assert "is not sliced here" in event.metadata["errorMessage"]
     assert "CanOpen" in kitchen.step("SetStateOfAllObjects", stateChange="CanFly").metadata["errorMessage"]
     with pytest.raises(ValueError, match="missing the following arguments: stateChange"):
         kitchen.step("SetStateOfAllObjects", forceAction=True)

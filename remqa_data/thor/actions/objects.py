@@ -1,20 +1,19 @@
-"""Acting on objects as AI2-THOR's agent without an arm does: on what it sees within its visibility distance.
-
-An object is named by its id, or by a point of the frame: x to the right and y down, both from 0 to 1.
-"""
+"""Acting on objects as AI2-THOR's agent without an arm does: on what it sees within its visibility distance."""
 
 from __future__ import annotations
 
 import math
 
 from remqa_data.catalog import object_type
-from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
+from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.simulator import SimulatorState
 
+SHUT_WHEN_ON = frozenset({"Microwave"})
+"""Must be off to be opened, and closed to be switched on."""
 NO_PLACE = "No valid positions to place object found"
 """AI2-THOR's words, which its clients look for."""
 PUSH_S = 0.02
@@ -31,9 +30,12 @@ def open_object(
     moveMagnitude: float | None = None,
 ) -> ActionResult:
     """Open an object. `moveMagnitude` is the old name of `openness`, with 0 for all the way."""
-    target = _target(simulator, "OpenObject", objectId, x, y)
+    target = target_of(simulator, "OpenObject", objectId, x, y)
     if isinstance(target, ActionResult):
         return target
+    world, conditions = simulator.room.world, simulator.room.conditions
+    if world.type_of(target) in SHUT_WHEN_ON and conditions.is_on(target):
+        return ActionResult(False, "Target must be OFF to open!")
     share = openness if moveMagnitude is None else moveMagnitude or 1.0
     return _plain(simulator.agent.open(target, share, forceAction))
 
@@ -46,7 +48,7 @@ def close_object(
     forceAction: bool = False,
 ) -> ActionResult:
     """Close an object."""
-    target = _target(simulator, "CloseObject", objectId, x, y)
+    target = target_of(simulator, "CloseObject", objectId, x, y)
     return target if isinstance(target, ActionResult) else _plain(simulator.agent.close(target, forceAction))
 
 
@@ -59,7 +61,7 @@ def pick_up_object(
     manualInteract: bool = False,
 ) -> ActionResult:
     """Take an object into the hand; with `manualInteract` the hand is where the object was."""
-    target = _target(simulator, "PickupObject", objectId, x, y)
+    target = target_of(simulator, "PickupObject", objectId, x, y)
     if isinstance(target, ActionResult):
         return target
     where = simulator.room.world.box(target).mean(axis=0)
@@ -79,7 +81,7 @@ def put_object(
     receptacleObjectId: str | None = None,
 ) -> ActionResult:
     """Put what is held into or onto a receptacle, which `receptacleObjectId` names in old code."""
-    target = _target(simulator, "PutObject", receptacleObjectId or objectId, x, y)
+    target = target_of(simulator, "PutObject", receptacleObjectId or objectId, x, y)
     if isinstance(target, ActionResult):
         return target
     result = simulator.agent.put(target, forceAction)
@@ -100,7 +102,7 @@ def push_object(
     forceAction: bool = False,
 ) -> ActionResult:
     """Push an object in the direction that the agent faces, with a force in newtons."""
-    return _push(simulator, _target(simulator, "PushObject", objectId, x, y), moveMagnitude, 0.0)
+    return _push(simulator, target_of(simulator, "PushObject", objectId, x, y), moveMagnitude, 0.0)
 
 
 def pull_object(
@@ -112,7 +114,7 @@ def pull_object(
     forceAction: bool = False,
 ) -> ActionResult:
     """Push an object against the direction that the agent faces."""
-    return _push(simulator, _target(simulator, "PullObject", objectId, x, y), moveMagnitude, 180.0)
+    return _push(simulator, target_of(simulator, "PullObject", objectId, x, y), moveMagnitude, 180.0)
 
 
 def directional_push(
@@ -125,7 +127,7 @@ def directional_push(
     forceAction: bool = False,
 ) -> ActionResult:
     """Push an object at an angle clockwise from the direction that the agent faces, degrees."""
-    return _push(simulator, _target(simulator, "DirectionalPush", objectId, x, y), moveMagnitude, pushAngle)
+    return _push(simulator, target_of(simulator, "DirectionalPush", objectId, x, y), moveMagnitude, pushAngle)
 
 
 def toggle_object_on(
@@ -136,7 +138,7 @@ def toggle_object_on(
     forceAction: bool = False,
 ) -> ActionResult:
     """Switch an object on."""
-    return _toggle(simulator, _target(simulator, "ToggleObjectOn", objectId, x, y), True, forceAction)
+    return _toggle(simulator, target_of(simulator, "ToggleObjectOn", objectId, x, y), True, forceAction)
 
 
 def toggle_object_off(
@@ -147,7 +149,7 @@ def toggle_object_off(
     forceAction: bool = False,
 ) -> ActionResult:
     """Switch an object off."""
-    return _toggle(simulator, _target(simulator, "ToggleObjectOff", objectId, x, y), False, forceAction)
+    return _toggle(simulator, target_of(simulator, "ToggleObjectOff", objectId, x, y), False, forceAction)
 
 
 ACTIONS: dict[str, Action] = {
@@ -163,19 +165,6 @@ ACTIONS: dict[str, Action] = {
     "ToggleObjectOff": toggle_object_off,
     "ToggleObjectOn": toggle_object_on,
 }
-
-
-def _target(
-    simulator: SimulatorState, action: str, object_id: str | None, x: float | None, y: float | None
-) -> str | ActionResult:
-    """The id of the object that an action is about, or why there is none."""
-    if object_id is not None:
-        is_away = object_id in simulator.room.records.away
-        return ActionResult(False, f"{object_id} is not in the scene") if is_away else object_id
-    if x is None or y is None:
-        raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
-    seen = simulator.agent.object_at(x, y, simulator.room.frame_camera())
-    return seen or ActionResult(False, f"no object at ({x:g}, {y:g})")
 
 
 def _plain(result: ActionResult) -> ActionResult:
@@ -204,14 +193,16 @@ def _slide_m(newtons: float, mass_kg: float) -> float:
 def _toggle(simulator: SimulatorState, target: str | ActionResult, on: bool, force: bool) -> ActionResult:
     if isinstance(target, ActionResult):
         return target
-    toggled = simulator.room.records.toggled
-    if not object_type(simulator.room.world.type_of(target)).toggleable:
+    conditions, world = simulator.room.conditions, simulator.room.world
+    if not object_type(world.type_of(target)).toggleable:
         return ActionResult(False, f"{target} is not toggleable")
-    if (target in toggled) == on:
+    if conditions.is_on(target) == on:
         return ActionResult(False, f"{target} is already {'on' if on else 'off'}")
+    if on and world.type_of(target) in SHUT_WHEN_ON and world.state(target).openness > 0:
+        return ActionResult(False, "Target must be closed to Toggle On!")
     agent = simulator.agent
     refusal = None if force else agent.refusal(target) or agent.reach(target)
     if refusal is not None:
         return refusal
-    (toggled.add if on else toggled.remove)(target)
+    conditions.change(target, isToggled=on)
     return ActionResult(True)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from typing_extensions import TypedDict
 
-from remqa_data.catalog import ObjectType, object_type
+from remqa_data.catalog import object_type
 from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.handling import OVERLAP_M
@@ -57,11 +56,22 @@ def set_state_of_all_objects(
     elif change == "CanToggleOnOff":
         world = simulator.room.world
         _switch(simulator, {name for name in world.ids if object_type(world.type_of(name)).toggleable}, forceAction)
-    elif change not in NEVER_CHANGES:
-        known = ", ".join(["CanOpen", "CanToggleOnOff", *NEVER_CHANGES])
+    elif change not in CHANGES:
+        known = ", ".join(["CanOpen", "CanToggleOnOff", *CHANGES])
         return ActionResult(False, f"{change} is no state change: choose one of {known}")
-    elif forceAction and (able := _able(simulator.room.world, NEVER_CHANGES[change])):
-        return ActionResult(False, f"{change} is not simulated here, so {able} keeps its state")
+    else:
+        able, given = CHANGES[change]
+        world = simulator.room.world
+        chosen = [name for name in world.ids if able in object_type(world.type_of(name)).can]
+        if given is None:
+            return (
+                ActionResult(False, f"{chosen[0]} is not sliced here") if forceAction and chosen else ActionResult(True)
+            )
+        for name in chosen:
+            if forceAction:
+                simulator.room.conditions.change(name, **given)
+            else:
+                simulator.room.conditions.forget(name, given)
     return ActionResult(True)
 
 
@@ -70,15 +80,15 @@ def accept(simulator: SimulatorState, **ignored: Any) -> ActionResult:
     return ActionResult(True)
 
 
-NEVER_CHANGES: dict[str, Callable[[ObjectType], bool]] = {
-    "CanBeCooked": lambda kind: kind.cookable,
-    "CanBeDirty": lambda kind: kind.dirtyable,
-    "CanBeFilled": lambda kind: kind.fillable,
-    "CanBeSliced": lambda kind: kind.sliceable,
-    "CanBeUsedUp": lambda kind: kind.used_up,
-    "CanBreak": lambda kind: kind.breakable,
+CHANGES: dict[str, tuple[str, dict[str, Any] | None]] = {
+    "CanBeCooked": ("cookable", {"isCooked": True}),
+    "CanBeDirty": ("dirtyable", {"isDirty": True}),
+    "CanBeFilled": ("fillable", {"isFilledWithLiquid": True, "fillLiquid": "water"}),
+    "CanBeSliced": ("sliceable", None),
+    "CanBeUsedUp": ("used_up", {"isUsedUp": True}),
+    "CanBreak": ("breakable", {"isBroken": True}),
 }
-"""What AI2-THOR can set and this simulation has not, with what could have it: nothing is ever cooked, dirty or broken."""
+"""AI2-THOR's names of state changes, with what an object must be able to, and what it then is; None: nothing ever is."""
 
 WITHOUT_EFFECT = (
     "ChangeOpenSpeed",
@@ -102,8 +112,8 @@ ACTIONS: dict[str, Action] = {
 
 
 def _switch(simulator: SimulatorState, chosen: set[str], on: bool) -> None:
-    toggled = simulator.room.records.toggled
-    (toggled.update if on else toggled.difference_update)(chosen)
+    for name in chosen:
+        simulator.room.conditions.change(name, isToggled=on)
 
 
 def _set_openness(world: World, is_open: bool) -> None:
@@ -123,8 +133,3 @@ def _fits(world: World, object_id: str, openness: float) -> bool:
     before, carried = world.depths_when_open(object_id, world.state(object_id).openness), world.contents(object_id)
     then = world.depths_when_open(object_id, min(openness, world.most_open(object_id)))
     return all(depth <= max(OVERLAP_M, before.get(other, 0.0)) or other in carried for other, depth in then.items())
-
-
-def _able(world: World, fits: Callable[[ObjectType], bool]) -> str | None:
-    """The first object that could have a state, if any."""
-    return next((name for name in world.ids if fits(object_type(world.type_of(name)))), None)

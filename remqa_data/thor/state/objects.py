@@ -23,6 +23,7 @@ from remqa_data.scene import Quaternion, Scene
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
+from remqa_data.thor.state.conditions import Conditions
 from remqa_data.thor.state.frames import Vector, corners_to_thor, euler_to_thor, to_thor, turn_to_room, turn_to_thor
 
 Metadata = dict[str, Any]
@@ -39,18 +40,18 @@ class ObjectRecords:
 
     Attributes
     ----------
-    toggled : set of str
-        Ids of the objects that are switched on. Nothing in the world depends on it.
+    conditions : Conditions
+        What they are in besides where they are. Nothing in the world depends on it.
     away : dict of str to ObjectState
         The objects that are out of the scene, with the state that they were in; they are not listed.
     """
 
     def __init__(self, world: World) -> None:
-        self.toggled: set[str] = set()
+        self.conditions = Conditions(world)
         self.away: dict[str, ObjectState] = {}
         self._world = world
         self._frames = _frames(world.scene)
-        self._static = {object_id: _static(world, object_id) for object_id in world.ids}
+        self._static = self._statics()
         self._shown: dict[str, ObjectState] = {}
         self._held: str | None = None
         self._revision: int | None = None
@@ -59,6 +60,7 @@ class ObjectRecords:
         self._records: dict[str, Metadata] = {}
         self._lent: list[list[Any]] = []
         self._unchanged: list[list[Any]] = []
+        self._contents: dict[str, list[str]] = {}
         self._positions = np.zeros((len(world.ids), 3))
 
     def position(self, object_id: str) -> Vec3:
@@ -110,6 +112,7 @@ class ObjectRecords:
         """
         self._forget_if_changed()
         self._follow()
+        self.conditions.spread(self._contents)
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
         listed = []
         for object_id, distance in zip(self._world.ids, distances, strict=True):
@@ -119,7 +122,7 @@ class ObjectRecords:
             record["position"] = record["position"].copy()
             record["rotation"] = record["rotation"].copy()
             record["visible"] = record["isInteractable"] = object_id in visible
-            record["isToggled"] = object_id in self.toggled
+            record.update(self.conditions.of(object_id))
             record["distance"] = distance
             if object_id == self._held:
                 self._put_into_hand(record, agent, hand)
@@ -141,7 +144,8 @@ class ObjectRecords:
             self._moving[object_id] = self._pose_and_boxes(object_id)
             self._positions[world.ids.index(object_id)] = self.position(object_id)
         self._held = world.held
-        holding = _holding(world, self._boxes)
+        parents, self._contents = _parents_and_contents(world, self._boxes)
+        holding = _holding(world, parents, self._contents)
         self._records = {
             object_id: {**self._static[object_id], **self._moving[object_id], **holding[object_id]}
             for object_id in world.ids
@@ -152,8 +156,12 @@ class ObjectRecords:
     def _forget_if_changed(self) -> None:
         """Have everything written down anew if a client has changed, in an event, what events share."""
         if self._lent != self._unchanged:
-            self._static = {object_id: _static(self._world, object_id) for object_id in self._world.ids}
+            self._static = self._statics()
             self._shown, self._revision = {}, None
+
+    def _statics(self) -> dict[str, Metadata]:
+        controlled = self.conditions.controlled
+        return {name: _static(self._world, name, controlled.get(name)) for name in self._world.ids}
 
     def _pose_and_boxes(self, object_id: str) -> Metadata:
         state, kind = self._world.state(object_id), object_type(self._world.type_of(object_id))
@@ -191,8 +199,8 @@ def box_metadata(box: F64) -> Metadata:
     }
 
 
-def _static(world: World, object_id: str) -> Metadata:
-    """What does not change, and the states that this simulation has not: nothing breaks, cooks, spills or gets dirty."""
+def _static(world: World, object_id: str, controlled: str | None) -> Metadata:
+    """What does not change, and the conditions that all begin in."""
     type_name = world.type_of(object_id)
     kind, asset = object_type(type_name), world.assets[object_id]
     is_loose = kind.pickupable or kind.moveable
@@ -235,20 +243,28 @@ def _static(world: World, object_id: str) -> Metadata:
         "objectId": object_id,
         "assetId": f"{type_name}_{asset.spec.variant}",
         "parentReceptacles": None,
-        "controlledObjects": None,
+        "controlledObjects": [controlled] if controlled else None,
         "isMoving": False,
         "axisAlignedBoundingBox": {},
         "objectOrientedBoundingBox": None,
     }
 
 
-def _holding(world: World, boxes: Mapping[str, F64]) -> dict[str, Metadata]:
-    """What holds each object, and what each receptacle holds."""
-    parents: dict[str, list[str]] = {object_id: [] for object_id in world.ids}
-    contents: dict[str, list[str]] = {object_id: [] for object_id in world.ids}
+Lists = dict[str, list[str]]
+
+
+def _parents_and_contents(world: World, boxes: Mapping[str, F64]) -> tuple[Lists, Lists]:
+    """What holds each object, and what each object holds."""
+    parents: Lists = {object_id: [] for object_id in world.ids}
+    contents: Lists = {object_id: [] for object_id in world.ids}
     for object_id, support in supports(world, boxes).items():
         parents[object_id].append(support.id)
         contents[support.id].append(object_id)
+    return parents, contents
+
+
+def _holding(world: World, parents: Lists, contents: Lists) -> dict[str, Metadata]:
+    """The same in AI2-THOR's words."""
     return {
         object_id: {
             "parentReceptacles": parents[object_id] or None,

@@ -15,6 +15,7 @@ from remqa_data.sim.render.camera import AnyCamera, Camera, TopDownCamera
 from remqa_data.sim.render.view import WorldView
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.cameras import ThirdPartyCamera
+from remqa_data.thor.state.conditions import Conditions
 from remqa_data.thor.state.frames import to_thor
 from remqa_data.thor.state.images import Palette
 from remqa_data.thor.state.looks import Look, Looks
@@ -77,6 +78,11 @@ class LoadedFloorPlan:
         self.looks.change(Look())
         position, yaw_deg = self._start
         self.agent = ThorAgent(self.world, self.view, position, yaw_deg, settings=settings, frame=frame)
+
+    @property
+    def conditions(self) -> Conditions:
+        """What the objects are in besides where they are."""
+        return self.records.conditions
 
     def take_away(self, object_id: str) -> None:
         """Take an object out of the scene."""

@@ -1,0 +1,20 @@
+"""Which object an action is about: it is named by its id, or by a point of the frame, x to the right and y down, 0 to 1."""
+
+from __future__ import annotations
+
+from remqa_data.errors import MisuseError
+from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.thor.state.simulator import SimulatorState
+
+
+def target_of(
+    simulator: SimulatorState, action: str, object_id: str | None, x: float | None, y: float | None
+) -> str | ActionResult:
+    """The id of the object that an action is about, or why there is none."""
+    if object_id is not None:
+        is_away = object_id in simulator.room.records.away
+        return ActionResult(False, f"{object_id} is not in the scene") if is_away else object_id
+    if x is None or y is None:
+        raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
+    seen = simulator.agent.object_at(x, y, simulator.room.frame_camera())
+    return seen or ActionResult(False, f"no object at ({x:g}, {y:g})")
