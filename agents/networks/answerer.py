@@ -1,7 +1,7 @@
 """The answerer: a CNN on the views before and after the manipulation, an LSTM on the question, attention.
 
 What the words ask for, as a type and as a vector, is compared with each cell of both views. The views are read where the two
-agree; how strongly and at how many places they do goes into the answer with what is seen there.
+agree; how strongly they do, and how many middles of objects are there, goes into the answer with what is seen there.
 """
 
 from __future__ import annotations
@@ -22,7 +22,10 @@ VIEWS: tuple[View, ...] = ("start", "end")
 KEY = 64
 """Numbers that questions and cells are compared by."""
 
-EVIDENCE = 4
+MOST = 3
+"""So many things, and not more, are told from one fewer."""
+
+EVIDENCE = 4 + MOST + 1
 """Figures of how the cells of a view fit: see `_evidence`."""
 
 NEVER = 1e-4
@@ -45,6 +48,10 @@ class Answered(NamedTuple):
         Logits.
     fits : (n, views, h', w')
         Logits that a cell of a view shows what is asked for.
+    middles : (n, views, h', w')
+        Logits that the middle of an object is there.
+    counts : (n, views)
+        How many middles of what is asked for there are.
     cells : (n, views, 1 + types, h', w')
         Logits of what each cell shows, see `remqa_data.agents.networks.detector.Raw`.
     types : (n, types)
@@ -53,6 +60,8 @@ class Answered(NamedTuple):
 
     answers: Tensor
     fits: Tensor
+    middles: Tensor
+    counts: Tensor
     cells: Tensor
     types: Tensor
 
@@ -101,7 +110,7 @@ class ManipulationAnswerer(nn.Module):
         asked, types = self.ask(sentence), self.ask_type(sentence)
         if not self.views:
             nothing = asked.new_zeros((len(asked), 0, 1, 1))
-            return Answered(self.say(asked), nothing, nothing[:, :, None], types)
+            return Answered(self.say(asked), nothing, nothing, nothing[:, :, 0, 0], nothing[:, :, None], types)
         used = [VIEWS.index(view) for view in self.views]
         count, raw = len(used), self.detector(views[:, used].flatten(0, 1))
         shown = raw.cells.softmax(1)
@@ -115,8 +124,10 @@ class ManipulationAnswerer(nn.Module):
             fits = fits + self.mix[1] * shows.flip(1) + self.mix[2] * _changes(views)[:, None]
         weights = fits.flatten(2).softmax(2)
         read = (values.flatten(3) * weights[:, :, None]).sum(3)
-        said = torch.cat([asked, read.flatten(1), _evidence(fits).flatten(1)], 1)
-        return Answered(self.say(said), fits, _split(raw.cells, count), types)
+        middles = _split(raw.middles, count)
+        counts = _counts(middles, fits)
+        said = torch.cat([asked, read.flatten(1), _evidence(fits, counts).flatten(1)], 1)
+        return Answered(self.say(said), fits, middles, counts, _split(raw.cells, count), types)
 
 
 def _split(images: Tensor, count: int) -> Tensor:
@@ -138,10 +149,18 @@ def likeliest(logits: Tensor, kinds: Sequence[str], answers: Sequence[str]) -> l
     return [answers[place] for place in allowed.argmax(1).tolist()]
 
 
-def _evidence(fits: Tensor) -> Tensor:
-    """(n, views, EVIDENCE) of (n, views, h', w') logits: the highest, the logarithms of sum and area, the number of peaks."""
-    flat, shares = fits.flatten(2), fits.sigmoid()
-    is_peak = functional.max_pool2d(fits, 5, 1, 2) == fits
-    return torch.stack(
-        [flat.amax(2), flat.logsumexp(2), shares.sum((2, 3)).log1p(), (shares * is_peak).sum((2, 3))], dim=2
-    )
+def _counts(middles: Tensor, fits: Tensor) -> Tensor:
+    """(n, views) numbers of middles of what is asked for, of (n, views, h', w') logits of middles, and of what fits."""
+    is_peak = functional.max_pool2d(middles, 3, 1, 1) == middles
+    return (middles.sigmoid() * fits.sigmoid() * is_peak).sum((2, 3))
+
+
+def _evidence(fits: Tensor, counts: Tensor) -> Tensor:
+    """(n, views, EVIDENCE) of (n, views, h', w') logits and (n, views) counts.
+
+    The highest logit, the logarithms of sum and area, the count, and how near it is to 0, 1, ... MOST.
+    """
+    flat = fits.flatten(2)
+    figures = torch.stack([flat.amax(2), flat.logsumexp(2), flat.sigmoid().sum(2).log1p(), counts], dim=2)
+    numbers = torch.arange(MOST + 1, device=counts.device)
+    return torch.cat([figures, (1 - (counts[..., None] - numbers).abs()).clamp(min=0)], dim=2)

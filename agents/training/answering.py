@@ -1,7 +1,7 @@
 """Learning to answer: from the views before and after the manipulation, around the target.
 
-Beside the answer, the answerer learns what each cell shows and where what is asked for is. And it is asked more than the
-dataset asks: of each view after a manipulation it is also asked for other things that are there now, or that could be.
+Beside the answer, the answerer learns what each cell shows, where what is asked for is, and how often. And it is asked more
+than the dataset asks: of each view after a manipulation it is also asked for other things that are there now, or that could be.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from torch.nn import functional
 
 from remqa_data.agents.networks.answerer import VIEWS, Answered, ManipulationAnswerer, View, likeliest
 from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detector_loss import heat_loss, wanted_of
 from remqa_data.agents.networks.pyramid import STRIDE
 from remqa_data.agents.networks.windows import cut, window
 from remqa_data.agents.training.pictures import detector_types, relit
@@ -50,7 +51,7 @@ COLUMNS = (
     "program",
 )
 IMAGES = ("start_rgb", "end_rgb", "start_instances", "end_instances")
-MASK_WEIGHT, CELL_WEIGHT, TYPE_WEIGHT = 1.0, 1.0, 1.0
+MASK_WEIGHT, CELL_WEIGHT, TYPE_WEIGHT, MIDDLE_WEIGHT, COUNT_WEIGHT = 1.0, 1.0, 1.0, 0.3, 1.0
 WANTED, OTHER = 1, 2
 """In masks: what is asked for, and what else has come to light."""
 
@@ -70,6 +71,10 @@ class Asked:
         What each cell shows, index of its type + 1, or 0; at places STRIDE apart.
     masks : (2, h', w') int64
         Where something is seen that was not before: WANTED if it is asked for, OTHER if not; 0 elsewhere.
+    heat : (2, h', w') float32
+        1 at middles of objects, less around them.
+    counts : (2,) float32
+        How many things are seen that were not before and are asked for.
     """
 
     question: str
@@ -79,6 +84,8 @@ class Asked:
     views: Tensor
     cells: Tensor
     masks: Tensor
+    heat: Tensor
+    counts: Tensor
 
 
 class AskedViews:
@@ -132,10 +139,8 @@ class AskedViews:
             [0, *(new * (WANTED if name == wanted else OTHER) for name, new in zip(names, is_new, strict=True))]
         )
         kinds = np.array([0, *(self._numbers.get(name, -1) + 1 for name in names)])
-        shown = [
-            cut(ids.astype(np.float32), place, mirrored)[STRIDE // 2 :: STRIDE, STRIDE // 2 :: STRIDE].astype(np.int64)
-            for ids in instances
-        ]
+        objects = [cut(ids.astype(np.float32), place, mirrored).astype(np.int64) for ids in instances]
+        shown = [ids[STRIDE // 2 :: STRIDE, STRIDE // 2 :: STRIDE] for ids in objects]
         views = np.stack([cut(picture, place, mirrored) for picture in pictures]).transpose(0, 3, 1, 2)
         return Asked(
             question,
@@ -145,6 +150,8 @@ class AskedViews:
             torch.from_numpy(np.ascontiguousarray(views)),
             torch.from_numpy(np.stack([kinds[ids] for ids in shown])),
             torch.from_numpy(np.stack([masks[ids] for ids in shown])),
+            torch.stack([wanted_of(ids, kinds[1:] - 1).heat for ids in objects]),
+            torch.tensor([float((masks[np.unique(ids)] == WANTED).sum()) for ids in objects]),
         )
 
 
@@ -261,7 +268,7 @@ class AnsweringTask:
         return [asked.view(index, rng, self.others) for (asked, index), rng in zip(places, rngs, strict=True)]
 
     def losses(self, batch: list[Asked]) -> Mapping[str, Tensor]:
-        """Of the answers, of where what is asked for is, and of what the cells show."""
+        """Of the answers, of where what is asked for is and how often, and of what the cells show."""
         said = self._said(batch)
         right = torch.tensor([self.vocabulary.answers.index(asked.answer) for asked in batch], device=self.device)
         losses = {"answers": functional.cross_entropy(said.answers, right)}
@@ -276,6 +283,10 @@ class AnsweringTask:
             cells = torch.stack([asked.cells for asked in batch])[:, used].to(self.device)
             shown = functional.cross_entropy(said.cells.flatten(0, 1), cells.flatten(0, 1), reduction="none")
             losses["cells"] = CELL_WEIGHT * _of_groups(shown, masks.flatten(0, 1))
+            heat = torch.stack([asked.heat for asked in batch])[:, used].to(self.device)
+            losses["middles"] = MIDDLE_WEIGHT * heat_loss(said.middles, heat) / (heat == 1).sum().clamp(min=1)
+            counts = torch.stack([asked.counts for asked in batch])[:, used].to(self.device)
+            losses["counts"] = COUNT_WEIGHT * functional.smooth_l1_loss(said.counts, counts)
         total = sum(losses.values(), torch.zeros((), device=self.device))
         return {"loss": total, "right": (said.answers.argmax(1) == right).float().mean(), **losses}
 

@@ -56,5 +56,6 @@ class Server(ThorServer):  # type: ignore[misc]  # AI2-THOR has no types
 
     def receive(self, timeout: float | None = None) -> Event:
         """The event of the action that was sent last."""
-        metadata = {"sequenceId": self.sequence_id, "activeAgentId": 0, "agents": [self._reply.metadata]}
+        reply = self._reply
+        metadata = {"sequenceId": self.sequence_id, "activeAgentId": reply.active, "agents": reply.metadata}
         return self.create_event(metadata, self._reply.files)

@@ -20,7 +20,7 @@ from remqa_data.thor.actions import search as actions_search
 from remqa_data.thor.actions import spawning as actions_spawning
 from remqa_data.thor.actions import states as actions_states
 from remqa_data.thor.state.dispatch import call, checked
-from remqa_data.thor.state.events import Reply, reply
+from remqa_data.thor.state.events import Outcome, Reply, reply
 from remqa_data.thor.state.settings import FrameSize, Images
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -53,19 +53,24 @@ class Session:
 
     def __init__(self, width: int, height: int) -> None:
         self._simulator = SimulatorState(FrameSize(width, height))
+        self._outcomes: dict[int, Outcome] = {}
 
     def execute(self, request: Mapping[str, Any]) -> Reply:
         """Execute an action: "action" and its arguments. What cannot be done is said in the reply's metadata."""
+        if request.get("action") in ("Reset", "Initialize"):
+            self._outcomes.clear()
         actions = ARM_ACTIONS if self._simulator.settings.has_arm else ACTIONS
         code = None
         try:
-            _check_agent(request)
+            self._let_act(request.get("agentId"))
             result = call(actions, self._simulator, request)
         except MisuseError as error:
             result, code = ActionResult(False, str(error)), error.code
         except RemqaError as error:
             result = ActionResult(False, str(error))
-        return reply(self._simulator, str(request.get("action")), result, code, self._images(request))
+        number = self._simulator.room.active if self._simulator.has_room else 0
+        self._outcomes[number] = Outcome(str(request.get("action")), result, code)
+        return reply(self._simulator, self._outcomes, self._images(request))
 
     def resize(self, width: int, height: int) -> None:
         """Change the size of all pictures."""
@@ -73,11 +78,20 @@ class Session:
 
     def first_reply(self) -> Reply:
         """What AI2-THOR sends when it has started."""
-        return reply(self._simulator, "", ActionResult(True), None, Images())
+        return reply(self._simulator, {0: Outcome("", ActionResult(True))}, Images())
 
     def close(self) -> None:
         """Give the simulator's memory back."""
         self._simulator.close()
+
+    def _let_act(self, agent: object) -> None:
+        """Choose who acts: the agent of a number, which Unity reads from text too; the first if there is none."""
+        count = len(self._simulator.room.agents) if self._simulator.has_room else 1
+        if str(agent or 0) not in map(str, range(count)):
+            there = "one, number 0" if count == 1 else f"{count}, from number 0"
+            raise MisuseError("InvalidArgument", f"agentId {agent!r} is not an agent here: there is {there}")
+        if self._simulator.has_room:
+            self._simulator.room.active = int(str(agent or 0))
 
     def _images(self, request: Mapping[str, Any]) -> Images:
         """The pictures that Initialize has asked for, and those that this action asks for."""
@@ -88,10 +102,3 @@ class Session:
             instances=always.instances or bool(request.get("renderInstanceSegmentation")),
             types=always.types or bool(request.get("renderSemanticSegmentation")),
         )
-
-
-def _check_agent(request: Mapping[str, Any]) -> None:
-    """There is one agent, number 0; Unity reads a number from text too."""
-    agent = request.get("agentId", 0)
-    if agent is not None and str(agent) != "0":
-        raise MisuseError("InvalidArgument", f"agentId {agent!r} is not an agent here: there is one, number 0")

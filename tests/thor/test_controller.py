@@ -161,7 +161,7 @@ def test_map_camera_sees_every_piece_of_furniture_on_the_floor(kitchen) -> None:
 
 
 def test_parameters_that_are_not_supported(kitchen) -> None:
-    for parameters in ({"agentMode": "drone"}, {"agentCount": 2}, {"renderNormalsImage": True}):
+    for parameters in ({"agentMode": "drone"}, {"renderNormalsImage": True}):
         kitchen.initialization_parameters = {}
         with pytest.raises(ValueError, match="not supported"):
             kitchen.reset(**parameters)

@@ -142,7 +142,7 @@ def test_an_agent_that_is_not_there_cannot_act(kitchen, agent) -> None:
     assert kitchen.step("Pass", agentId="0")
 
 
-@pytest.mark.parametrize("other", [{"agentMode": "locobot"}, {"agentMode": "drone"}, {"agentCount": 2}])
+@pytest.mark.parametrize("other", [{"agentMode": "locobot"}, {"agentMode": "drone"}])
 def test_other_agents_are_refused_in_one_line(kitchen, other) -> None:
     with pytest.raises(ValueError, match="is not supported here") as raised:
         kitchen.reset(**other)

@@ -130,11 +130,11 @@ def rotate_held_object(
 def throw_object(simulator: SimulatorState, moveMagnitude: float, forceAction: bool = False) -> ActionResult:
     """Throw what is held where the camera looks, with a force in newtons that acts for one physics step of AI2-THOR."""
     agent, world = simulator.agent, simulator.room.world
-    if world.held is None:
+    if agent.held is None:
         return ActionResult(False, "Nothing in Hand to Throw!")
     if moveMagnitude <= 0.0:
         return ActionResult(False, f"moveMagnitude {moveMagnitude:g} is not a force: give newtons")
-    mass = object_type(world.type_of(world.held)).mass_kg or 1.0
+    mass = object_type(world.type_of(agent.held)).mass_kg or 1.0
     ahead = agent.camera().rotation()[2]
     x, y, z = arithmetic.snapped(min(moveMagnitude * PUSH_S / mass, MOST_THROW_M_S) * ahead).tolist()
     released = handling.drop_at(world, [agent.hand_at(), *agent.drop_spots()], (x, y, z))

@@ -16,6 +16,7 @@ from remqa_data.thor.state.objects import box_metadata
 from remqa_data.thor.state.settings import FrameSize, Images, Settings
 from remqa_data.thor.state.simulator import SCENE_SUFFIX, SimulatorState
 
+MOST_AGENTS = 8
 NO_EFFECT = frozenset(
     {
         "alwaysReturnVisibleRange",
@@ -74,8 +75,8 @@ def initialize(
         raise MisuseError(
             "InvalidArgument", f"agentMode {agentMode!r} is not supported here: choose 'default' or 'arm'"
         )
-    if agentCount != 1:
-        raise MisuseError("InvalidArgument", f"agentCount {agentCount} is not supported here: there is one agent")
+    if not 1 <= agentCount <= MOST_AGENTS:
+        raise MisuseError("InvalidArgument", f"agentCount {agentCount} is not between 1 and {MOST_AGENTS}")
     if renderNormalsImage or renderFlowImage:
         raise MisuseError("InvalidArgument", "renderNormalsImage and renderFlowImage are not supported here")
     if not 0.0 < gridSize <= 5.0:
@@ -95,6 +96,7 @@ def initialize(
         field_of_view=fieldOfView,
         far_plane=cameraFarPlane,
         agent_mode=agentMode,
+        agent_count=agentCount,
         images=Images(
             depth=renderDepthImage,
             instances=renderInstanceSegmentation,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ import numpy as np
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, I32, Vec3
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
+from remqa_data.sim.agent.body import direction
 from remqa_data.sim.metadata import scaled_min_pixels
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
@@ -36,11 +39,15 @@ class ThorAgent(Agent):
         Field of view, visibility distance, and whether it has an arm.
     frame : FrameSize
         Of its pictures; may change later.
+    others : sequence of ThorAgent
+        The agents of the room, this one among them, by their numbers.
     **pose
         `horizon_deg` and `is_standing`, as of `Agent`.
 
     Attributes
     ----------
+    is_holder : bool
+        Whether what is held is held by this agent: in all there is one thing in a hand.
     hand_offset : tuple of float
         Where the hand is without an arm, metres to the right of the camera, above and ahead of it.
     """
@@ -54,9 +61,10 @@ class ThorAgent(Agent):
         *,
         settings: Settings,
         frame: FrameSize,
+        others: Sequence[ThorAgent] = (),
         **pose: Any,
     ) -> None:
-        self.frame, self.hand_offset = frame, HAND
+        self.frame, self.hand_offset, self.is_holder, self._all = frame, HAND, False, others
         body = Embodiment(
             fov_deg=settings.field_of_view,
             step_m=settings.grid_size,
@@ -67,6 +75,32 @@ class ThorAgent(Agent):
         super().__init__(world, view, position, yaw_deg, embodiment=body, hands=hands, **pose)
         self._grasp: F64 = np.zeros(3)
         self._sight = Sight(world, view, body)
+
+    @property
+    def held(self) -> str | None:
+        """Id of what it holds."""
+        return self.world.held if self.is_holder else None
+
+    def move(self, ahead_m: float, right_m: float = 0.0, force: bool = False) -> ActionResult:
+        """Walk straight, not into another agent; with `force` through anything."""
+        cos, sin = direction(self.yaw_deg)
+        end = self.x + ahead_m * cos + right_m * sin, self.y + ahead_m * sin - right_m * cos
+        refusal = None if force else self._refusal_of_others(end)
+        return refusal or super().move(ahead_m, right_m, force)
+
+    def teleport(
+        self,
+        x: float | None = None,
+        y: float | None = None,
+        yaw_deg: float | None = None,
+        horizon_deg: float | None = None,
+        is_standing: bool | None = None,
+        force: bool = False,
+    ) -> ActionResult:
+        """Be somewhere else, if the agent can stand there and no other agent does."""
+        end = self.x if x is None else float(x), self.y if y is None else float(y)
+        refusal = None if force else self._refusal_of_others(end, start=end)
+        return refusal or super().teleport(x, y, yaw_deg, horizon_deg, is_standing, force)
 
     def camera(self, width: int | None = None, height: int | None = None) -> Camera:
         """Its eye, by default with the size of its frames."""
@@ -97,9 +131,14 @@ class ThorAgent(Agent):
 
     def pick_up(self, object_id: str, force: bool = False) -> ActionResult:
         """Take an object into the hand, which is where it usually is; an arm holds it as it took hold of it."""
+        if self.world.held is not None and not self.is_holder:
+            return ActionResult(False, f"another agent holds {self.world.held}, and there is one thing in a hand here")
         middle = self.world.box(object_id).mean(axis=0)
         result = super().pick_up(object_id, force)
         if result.success:
+            for other in self._all:
+                other.is_holder = False
+            self.is_holder = True
             self.hand_offset = HAND
             self._grasp = middle - np.asarray(self.hand_at()) if self.hands == "arm" else np.zeros(3)
         return result
@@ -117,6 +156,26 @@ class ThorAgent(Agent):
         origin = np.asarray(self.world.state(held).position) - self.world.box(held).mean(axis=0)
         x, y, z = arithmetic.snapped(np.asarray(self.held_at()) + origin).tolist()
         return [(x, y, z + rise) for rise in RISES_M] + super().drop_spots()
+
+    def _until_it_meets_an_agent(self, object_id: str, was: float, goal: float, position: tuple[float, float]) -> float:
+        """See `Agent`; nothing opens through another agent either."""
+        for place in (position, *((other.x, other.y) for other in self._all if other is not self)):
+            goal = super()._until_it_meets_an_agent(object_id, was, goal, place)
+        return goal
+
+    def _refusal_of_others(
+        self, end: tuple[float, float], start: tuple[float, float] | None = None
+    ) -> ActionResult | None:
+        """Whether another agent stands on the straight way to a point; one may walk away from who is too near."""
+        start = start or (self.x, self.y)
+        for number, other in enumerate(self._all):
+            way, there = np.subtract(end, start), np.subtract((other.x, other.y), start)
+            far = float(way @ way)
+            nearest = way * float(np.clip(way @ there / far, 0.0, 1.0)) if far else way
+            is_nearer = not far or way @ there > 0
+            if other is not self and is_nearer and math.dist(nearest, there) < 2 * self.embodiment.radius_m:
+                return ActionResult(False, f"Agent {number} is blocking Agent from moving")
+        return None
 
     def visible_objects(self, distance_m: float | None = None) -> list[str]:
         """Ids of the objects that its frame shows, in the scene's order; with a distance, those nearer in plan."""

@@ -51,7 +51,7 @@ def arm_metadata(room: LoadedFloorPlan) -> Metadata:
         parent = pose
     return {
         "joints": joints,
-        "heldObjects": [] if room.world.held is None else [room.world.held],
+        "heldObjects": [] if agent.held is None else [agent.held],
         "pickupableObjects": [name for name in touched if object_type(room.world.type_of(name)).pickupable],
         "touchedNotHeldObjects": touched,
         "handSphereCenter": to_thor(hand),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from remqa_data.geometry.types import Vec3
@@ -21,39 +21,84 @@ Files = dict[str, list[bytes]]
 
 @dataclass(frozen=True)
 class Reply:
-    """What AI2-THOR's Python side makes an event of."""
+    """What AI2-THOR's Python side makes an event of.
 
-    metadata: Metadata
+    Attributes
+    ----------
+    active : int
+        Number of the agent that has acted.
+    metadata : list of dict
+        Of each agent.
+    files : dict of str to list of bytes
+        Pictures by their names, in the order of the agents, or of the third party cameras.
+    """
+
+    active: int
+    metadata: list[Metadata]
     files: Files
 
 
-def reply(simulator: SimulatorState, action: str, result: ActionResult, code: str | None, images: Images) -> Reply:
+@dataclass(frozen=True)
+class Outcome:
+    """What came of an action.
+
+    Attributes
+    ----------
+    action : str
+        Its name.
+    result : ActionResult
+        What came of it.
+    code : str, optional
+        AI2-THOR's errorCode, of an action that could not be read.
+    """
+
+    action: str
+    result: ActionResult
+    code: str | None = None
+
+
+def reply(simulator: SimulatorState, outcomes: Mapping[int, Outcome], images: Images) -> Reply:
     """The state after an action.
 
     Parameters
     ----------
     simulator : SimulatorState
         The state.
-    action : str
-        Name of the action.
-    result : ActionResult
-        What came of it.
-    code : str, optional
-        AI2-THOR's errorCode, of an action that could not be read.
+    outcomes : mapping
+        Of the last action of each agent that has acted, by its number.
     images : Images
         Which pictures to send.
     """
-    metadata = _outcome(action, result, code) | {
+    files: Files = defaultdict(list)
+    if not simulator.has_room:
+        files["image"].append(bytes(3 * simulator.frame.width * simulator.frame.height))
+        return Reply(0, [_outcome(outcomes.get(0, NOTHING_DONE), 0) | _about(simulator)], files)
+    room, active = simulator.room, simulator.room.active
+    seen_by_all = []
+    for number in range(len(room.agents)):
+        room.active = number
+        outcome = _outcome(outcomes.get(number, NOTHING_DONE), number)
+        seen_by_all.append(outcome | _about(simulator) | _state(simulator, images, files))
+    room.active = active
+    if not images.none:
+        for third in simulator.cameras:
+            camera = third.camera(simulator.frame)
+            drawn = room.view.render(camera, only=room.shown_to(camera))
+            _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, simulator.settings.far_plane)
+    return Reply(active, seen_by_all, files)
+
+
+def _about(simulator: SimulatorState) -> Metadata:
+    return {
         "screenWidth": simulator.frame.width,
         "screenHeight": simulator.frame.height,
         "sceneName": simulator.scene_name,
     }
-    files: Files = defaultdict(list)
-    if not simulator.has_room:
-        files["image"].append(bytes(3 * simulator.frame.width * simulator.frame.height))
-        return Reply(metadata, files)
-    room = simulator.room
-    distance = simulator.settings.visibility_distance
+
+
+def _state(simulator: SimulatorState, images: Images, files: Files) -> Metadata:
+    """What the agent that acts finds; its pictures are added to the files."""
+    room, distance = simulator.room, simulator.settings.visibility_distance
     if images.none:
         visible = room.agent.visible_objects(distance)
     else:
@@ -63,22 +108,21 @@ def reply(simulator: SimulatorState, action: str, result: ActionResult, code: st
         is_sight = only is None and not room.shows_map
         visible = room.agent.seen_in(seen.objects, distance) if is_sight else room.agent.visible_objects(distance)
         _add(files, _AGENT_FILES, seen, images, room.palette, simulator.settings.far_plane)
-        for third in simulator.cameras:
-            camera = third.camera(simulator.frame)
-            drawn = room.view.render(camera, only=room.shown_to(camera))
-            _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, simulator.settings.far_plane)
-    hand = room.agent.hand_at()
-    held_at = room.agent.held_at()
-    metadata["objects"] = room.records.listing(
-        room.agent_position(), frozenset(visible), held_at, simulator.shown_objects
-    )
-    metadata["sceneBounds"] = box_metadata(room.box())
-    metadata["colors"] = room.palette.metadata() if images.colors else None
-    metadata["thirdPartyCameras"] = [camera.metadata(index) for index, camera in enumerate(simulator.cameras)]
-    metadata["arm"] = arm_metadata(room) if simulator.settings.has_arm else None
-    return Reply(metadata | _agent(room, hand), files)
+    holder = next((agent for agent in room.agents if agent.is_holder), room.agent)
+    metadata: Metadata = {
+        "objects": room.records.listing(
+            room.agent_position(), frozenset(visible), holder.held_at(), simulator.shown_objects
+        ),
+        "sceneBounds": box_metadata(room.box()),
+        "colors": room.palette.metadata() if images.colors else None,
+        "thirdPartyCameras": [camera.metadata(index) for index, camera in enumerate(simulator.cameras)],
+        "arm": arm_metadata(room) if simulator.settings.has_arm else None,
+    }
+    return metadata | _agent(room, room.agent.hand_at())
 
 
+NOTHING_DONE = Outcome("Pass", ActionResult(True))
+"""What is said of an agent that has not acted."""
 _AGENT_FILES = ("image", "image_depth", "image_ids", "image_classes")
 _THIRD_PARTY_FILES = (
     "image-thirdParty-camera",
@@ -100,8 +144,9 @@ def _add(files: Files, names: Sequence[str], seen: Observation, images: Images, 
         files[types].append(as_bytes(palette.types(seen.objects)))
 
 
-def _outcome(action: str, result: ActionResult, code: str | None) -> Metadata:
+def _outcome(done: Outcome, agent: int) -> Metadata:
     """All keys of the metadata: what the action says, and what has a meaning in no room of ours."""
+    action, result, code = done.action, done.result, done.code
     is_blocked = " is blocking Agent" in result.error
     return {
         "objects": [],
@@ -123,7 +168,7 @@ def _outcome(action: str, result: ActionResult, code: str | None) -> Metadata:
         "lastActionSuccess": result.success,
         "screenWidth": 0,
         "screenHeight": 0,
-        "agentId": 0,
+        "agentId": agent,
         "colors": None,
         "depthFormat": "Meters",
         "flatSurfacesOnGrid": [],
@@ -148,7 +193,7 @@ def _agent(room: LoadedFloorPlan, hand: Vec3) -> Metadata:
     agent, world = room.agent, room.world
     above = room.map_camera() if room.shows_map else None
     rotation = {"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0}
-    held = [] if world.held is None else [{"objectId": world.held, "objectType": world.type_of(world.held)}]
+    held = [] if agent.held is None else [{"objectId": agent.held, "objectType": world.type_of(agent.held)}]
     return {
         "agent": {
             "name": "agent",

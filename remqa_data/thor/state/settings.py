@@ -57,6 +57,7 @@ class Settings:
     field_of_view: float = 90.0
     far_plane: float = 20.0
     agent_mode: str = "default"
+    agent_count: int = 1
     images: Images = field(default_factory=Images)
 
     @property

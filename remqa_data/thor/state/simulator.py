@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from remqa_data.errors import MisuseError
@@ -24,6 +26,8 @@ from remqa_data.thor.state.settings import FrameSize, Settings
 
 AGENT_MIDDLE_M = 0.900999
 """AI2-THOR describes its agent by its middle, which is so high above the floor."""
+APART_M = 0.5
+"""Agents begin at least so far from each other."""
 BELOW_CEILING_M = 0.05
 """Where the map camera is."""
 HOVERS_M = {"FloorPlan12": 0.079}
@@ -47,9 +51,12 @@ class LoadedFloorPlan:
 
     Attributes
     ----------
-    world, view, agent, records, palette, looks
-        The simulated room, its renderer, the agent in it, the objects' metadata, their colours in masks, and how the room
-        is shown.
+    world, view, records, palette, looks
+        The simulated room, its renderer, the objects' metadata, their colours in masks, and how the room is shown.
+    agents : list of ThorAgent
+        The agents in it, by their numbers.
+    active : int
+        Number of the one that acts.
     at_rest : Snapshot
         The world as it was loaded.
     shows_map : bool
@@ -76,8 +83,32 @@ class LoadedFloorPlan:
         self.records = ObjectRecords(self.world)
         self.shows_map = False
         self.looks.change(Look())
+        self.agents: list[ThorAgent] = []
+        self._add_agents(settings, frame)
+
+    def _add_agents(self, settings: Settings, frame: FrameSize) -> None:
+        """Let there be as many agents as are asked for: the first at the start, each other one as near as there is room."""
+        self.active = 0
+        del self.agents[settings.agent_count :]
         position, yaw_deg = self._start
-        self.agent = ThorAgent(self.world, self.view, position, yaw_deg, settings=settings, frame=frame)
+        while len(self.agents) < settings.agent_count:
+            place = position if not self.agents else self._free_place(settings)
+            agent = ThorAgent(self.world, self.view, place, yaw_deg, settings=settings, frame=frame, others=self.agents)
+            self.agents.append(agent)
+
+    def _free_place(self, settings: Settings) -> tuple[float, float]:
+        """Of the reachable cells that no agent is near, the one nearest to the first agent."""
+        grid = reachable_grid(self.world)
+        places = [grid.position(cell) for cell in grid.cells]
+        free = [p for p in places if min(math.dist(p, (a.x, a.y)) for a in self.agents) >= APART_M]
+        if not free:
+            raise MisuseError("InvalidArgument", f"there is no room for {settings.agent_count} agents here")
+        return min(free, key=lambda place: (math.dist(place, (self.agents[0].x, self.agents[0].y)), place))
+
+    @property
+    def agent(self) -> ThorAgent:
+        """The agent that acts."""
+        return self.agents[self.active]
 
     @property
     def conditions(self) -> Conditions:
@@ -97,12 +128,23 @@ class LoadedFloorPlan:
         self.records.away = away
 
     def embody(self, settings: Settings) -> None:
-        """Give the agent other settings, where it is."""
-        old = self.agent
-        pose = {"horizon_deg": old.horizon_deg, "is_standing": old.is_standing}
-        self.agent = ThorAgent(
-            self.world, self.view, (old.x, old.y), old.yaw_deg, settings=settings, frame=old.frame, **pose
-        )
+        """Give the agents other settings, where they are; and let there be more or fewer of them."""
+        frame = self.agent.frame
+        for number, old in enumerate(self.agents):
+            new = ThorAgent(
+                self.world,
+                self.view,
+                (old.x, old.y),
+                old.yaw_deg,
+                settings=settings,
+                frame=frame,
+                others=self.agents,
+                horizon_deg=old.horizon_deg,
+                is_standing=old.is_standing,
+            )
+            new.is_holder = old.is_holder
+            self.agents[number] = new
+        self._add_agents(settings, frame)
 
     def agent_position(self) -> Vec3:
         """Where AI2-THOR says the agent is, metres in the room."""
@@ -216,7 +258,8 @@ class SimulatorState:
         """Change the size of all pictures."""
         self.frame = frame
         if self._room is not None:
-            self._room.agent.frame = frame
+            for agent in self._room.agents:
+                agent.frame = frame
 
     def close(self) -> None:
         """Give the simulator's memory back."""

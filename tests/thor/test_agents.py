@@ -1,0 +1,87 @@
+"""Several agents in a room: each has its own events, and they are in each other's way."""
+
+import numpy as np
+import pytest
+
+from remqa_data.thor import Controller
+
+APPLE, FRIDGE = "Apple|-00.47|+01.15|+00.48", "Fridge|-02.10|+00.00|+01.07"
+
+
+@pytest.fixture
+def two(kitchen) -> Controller:
+    kitchen.reset("FloorPlan1", agentCount=2)
+    yield kitchen
+    kitchen.initialization_parameters.pop("agentCount")
+
+
+def place(event, agent: int) -> tuple[float, float]:
+    position = event.events[agent].metadata["agent"]["position"]
+    return position["x"], position["z"]
+
+
+def test_there_is_an_event_for_each(two) -> None:
+    event = two.step("RotateRight", agentId=1)
+    first, second = event.events
+    assert [e.metadata["agentId"] for e in event.events] == [0, 1]
+    assert event.metadata == second.metadata
+    assert (first.metadata["lastAction"], second.metadata["lastAction"]) == ("Initialize", "RotateRight")
+    turn = [e.metadata["agent"]["rotation"]["y"] for e in event.events]
+    assert (turn[1] - turn[0]) % 360 == pytest.approx(90)
+    assert not np.array_equal(first.frame, second.frame)
+    assert two.step("RotateLeft").metadata["agentId"] == 0
+
+
+def test_what_one_does_the_other_finds(two) -> None:
+    event = two.step("OpenObject", objectId=FRIDGE, forceAction=True, agentId=1)
+    assert [e.get_object(FRIDGE)["isOpen"] for e in event.events] == [True, True]
+    assert two.step("PickupObject", objectId=APPLE, forceAction=True, agentId=1)
+    held = [[o["objectId"] for o in e.metadata["inventoryObjects"]] for e in two.last_event.events]
+    assert held == [[], [APPLE]]
+    records = [e.get_object(APPLE) for e in two.last_event.events]
+    assert records[0]["isPickedUp"]
+    assert records[0]["position"] == records[1]["position"]
+    hand = two.last_event.events[1].metadata["heldObjectPose"]["position"]
+    assert sum(abs(records[0]["position"][axis] - hand[axis]) for axis in "xyz") < 0.1
+
+
+def test_one_thing_is_held_by_one_of_them(two) -> None:
+    assert two.step("PickupObject", objectId=APPLE, forceAction=True, agentId=1)
+    mug = next(o["objectId"] for o in two.last_event.metadata["objects"] if o["objectType"] == "Mug")
+    assert not two.step("PickupObject", objectId=mug, forceAction=True, agentId=0)
+    assert "another agent holds" in two.last_event.metadata["errorMessage"]
+    for action in ("DropHandObject", "ThrowObject", "MoveHeldObjectAhead"):
+        arguments = {"moveMagnitude": 1.0} if action == "ThrowObject" else {}
+        assert not two.step(action, agentId=0, **arguments)
+    assert two.step("DropHandObject", agentId=1)
+    assert two.step("PickupObject", objectId=mug, forceAction=True, agentId=0)
+    assert [len(e.metadata["inventoryObjects"]) for e in two.last_event.events] == [1, 0]
+
+
+def test_they_begin_apart_and_do_not_walk_through_each_other(two) -> None:
+    event = two.last_event
+    gap = np.subtract(place(event, 1), place(event, 0))
+    assert 0.5 <= np.linalg.norm(gap) < 1.0
+    axis = int(np.argmax(np.abs(gap)))
+    ahead = {0: 90.0, 1: 0.0}[axis] + (180.0 if gap[axis] < 0 else 0.0)
+    two.step("TeleportFull", rotation={"x": 0.0, "y": ahead, "z": 0.0}, agentId=0)
+    refused = [two.step("MoveAhead", agentId=0) for _ in range(3)][-1]
+    assert not refused
+    assert refused.metadata["errorMessage"] == "Agent 1 is blocking Agent from moving"
+    assert refused.metadata["collidedObjects"] == ["Agent 1"]
+    onto = two.last_event.events[1].metadata["agent"]["position"]
+    assert not two.step("Teleport", position=onto, agentId=0)
+    assert two.step("Teleport", position=onto, agentId=0, forceAction=True)
+
+
+def test_an_agent_that_is_not_there_is_an_error(two) -> None:
+    with pytest.raises(ValueError, match="agentId 2 is not an agent here: there is 2, from number 0"):
+        two.step("Pass", agentId=2)
+    with pytest.raises(ValueError, match="agentCount 9 is not between 1 and 8"):
+        two.reset("FloorPlan1", agentCount=9)
+
+
+def test_one_agent_again(two) -> None:
+    event = two.reset("FloorPlan1", agentCount=1)
+    assert event.metadata["agentId"] == 0
+    assert [e.metadata["agentId"] for e in event.events] == [0]
