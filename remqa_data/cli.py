@@ -190,6 +190,23 @@ def coco(
 
 
 @app.command()
+def rerun(
+    root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
+    scene: Annotated[str, typer.Argument(help="A room of it, such as FloorPlan1.")],
+    recording: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="Recording to write.")] = Path(
+        "walk.rrd"
+    ),
+    configuration: Annotated[int, typer.Option(help="Which arrangement of the room's things.")] = 0,
+) -> None:
+    """Write the walk through a room as a recording for the viewer Rerun (extra: rerun)."""
+    from remqa_data.export.rerun_walk import write_walk
+
+    frames = write_walk(root, scene, recording, configuration)
+    output().say(f"{recording}: {frames} frames; look at it with `rerun {recording}`")
+    output().result(recording=recording, frames=frames)
+
+
+@app.command()
 def browse(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
     submission: Annotated[

@@ -82,7 +82,7 @@ def plan_legend(plan: SemanticPlan) -> list[tuple[str, Color]]:
 
 
 def _colors(plan: SemanticPlan) -> U8:
-    return np.array([_color(name) for name in plan.names] + [UNKNOWN_COLOR], dtype=np.uint8)
+    return np.array([type_color(name) for name in plan.names] + [UNKNOWN_COLOR], dtype=np.uint8)
 
 
 def _with_legend(image: U8, plan: SemanticPlan, title: str) -> U8:
@@ -106,7 +106,7 @@ def _write(image: U8, text: str, x: int, y: int) -> None:
     cv2.putText(image, text, (x, y), cv2.FONT_HERSHEY_SIMPLEX, TEXT_SIZE, TEXT_COLOR, 1, cv2.LINE_AA)
 
 
-def _color(name: str) -> Color:
+def type_color(name: str) -> Color:
     """The colour of a type, the same in every picture: hues a golden ratio apart, in the catalogue's order."""
     if name == STRUCTURE:
         return STRUCTURE_COLOR
