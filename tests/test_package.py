@@ -55,7 +55,15 @@ def optional_packages() -> list[tuple[str, str]]:
 
 
 def test_the_extras_are_the_promised_ones():
-    assert {extra for _, extra in optional_packages()} == {"torch", "agents", "browse", "thor", "ray", "report", "rerun"}
+    assert {extra for _, extra in optional_packages()} == {
+        "torch",
+        "agents",
+        "browse",
+        "thor",
+        "ray",
+        "report",
+        "rerun",
+    }
 
 
 @pytest.mark.parametrize(("package", "extra"), optional_packages())

@@ -81,6 +81,13 @@ def test_an_agent_that_is_not_there_is_an_error(two) -> None:
         two.reset("FloorPlan1", agentCount=9)
 
 
+def test_what_an_agent_held_that_is_gone_goes_to_the_first(two) -> None:
+    assert two.step("PickupObject", objectId=APPLE, forceAction=True, agentId=1)
+    event = two.step("Initialize", agentCount=1)
+    assert [o["objectId"] for o in event.metadata["inventoryObjects"]] == [APPLE]
+    assert two.step("DropHandObject")
+
+
 def test_one_agent_again(two) -> None:
     event = two.reset("FloorPlan1", agentCount=1)
     assert event.metadata["agentId"] == 0

@@ -169,11 +169,13 @@ class ThorAgent(Agent):
         """Whether another agent stands on the straight way to a point; one may walk away from who is too near."""
         start = start or (self.x, self.y)
         for number, other in enumerate(self._all):
+            if other is self:
+                continue
             way, there = np.subtract(end, start), np.subtract((other.x, other.y), start)
             far = float(way @ way)
             nearest = way * float(np.clip(way @ there / far, 0.0, 1.0)) if far else way
             is_nearer = not far or way @ there > 0
-            if other is not self and is_nearer and math.dist(nearest, there) < 2 * self.embodiment.radius_m:
+            if is_nearer and math.dist(nearest, there) < 2 * self.embodiment.radius_m:
                 return ActionResult(False, f"Agent {number} is blocking Agent from moving")
         return None
 

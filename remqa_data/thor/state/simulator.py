@@ -95,6 +95,8 @@ class LoadedFloorPlan:
             place = position if not self.agents else self._free_place(settings)
             agent = ThorAgent(self.world, self.view, place, yaw_deg, settings=settings, frame=frame, others=self.agents)
             self.agents.append(agent)
+        if not any(agent.is_holder for agent in self.agents):
+            self.agents[0].is_holder = True  # what an agent held that is gone
 
     def _free_place(self, settings: Settings) -> tuple[float, float]:
         """Of the reachable cells that no agent is near, the one nearest to the first agent."""
