@@ -33,13 +33,16 @@ class Conditions:
 
     Attributes
     ----------
+    changed : dict of str to dict
+        See `of`; only the objects of which something has changed.
     controlled : dict of str to str
         Which burner a knob is for, and into which basin a faucet's water runs.
     """
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._changed: dict[str, dict[str, Any]] = {}
+        self.changed: dict[str, dict[str, Any]] = {}
+        self._has_spread_in: Mapping[str, Sequence[str]] | None = None
         of_type: dict[str, list[str]] = {}
         for object_id in world.ids:
             of_type.setdefault(world.type_of(object_id), []).append(object_id)
@@ -52,7 +55,7 @@ class Conditions:
 
     def of(self, object_id: str) -> Mapping[str, Any]:
         """What is no longer as it was at first, by AI2-THOR's names."""
-        return self._changed.get(object_id, UNCHANGED)
+        return self.changed.get(object_id, UNCHANGED)
 
     def is_on(self, object_id: str) -> bool:
         """Whether an object is switched on."""
@@ -60,19 +63,26 @@ class Conditions:
 
     def change(self, object_id: str, **values: Any) -> None:
         """Say what an object is in, by AI2-THOR's names."""
-        self._changed.setdefault(object_id, {}).update(values)
+        self.changed.setdefault(object_id, {}).update(values)
+        self._has_spread_in = None
 
     def forget(self, object_id: str, names: Iterable[str]) -> None:
         """Bring an object back to what it was in at first."""
         for name in names:
-            self._changed.get(object_id, {}).pop(name, None)
+            self.changed.get(object_id, {}).pop(name, None)
+        self._has_spread_in = None
 
     def fill(self, object_id: str, liquid: str | None) -> None:
         """Fill an object with a liquid, or empty it."""
         self.change(object_id, isFilledWithLiquid=liquid is not None, fillLiquid=liquid)
 
     def spread(self, contents: Mapping[str, Sequence[str]]) -> None:
-        """Let what is on or cold do to what is in or on it what it does; `contents` says what each object holds."""
+        """Let what is on or cold do to what is in or on it what it does; `contents` says what each object holds.
+
+        What has been done in the same contents, and since when nothing has changed, is not done again.
+        """
+        if self._has_spread_in is contents:
+            return
         for place in self._cools:
             for thing in _within(contents, place):
                 self.change(thing, temperature="Cold")
@@ -88,6 +98,7 @@ class Conditions:
         for faucet, basin in self._runs_into.items():
             for thing in _within(contents, basin) if self.is_on(faucet) else ():
                 self._wet(thing)
+        self._has_spread_in = contents
 
     def _wet(self, thing: str) -> None:
         if self._kind_can(thing, "dirtyable"):

@@ -114,7 +114,7 @@ class ObjectRecords:
         self._follow()
         self.conditions.spread(self._contents)
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
-        listed = []
+        listed, changed = [], self.conditions.changed
         for object_id, distance in zip(self._world.ids, distances, strict=True):
             if object_id in self.away or (only is not None and object_id not in only):
                 continue
@@ -122,7 +122,8 @@ class ObjectRecords:
             record["position"] = record["position"].copy()
             record["rotation"] = record["rotation"].copy()
             record["visible"] = record["isInteractable"] = object_id in visible
-            record.update(self.conditions.of(object_id))
+            if object_id in changed:
+                record.update(changed[object_id])
             record["distance"] = distance
             if object_id == self._held:
                 self._put_into_hand(record, agent, hand)
