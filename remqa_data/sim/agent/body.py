@@ -100,7 +100,7 @@ class Body:
         cos, sin = direction(self.yaw_deg)
         x = self.x + ahead_m * cos + right_m * sin
         y = self.y + ahead_m * sin - right_m * cos
-        return self._go(x, y, None if force else self.ground.blocker((self.x, self.y), (x, y)))
+        return self._go(x, y, None if force else self._blocker((self.x, self.y), (x, y)))
 
     def rotate(self, degrees: float) -> ActionResult:
         """Turn, counter-clockwise."""
@@ -127,7 +127,7 @@ class Body:
         """Be somewhere else, if the agent can stand there; what is not given stays as it is."""
         x, y = self.x if x is None else float(x), self.y if y is None else float(y)
         horizon = self.horizon_deg if horizon_deg is None else float(horizon_deg)
-        result = self._tilt_refusal(horizon) or self._go(x, y, None if force else self.ground.blocker_at(x, y))
+        result = self._tilt_refusal(horizon) or self._go(x, y, None if force else self._blocker_at(x, y))
         if result.success:
             yaw = self.yaw_deg if yaw_deg is None else yaw_deg
             self.place((x, y), yaw, horizon, self.is_standing if is_standing is None else is_standing)
@@ -155,6 +155,14 @@ class Body:
 
     def _prepare_to_move(self) -> None:
         """Called before the body moves."""
+
+    def _blocker(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
+        """What keeps the body from a straight step, by the name that it has in errors."""
+        return self.ground.blocker(start, end)
+
+    def _blocker_at(self, x: float, y: float) -> str | None:
+        """What keeps the body from standing at a point."""
+        return self.ground.blocker_at(x, y)
 
     def _go(self, x: float, y: float, blocker: str | None) -> ActionResult:
         if blocker is not None:

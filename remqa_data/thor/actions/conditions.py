@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from remqa_data.catalog import object_type
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.actions.targets import target_of
-from remqa_data.thor.state.conditions import LIQUIDS
+from remqa_data.thor.state.conditions import CONDITIONS, FILLED, LIQUIDS
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -23,8 +21,8 @@ def fill_object_with_liquid(
     """Fill an object with water, coffee or wine."""
     if fillLiquid not in LIQUIDS:
         return ActionResult(False, f"fillLiquid {fillLiquid!r} is none of {', '.join(LIQUIDS)}")
-    values = {"isFilledWithLiquid": True, "fillLiquid": fillLiquid}
-    return _change(simulator, "FillObjectWithLiquid", objectId, x, y, forceAction, "fillable", values)
+    target = target_of(simulator, "FillObjectWithLiquid", objectId, x, y)
+    return _put(simulator, target, forceAction, FILLED, True, fillLiquid)
 
 
 def slice_object(
@@ -41,8 +39,8 @@ def slice_object(
     return ActionResult(False, f"{target} is not sliced: a room has the objects here that it began with, and no slices")
 
 
-def _changing(name: str, able: str, **values: Any) -> Action:
-    """An action that brings an object that can be it into a condition."""
+def _putting(action: str, condition: str, is_so: bool) -> Action:
+    """An action that brings an object that can be in it into a condition, or out of it."""
 
     def act(
         simulator: SimulatorState,
@@ -51,57 +49,39 @@ def _changing(name: str, able: str, **values: Any) -> Action:
         y: float | None = None,
         forceAction: bool = False,
     ) -> ActionResult:
-        return _change(simulator, name, objectId, x, y, forceAction, able, values)
+        return _put(simulator, target_of(simulator, action, objectId, x, y), forceAction, condition, is_so)
 
     return act
 
 
-def _change(
-    simulator: SimulatorState,
-    action: str,
-    object_id: str | None,
-    x: float | None,
-    y: float | None,
-    force: bool,
-    able: str,
-    values: dict[str, Any],
+def _put(
+    simulator: SimulatorState, target: str | ActionResult, force: bool, name: str, is_so: bool, liquid: str = "water"
 ) -> ActionResult:
-    target = target_of(simulator, action, object_id, x, y)
     if isinstance(target, ActionResult):
         return target
-    room, agent = simulator.room, simulator.agent
-    record, after = room.conditions.of(target), next(iter(values))
-    if able not in object_type(room.world.type_of(target)).can:
-        return ActionResult(False, f"{target} is not {able.replace('_', ' ')}")
-    if bool(record.get(after, False)) == bool(values[after]):
-        return ActionResult(False, f"{target} is {'already' if values[after] else 'not'} {CONDITIONS[after]}")
+    room, agent, condition = simulator.room, simulator.agent, CONDITIONS[name]
+    if condition.able not in object_type(room.world.type_of(target)).can:
+        return ActionResult(False, f"{target} is not {condition.able.replace('_', ' ')}")
+    if bool(room.conditions.of(target).get(name)) == is_so:
+        return ActionResult(False, f"{target} is {'already' if is_so else 'not'} {condition.word}")
     refusal = None if force or target == agent.held else agent.refusal(target) or agent.reach(target)
     if refusal is not None:
         return refusal
-    room.conditions.change(target, **values)
+    room.conditions.put(target, name, is_so, liquid)
     return ActionResult(True)
 
 
-CONDITIONS = {
-    "isBroken": "broken",
-    "isCooked": "cooked",
-    "isDirty": "dirty",
-    "isFilledWithLiquid": "filled",
-    "isUsedUp": "used up",
-}
-"""AI2-THOR's names of conditions, and the words for them."""
-
-_ONE_WAY: dict[str, tuple[str, dict[str, Any]]] = {
-    "BreakObject": ("breakable", {"isBroken": True}),
-    "CleanObject": ("dirtyable", {"isDirty": False}),
-    "CookObject": ("cookable", {"isCooked": True}),
-    "DirtyObject": ("dirtyable", {"isDirty": True}),
-    "EmptyLiquidFromObject": ("fillable", {"isFilledWithLiquid": False, "fillLiquid": None}),
-    "UseUpObject": ("used_up", {"isUsedUp": True}),
+_BROUGHT_ABOUT = {
+    "BreakObject": ("isBroken", True),
+    "CleanObject": ("isDirty", False),
+    "CookObject": ("isCooked", True),
+    "DirtyObject": ("isDirty", True),
+    "EmptyLiquidFromObject": (FILLED, False),
+    "UseUpObject": ("isUsedUp", True),
 }
 
 ACTIONS: dict[str, Action] = {
-    **{name: _changing(name, able, **values) for name, (able, values) in _ONE_WAY.items()},
+    **{action: _putting(action, condition, is_so) for action, (condition, is_so) in _BROUGHT_ABOUT.items()},
     "FillObjectWithLiquid": fill_object_with_liquid,
     "SliceObject": slice_object,
 }

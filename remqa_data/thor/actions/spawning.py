@@ -80,8 +80,7 @@ def initial_random_spawn(
         world.type_of(name)  # names the nearest ids if there is no such object
     for type_name in excludedReceptacles or []:
         object_type(type_name)
-    holder = next((agent for agent in simulator.room.agents if agent.held is not None), None)
-    if holder is not None and not (dropped := holder.drop()).success:
+    if world.held is not None and not (dropped := simulator.room.holder.drop()).success:
         return ActionResult(False, dropped.error)
     surfaces = _surfaces(world, {*away}, set(excludedReceptacles or []), forceVisible)
     loose = [name for name in world.ids if name not in away and _may_move(world, name, excluded)]

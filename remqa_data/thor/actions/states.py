@@ -11,6 +11,7 @@ from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.handling import OVERLAP_M
 from remqa_data.sim.physics.world import World
+from remqa_data.thor.state.conditions import CONDITIONS, FILLED
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -56,22 +57,16 @@ def set_state_of_all_objects(
     elif change == "CanToggleOnOff":
         world = simulator.room.world
         _switch(simulator, {name for name in world.ids if object_type(world.type_of(name)).toggleable}, forceAction)
+    elif change == "CanBeSliced":
+        world = simulator.room.world
+        able = next((name for name in world.ids if object_type(world.type_of(name)).sliceable), None)
+        if forceAction and able is not None:
+            return ActionResult(False, f"{able} is not sliced here")
     elif change not in CHANGES:
-        known = ", ".join(["CanOpen", "CanToggleOnOff", *CHANGES])
+        known = ", ".join(["CanOpen", "CanToggleOnOff", *sorted([*CHANGES, "CanBeSliced"])])
         return ActionResult(False, f"{change} is no state change: choose one of {known}")
     else:
-        able, given = CHANGES[change]
-        world = simulator.room.world
-        chosen = [name for name in world.ids if able in object_type(world.type_of(name)).can]
-        if given is None:
-            return (
-                ActionResult(False, f"{chosen[0]} is not sliced here") if forceAction and chosen else ActionResult(True)
-            )
-        for name in chosen:
-            if forceAction:
-                simulator.room.conditions.change(name, **given)
-            else:
-                simulator.room.conditions.forget(name, given)
+        _put_all(simulator, CHANGES[change], forceAction)
     return ActionResult(True)
 
 
@@ -80,15 +75,14 @@ def accept(simulator: SimulatorState, **ignored: Any) -> ActionResult:
     return ActionResult(True)
 
 
-CHANGES: dict[str, tuple[str, dict[str, Any] | None]] = {
-    "CanBeCooked": ("cookable", {"isCooked": True}),
-    "CanBeDirty": ("dirtyable", {"isDirty": True}),
-    "CanBeFilled": ("fillable", {"isFilledWithLiquid": True, "fillLiquid": "water"}),
-    "CanBeSliced": ("sliceable", None),
-    "CanBeUsedUp": ("used_up", {"isUsedUp": True}),
-    "CanBreak": ("breakable", {"isBroken": True}),
+CHANGES = {
+    "CanBeCooked": "isCooked",
+    "CanBeDirty": "isDirty",
+    "CanBeFilled": FILLED,
+    "CanBeUsedUp": "isUsedUp",
+    "CanBreak": "isBroken",
 }
-"""AI2-THOR's names of state changes, with what an object must be able to, and what it then is; None: nothing ever is."""
+"""AI2-THOR's names of state changes, with what an object then is."""
 
 WITHOUT_EFFECT = (
     "ChangeOpenSpeed",
@@ -114,6 +108,13 @@ ACTIONS: dict[str, Action] = {
 def _switch(simulator: SimulatorState, chosen: set[str], on: bool) -> None:
     for name in chosen:
         simulator.room.conditions.change(name, isToggled=on)
+
+
+def _put_all(simulator: SimulatorState, condition: str, is_so: bool) -> None:
+    world = simulator.room.world
+    for name in world.ids:
+        if CONDITIONS[condition].able in object_type(world.type_of(name)).can:
+            simulator.room.conditions.put(name, condition, is_so)
 
 
 def _set_openness(world: World, is_open: bool) -> None:

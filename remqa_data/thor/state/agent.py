@@ -11,7 +11,6 @@ import numpy as np
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, I32, Vec3
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
-from remqa_data.sim.agent.body import direction
 from remqa_data.sim.metadata import scaled_min_pixels
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
@@ -81,27 +80,6 @@ class ThorAgent(Agent):
         """Id of what it holds."""
         return self.world.held if self.is_holder else None
 
-    def move(self, ahead_m: float, right_m: float = 0.0, force: bool = False) -> ActionResult:
-        """Walk straight, not into another agent; with `force` through anything."""
-        cos, sin = direction(self.yaw_deg)
-        end = self.x + ahead_m * cos + right_m * sin, self.y + ahead_m * sin - right_m * cos
-        refusal = None if force else self._refusal_of_others(end)
-        return refusal or super().move(ahead_m, right_m, force)
-
-    def teleport(
-        self,
-        x: float | None = None,
-        y: float | None = None,
-        yaw_deg: float | None = None,
-        horizon_deg: float | None = None,
-        is_standing: bool | None = None,
-        force: bool = False,
-    ) -> ActionResult:
-        """Be somewhere else, if the agent can stand there and no other agent does."""
-        end = self.x if x is None else float(x), self.y if y is None else float(y)
-        refusal = None if force else self._refusal_of_others(end, start=end)
-        return refusal or super().teleport(x, y, yaw_deg, horizon_deg, is_standing, force)
-
     def camera(self, width: int | None = None, height: int | None = None) -> Camera:
         """Its eye, by default with the size of its frames."""
         return super().camera(width or self.frame.width, height or self.frame.height)
@@ -163,11 +141,16 @@ class ThorAgent(Agent):
             goal = super()._until_it_meets_an_agent(object_id, was, goal, place)
         return goal
 
-    def _refusal_of_others(
-        self, end: tuple[float, float], start: tuple[float, float] | None = None
-    ) -> ActionResult | None:
-        """Whether another agent stands on the straight way to a point; one may walk away from who is too near."""
-        start = start or (self.x, self.y)
+    def _blocker(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
+        """See `Body`; another agent is in the way, too."""
+        return self._other_between(start, end) or super()._blocker(start, end)
+
+    def _blocker_at(self, x: float, y: float) -> str | None:
+        """See `Body`."""
+        return self._other_between((x, y), (x, y)) or super()._blocker_at(x, y)
+
+    def _other_between(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
+        """The agent that stands on a straight way, if any; one may walk away from who is too near."""
         for number, other in enumerate(self._all):
             if other is self:
                 continue
@@ -176,7 +159,7 @@ class ThorAgent(Agent):
             nearest = way * float(np.clip(way @ there / far, 0.0, 1.0)) if far else way
             is_nearer = not far or way @ there > 0
             if is_nearer and math.dist(nearest, there) < 2 * self.embodiment.radius_m:
-                return ActionResult(False, f"Agent {number} is blocking Agent from moving")
+                return f"Agent {number}"
         return None
 
     def visible_objects(self, distance_m: float | None = None) -> list[str]:

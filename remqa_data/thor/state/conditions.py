@@ -6,12 +6,13 @@ passes here, so it has happened when the action is over, and stays.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from remqa_data.catalog import object_type
+from remqa_data.geometry.types import F64
 from remqa_data.sim.physics.world import World
 
 BASINS = frozenset({"BathtubBasin", "SinkBasin"})
@@ -19,6 +20,33 @@ BASIN_REACH_M = 0.8
 """Water runs into the basin whose middle is nearest, and at most so far, from the faucet's."""
 
 HEATS_WHEN_ON = frozenset({"Microwave", "Toaster"})
+
+
+class Condition(NamedTuple):
+    """Something that objects can be in.
+
+    Attributes
+    ----------
+    able : str
+        What of the catalog's `can` an object needs for it.
+    word : str
+        What it then is.
+    """
+
+    able: str
+    word: str
+
+
+FILLED = "isFilledWithLiquid"
+CONDITIONS = {
+    "isBroken": Condition("breakable", "broken"),
+    "isCooked": Condition("cookable", "cooked"),
+    "isDirty": Condition("dirtyable", "dirty"),
+    FILLED: Condition("fillable", "filled"),
+    "isUsedUp": Condition("used_up", "used up"),
+}
+"""What an action can bring about and take away, by AI2-THOR's names."""
+
 UNCHANGED: Mapping[str, Any] = {}
 LIQUIDS = ("water", "coffee", "wine")
 
@@ -66,15 +94,11 @@ class Conditions:
         self.changed.setdefault(object_id, {}).update(values)
         self._has_spread_in = None
 
-    def forget(self, object_id: str, names: Iterable[str]) -> None:
-        """Bring an object back to what it was in at first."""
-        for name in names:
-            self.changed.get(object_id, {}).pop(name, None)
-        self._has_spread_in = None
-
-    def fill(self, object_id: str, liquid: str | None) -> None:
-        """Fill an object with a liquid, or empty it."""
-        self.change(object_id, isFilledWithLiquid=liquid is not None, fillLiquid=liquid)
+    def put(self, object_id: str, condition: str, is_so: bool, liquid: str = "water") -> None:
+        """Say that an object is in one of the `CONDITIONS`, or is not; what is filled is so with a liquid."""
+        self.change(object_id, **{condition: is_so})
+        if condition == FILLED:
+            self.change(object_id, fillLiquid=liquid if is_so else None)
 
     def spread(self, contents: Mapping[str, Sequence[str]]) -> None:
         """Let what is on or cold do to what is in or on it what it does; `contents` says what each object holds.
@@ -93,8 +117,8 @@ class Conditions:
                     self.change(thing, isCooked=True)
         for machine in self._brews:
             for thing in contents.get(machine, ()) if self.is_on(machine) else ():
-                if self._world.type_of(thing) == "Mug" and not self.of(thing).get("isFilledWithLiquid"):
-                    self.fill(thing, "coffee")
+                if self._world.type_of(thing) == "Mug" and not self.of(thing).get(FILLED):
+                    self.put(thing, FILLED, True, "coffee")
         for faucet, basin in self._runs_into.items():
             for thing in _within(contents, basin) if self.is_on(faucet) else ():
                 self._wet(thing)
@@ -103,8 +127,8 @@ class Conditions:
     def _wet(self, thing: str) -> None:
         if self._kind_can(thing, "dirtyable"):
             self.change(thing, isDirty=False)
-        if self._kind_can(thing, "fillable") and not self.of(thing).get("isFilledWithLiquid"):
-            self.fill(thing, "water")
+        if self._kind_can(thing, "fillable") and not self.of(thing).get(FILLED):
+            self.put(thing, FILLED, True)
         if self._world.type_of(thing) == "Candle":
             self.change(thing, isToggled=False)
 
@@ -121,25 +145,24 @@ def _within(contents: Mapping[str, Sequence[str]], place: str) -> Iterator[str]:
 
 def _nearest(world: World, switches: Sequence[str], places: Sequence[str]) -> dict[str, str]:
     """The nearest place to each switch, if one is near enough."""
-    found = {}
-    for switch in switches:
-        distances = [_distance_m(world, switch, place) for place in places]
-        if distances and min(distances) <= BASIN_REACH_M:
-            found[switch] = places[distances.index(min(distances))]
-    return found
+    if not (switches and places):
+        return {}
+    distances = _distances_m(world, switches, places)
+    nearest = zip(switches, distances.argmin(axis=1).tolist(), distances.min(axis=1).tolist(), strict=True)
+    return {switch: places[place] for switch, place, distance in nearest if distance <= BASIN_REACH_M}
 
 
 def _pairs(world: World, switches: Sequence[str], places: Sequence[str]) -> dict[str, str]:
     """A place of its own for each switch, so that they are near each other in all."""
-    from scipy.optimize import linear_sum_assignment
-
     if not (switches and places):
         return {}
-    cost = [[_distance_m(world, switch, place) for place in places] for switch in switches]
-    rows, columns = linear_sum_assignment(cost)
+    from scipy.optimize import linear_sum_assignment
+
+    rows, columns = linear_sum_assignment(_distances_m(world, switches, places))
     return {switches[row]: places[column] for row, column in zip(rows.tolist(), columns.tolist(), strict=True)}
 
 
-def _distance_m(world: World, one: str, other: str) -> float:
-    offset = world.box(one).mean(axis=0) - world.box(other).mean(axis=0)
-    return float(np.linalg.norm(offset[:2]))
+def _distances_m(world: World, some: Sequence[str], others: Sequence[str]) -> F64:
+    """(some, others) metres in plan between the middles of their boxes."""
+    here, there = (np.array([world.box(name).mean(axis=0)[:2] for name in names]) for names in (some, others))
+    return np.asarray(np.linalg.norm(here[:, None] - there[None], axis=2))

@@ -108,10 +108,9 @@ def _state(simulator: SimulatorState, images: Images, files: Files) -> Metadata:
         is_sight = only is None and not room.shows_map
         visible = room.agent.seen_in(seen.objects, distance) if is_sight else room.agent.visible_objects(distance)
         _add(files, _AGENT_FILES, seen, images, room.palette, simulator.settings.far_plane)
-    holder = next((agent for agent in room.agents if agent.is_holder), room.agent)
     metadata: Metadata = {
         "objects": room.records.listing(
-            room.agent_position(), frozenset(visible), holder.held_at(), simulator.shown_objects
+            room.agent_position(), frozenset(visible), room.holder.held_at(), simulator.shown_objects
         ),
         "sceneBounds": box_metadata(room.box()),
         "colors": room.palette.metadata() if images.colors else None,

@@ -113,6 +113,11 @@ class LoadedFloorPlan:
         return self.agents[self.active]
 
     @property
+    def holder(self) -> ThorAgent:
+        """The agent that holds what is held."""
+        return next(agent for agent in self.agents if agent.is_holder)
+
+    @property
     def conditions(self) -> Conditions:
         """What the objects are in besides where they are."""
         return self.records.conditions
