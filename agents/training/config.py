@@ -41,6 +41,12 @@ class AnswererConfig(_Section):
     with_box: bool
 
 
+class ViewEncoderConfig(_Section):
+    """Says what the parts of small views show."""
+
+    kind: Literal["view_encoder"]
+
+
 class ScheduleConfig(_Section):
     """How long and how fast is learnt; see `remqa_data.agents.training.trainer.Schedule`."""
 
@@ -66,7 +72,7 @@ class NetworkConfig(_Section):
     """
 
     title: Annotated[str, Field(min_length=1, max_length=200)]
-    network: Annotated[DetectorConfig | MatcherConfig | AnswererConfig, Field(discriminator="kind")]
+    network: Annotated[DetectorConfig | MatcherConfig | AnswererConfig | ViewEncoderConfig, Field(discriminator="kind")]
     schedule: ScheduleConfig
 
     @property

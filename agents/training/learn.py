@@ -10,11 +10,18 @@ import torch
 
 from remqa_data.agents.networks.detector import Detector
 from remqa_data.agents.training.answering import AnsweringTask
-from remqa_data.agents.training.config import AnswererConfig, DetectorConfig, MatcherConfig, NetworkConfig
+from remqa_data.agents.training.config import (
+    AnswererConfig,
+    DetectorConfig,
+    MatcherConfig,
+    NetworkConfig,
+    ViewEncoderConfig,
+)
 from remqa_data.agents.training.detection import DetectionTask
 from remqa_data.agents.training.matching import MatchingTask
 from remqa_data.agents.training.pictures import detector_types
 from remqa_data.agents.training.trainer import Schedule, train
+from remqa_data.agents.training.viewing import ViewingTask
 from remqa_data.agents.training.weights import (
     SUFFIX,
     About,
@@ -86,7 +93,7 @@ def learn(
     halved(task.model)
     with torch.no_grad():
         score |= task.score()
-    vocabulary = None if isinstance(task, DetectionTask) else task.vocabulary
+    vocabulary = getattr(task, "vocabulary", None)
     about = About(
         config.model_dump(mode="json"),
         datasets,
@@ -101,19 +108,21 @@ def learn(
 
 
 def _task(
-    network: DetectorConfig | MatcherConfig | AnswererConfig,
+    network: DetectorConfig | MatcherConfig | AnswererConfig | ViewEncoderConfig,
     seed: int,
     roots: Sequence[Path],
     folder: Path,
     device: str,
     on_look: Callable[[int], None] | None,
-) -> DetectionTask | MatchingTask | AnsweringTask:
+) -> DetectionTask | MatchingTask | AnsweringTask | ViewingTask:
     """What is learnt; the network begins with random weights."""
     if isinstance(network, DetectorConfig):
         torch.manual_seed(seed)
         return DetectionTask(roots, network.side_px, device)
     detector = _detector(folder, roots[0])
     torch.manual_seed(seed)
+    if isinstance(network, ViewEncoderConfig):
+        return ViewingTask(roots, detector, device)
     if isinstance(network, AnswererConfig):
         return AnsweringTask(roots, network.views, network.with_box, detector, device)
     return MatchingTask(roots, network.form, detector, device, on_look)

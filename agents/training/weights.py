@@ -14,7 +14,8 @@ from torch import nn
 
 from remqa_data.agents.networks.answerer import ManipulationAnswerer
 from remqa_data.agents.networks.detector import Detector
-from remqa_data.agents.training.config import AnswererConfig, DetectorConfig, NetworkConfig
+from remqa_data.agents.networks.view_encoder import ViewEncoder
+from remqa_data.agents.training.config import AnswererConfig, DetectorConfig, NetworkConfig, ViewEncoderConfig
 from remqa_data.agents.training.matching import MATCHERS
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import ConfigError
@@ -150,6 +151,8 @@ def empty_network(about: About) -> nn.Module:
     network, types, words = about.network.network, len(about.types), len(about.words)
     if isinstance(network, DetectorConfig):
         return Detector(types)
+    if isinstance(network, ViewEncoderConfig):
+        return ViewEncoder(types)
     if isinstance(network, AnswererConfig):
         return ManipulationAnswerer(words, len(about.answers), types, network.views)
     return MATCHERS[network.form](words, types)
