@@ -102,6 +102,9 @@ def train(
         list[Path] | None, typer.Option("--more", metavar="DIR", help="Another dataset to learn from; several times.")
     ] = None,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where weights and curves go.")] = WEIGHTS,
+    views: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Cached views with features, by default DIR-views; for walkers.")
+    ] = None,
     device: Device = "cpu",
     threads: Annotated[int | None, typer.Option(min=1, help="Cores; the same number gives the same weights.")] = None,
     resume: Resume = False,
@@ -131,6 +134,7 @@ def train(
                     config,
                     [data, *(more or ())],
                     out,
+                    views=views,
                     device=device,
                     resume=resume,
                     on_look=on_look,

@@ -12,7 +12,7 @@ import typer
 from remqa_data.command_line import OneLineErrors, output
 from remqa_data.errors import ConfigError
 from remqa_data.processes.interrupts import ends_the_process
-from remqa_data.views import LEAST_PX, MOST_PX, SIZE_PX
+from remqa_data.views import LEAST_PX, MOST_PX, SIZE_PX, views_beside
 
 SAMPLE_QUESTIONS, SAMPLE_ROOMS = 500, 15
 """What `verify` looks into by default: five minutes of a core for the published benchmark."""
@@ -136,7 +136,7 @@ def cache(
         size_px=size,
         features=features,
     )
-    cache_and_report(root, out or root.with_name(f"{root.name}-views"), wanted, workers)
+    cache_and_report(root, out or views_beside(root), wanted, workers)
 
 
 @app.command()

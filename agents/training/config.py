@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -19,21 +19,29 @@ class _Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
-class DetectorConfig(_Section):
+class _Network(_Section):
+    """A network; `needs` names the networks that it is built upon."""
+
+    needs: ClassVar[tuple[str, ...]] = ("detector",)
+
+
+class DetectorConfig(_Network):
     """Finds objects; learns from squares of so many pixels."""
+
+    needs = ()
 
     kind: Literal["detector"]
     side_px: Annotated[int, Field(ge=32, le=1024)]
 
 
-class MatcherConfig(_Section):
+class MatcherConfig(_Network):
     """Finds what an expression means, by language attention or with one vector for all words."""
 
     kind: Literal["matcher"]
     form: Literal["language_attention", "plain"]
 
 
-class AnswererConfig(_Section):
+class AnswererConfig(_Network):
     """Answers by what it looks at; `with_box` is whether it is told where the target is."""
 
     kind: Literal["answerer"]
@@ -41,10 +49,25 @@ class AnswererConfig(_Section):
     with_box: bool
 
 
-class ViewEncoderConfig(_Section):
+class ViewEncoderConfig(_Network):
     """Says what the parts of small views show."""
 
     kind: Literal["view_encoder"]
+
+
+class WalkerConfig(_Network):
+    """Walks to a type of object; learns by reward on cached views."""
+
+    needs = ("view_encoder",)
+    kind: Literal["walker"]
+    form: Literal["a3c", "scene_priors"]
+
+
+class AdaptiveWalkerConfig(_Network):
+    """The same, and it goes on learning while it walks; begins with what a walker has learnt."""
+
+    needs = ("view_encoder", "a3c")
+    kind: Literal["adaptive_walker"]
 
 
 class ScheduleConfig(_Section):
@@ -58,6 +81,9 @@ class ScheduleConfig(_Section):
     score_every: Annotated[int, Field(ge=1)]
 
 
+Network = DetectorConfig | MatcherConfig | AnswererConfig | ViewEncoderConfig | WalkerConfig | AdaptiveWalkerConfig
+
+
 class NetworkConfig(_Section):
     """A network and its training.
 
@@ -65,14 +91,14 @@ class NetworkConfig(_Section):
     ----------
     title : str
         What it is called in tables.
-    network : DetectorConfig, MatcherConfig or AnswererConfig
+    network : Network
         What is learnt.
     schedule : ScheduleConfig
         How.
     """
 
     title: Annotated[str, Field(min_length=1, max_length=200)]
-    network: Annotated[DetectorConfig | MatcherConfig | AnswererConfig | ViewEncoderConfig, Field(discriminator="kind")]
+    network: Annotated[Network, Field(discriminator="kind")]
     schedule: ScheduleConfig
 
     @property

@@ -5,22 +5,30 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import torch
+from torch import nn
 
+from remqa_data.agents.networks.actor_critic import ActorCritic
 from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.view_encoder import ViewEncoder
+from remqa_data.agents.training.adapting import AdaptingTask
 from remqa_data.agents.training.answering import AnsweringTask
 from remqa_data.agents.training.config import (
+    AdaptiveWalkerConfig,
     AnswererConfig,
     DetectorConfig,
-    MatcherConfig,
+    Network,
     NetworkConfig,
     ViewEncoderConfig,
+    WalkerConfig,
 )
 from remqa_data.agents.training.detection import DetectionTask
 from remqa_data.agents.training.matching import MatchingTask
 from remqa_data.agents.training.pictures import detector_types
-from remqa_data.agents.training.trainer import Schedule, train
+from remqa_data.agents.training.reinforcing import ReinforcingTask
+from remqa_data.agents.training.trainer import Schedule, Task, train
 from remqa_data.agents.training.viewing import ViewingTask
 from remqa_data.agents.training.weights import (
     SUFFIX,
@@ -34,9 +42,12 @@ from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.files import sha256_of
 from remqa_data.storage.manifest import load_manifest
+from remqa_data.views import views_beside
 
 DETECTOR = "detector"
-"""The network that all others are built upon."""
+"""The network that most others are built upon."""
+
+T = TypeVar("T", bound=nn.Module)
 
 
 def learn(
@@ -45,6 +56,7 @@ def learn(
     roots: Sequence[Path],
     folder: Path,
     *,
+    views: Path | None = None,
     device: str = "cpu",
     resume: bool = False,
     on_look: Callable[[int], None] | None = None,
@@ -62,6 +74,8 @@ def learn(
         Datasets to learn from; the val rooms of the first give the score, and no val or test room of any is learnt from.
     folder : path
         For the weights; its folder `<name>` has the checkpoint and the curves.
+    views : path, optional
+        The cached views of the first dataset, for those who learn to walk; by default the folder beside it.
     device : str
         Where to compute: "cpu" or, say, "cuda".
     resume : bool
@@ -77,13 +91,13 @@ def learn(
     """
     network = config.network
     datasets = tuple(dataset_sha256(load_manifest(root)) for root in roots)
-    needs = {} if isinstance(network, DetectorConfig) else {DETECTOR: sha256_of(weights_path(DETECTOR, folder))}
+    needs = {needed: sha256_of(weights_path(needed, folder)) for needed in network.needs}
     path = folder / f"{name}{SUFFIX}"
     if resume and path.is_file():
         _, about = load_network(path)
         if (about.network, about.datasets, about.needs) == (config, datasets, needs):
             return about
-    task = _task(network, config.schedule.seed, roots, folder, device, on_look)
+    task = _task(network, config.schedule.seed, roots, folder, views, device, on_look)
     fingerprint = json.dumps([config.sha256, datasets, needs])
     schedule = Schedule(**config.schedule.model_dump())
     progress = on_learn(schedule.samples(len(task))) if on_learn else None
@@ -108,18 +122,26 @@ def learn(
 
 
 def _task(
-    network: DetectorConfig | MatcherConfig | AnswererConfig | ViewEncoderConfig,
+    network: Network,
     seed: int,
     roots: Sequence[Path],
     folder: Path,
+    views: Path | None,
     device: str,
     on_look: Callable[[int], None] | None,
-) -> DetectionTask | MatchingTask | AnsweringTask | ViewingTask:
+) -> Task:
     """What is learnt; the network begins with random weights."""
     if isinstance(network, DetectorConfig):
         torch.manual_seed(seed)
         return DetectionTask(roots, network.side_px, device)
-    detector = _detector(folder, roots[0])
+    views = views or views_beside(roots[0])
+    if isinstance(network, WalkerConfig | AdaptiveWalkerConfig):
+        encoder = trained("view_encoder", ViewEncoder, folder, roots[0])
+        if isinstance(network, AdaptiveWalkerConfig):
+            return AdaptingTask(roots, views, trained("a3c", ActorCritic, folder, roots[0]), encoder, device)
+        torch.manual_seed(seed)
+        return ReinforcingTask(roots, views, network.form, encoder, device)
+    detector = trained(DETECTOR, Detector, folder, roots[0])
     torch.manual_seed(seed)
     if isinstance(network, ViewEncoderConfig):
         return ViewingTask(roots, detector, device)
@@ -128,10 +150,16 @@ def _task(
     return MatchingTask(roots, network.form, detector, device, on_look)
 
 
-def _detector(folder: Path, root: Path) -> Detector:
-    """The detector that the other networks are built upon."""
-    path = weights_path(DETECTOR, folder)
-    detector, _ = load_network(path, root)
-    if not isinstance(detector, Detector):
-        raise ConfigError(f"{path} is no detector")
-    return detector
+def trained(name: str, kind: type[T], folder: Path | None, root: Path) -> T:
+    """A trained network of a kind, which another one is built upon.
+
+    Raises
+    ------
+    ConfigError
+        If there are no such weights, or they are of another kind or another dataset.
+    """
+    path = weights_path(name, folder)
+    network, _ = load_network(path, root)
+    if not isinstance(network, kind):
+        raise ConfigError(f"{path} is no {kind.__name__}")
+    return network

@@ -12,10 +12,18 @@ from typing import TYPE_CHECKING, Any
 import torch
 from torch import nn
 
+from remqa_data.agents.networks.actor_critic import ActorCritic
 from remqa_data.agents.networks.answerer import ManipulationAnswerer
 from remqa_data.agents.networks.detector import Detector
 from remqa_data.agents.networks.view_encoder import ViewEncoder
-from remqa_data.agents.training.config import AnswererConfig, DetectorConfig, NetworkConfig, ViewEncoderConfig
+from remqa_data.agents.training.config import (
+    AdaptiveWalkerConfig,
+    AnswererConfig,
+    DetectorConfig,
+    NetworkConfig,
+    ViewEncoderConfig,
+    WalkerConfig,
+)
 from remqa_data.agents.training.matching import MATCHERS
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import ConfigError
@@ -151,6 +159,10 @@ def empty_network(about: About) -> nn.Module:
     network, types, words = about.network.network, len(about.types), len(about.words)
     if isinstance(network, DetectorConfig):
         return Detector(types)
+    if isinstance(network, WalkerConfig):
+        return ActorCritic(types, network.form)
+    if isinstance(network, AdaptiveWalkerConfig):
+        return ActorCritic(types, "savn")
     if isinstance(network, ViewEncoderConfig):
         return ViewEncoder(types)
     if isinstance(network, AnswererConfig):

@@ -1,0 +1,69 @@
+"""Learning to learn while walking (SAVN, Wortsman et al. 2019): an actor-critic and the loss by which it corrects itself.
+
+Every few steps the agent takes a step down its own learnt loss, which needs no reward. Training follows these steps, so that
+weights and loss become such that they help (as in Finn et al. 2017): gradients go through gradients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import torch
+from torch import Tensor
+from torch.func import functional_call
+
+from remqa_data.agents.networks.actor_critic import ActorCritic, Seen, Thought
+from remqa_data.agents.networks.adaptation import AT_ONCE, MOST_ADAPTED, AdaptiveWalk, adapted, adaptive_weights
+from remqa_data.agents.networks.view_encoder import ViewEncoder
+from remqa_data.agents.training.reinforcing import ReinforcingTask, Rollout, actor_critic_losses
+
+AN_EPOCH = 640
+"""Walks of an epoch: each costs some ten times what one of the plain actor-critic does."""
+
+
+class AdaptingTask(ReinforcingTask):
+    """SAVN learns; see `remqa_data.agents.training.trainer.Task`, and `ReinforcingTask` for parameters.
+
+    Parameters
+    ----------
+    before : ActorCritic
+        A trained one, whose weights it begins with.
+    """
+
+    def __init__(
+        self, roots: Sequence[Path], views: Path, before: ActorCritic, encoder: ViewEncoder, device: str = "cpu"
+    ) -> None:
+        super().__init__(roots, views, "savn", encoder, device)
+        self.model.load_state_dict(before.state_dict() | self._of_loss())
+
+    def __len__(self) -> int:
+        return AN_EPOCH
+
+    def walk(self, walks: int) -> AdaptiveWalk:
+        """Begin some walks, which adapt."""
+        return AdaptiveWalk(self.model, walks)
+
+    def losses(self, batch: Rollout) -> Mapping[str, Tensor]:
+        """Those of the actor-critic, as it has corrected itself on its way."""
+        thoughts = [self._thought_again(batch, walk) for walk in range(len(batch.asked))]
+        moves, values, hidden = (torch.cat([getattr(one, name) for one in thoughts], 1) for name in Thought._fields[:3])
+        return actor_critic_losses(Thought(moves, values, hidden, thoughts[0].memory), batch)
+
+    def _of_loss(self) -> dict[str, Tensor]:
+        return {name: tensor for name, tensor in self.model.state_dict().items() if name.startswith("loss.")}
+
+    def _thought_again(self, batch: Rollout, walk: int) -> Thought:
+        """What it thinks along one walk, with gradients through the corrections."""
+        weights, memory = adaptive_weights(self.model), self.model.rest(1)
+        found: list[Thought] = []
+        here = slice(walk, walk + 1)
+        for first in range(0, len(batch.moves), AT_ONCE):
+            steps = slice(first, first + AT_ONCE)
+            seen = Seen(batch.features[steps, here], batch.asked[here], batch.before[steps, here])
+            found.append(functional_call(self.model, weights, (seen, memory)))
+            memory = found[-1].memory
+            if len(found) <= MOST_ADAPTED and bool(batch.is_going[steps, walk].all()) and len(seen.before) == AT_ONCE:
+                weights = adapted(self.model, weights, found[-1], is_learning=True)
+        moves, values, hidden = (torch.cat([getattr(one, name) for one in found]) for name in Thought._fields[:3])
+        return Thought(moves, values, hidden, memory)
