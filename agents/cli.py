@@ -29,6 +29,10 @@ Weights = Annotated[
 ]
 Force = Annotated[bool, typer.Option("--force", help="Use weights on another dataset than that they have learnt from.")]
 Device = Annotated[str, typer.Option(metavar="NAME", help="Where networks compute: cpu, cuda, cuda:1, mps.")]
+Seed = Annotated[
+    int | None,
+    typer.Option(min=0, help="Other draws, and names that end in -SEED; by default that of the configuration."),
+]
 OUT = Path("out/agents")
 WEIGHTS = Path("out/weights")
 
@@ -59,14 +63,17 @@ def run(
     resume: Resume = False,
     weights: Weights = None,
     force: Force = False,
+    seed: Seed = None,
 ) -> None:
     """Let systems play all questions of a split; write a submission of each, which remqa-eval replays."""
-    from remqa_data.agents.config import load_system
+    from remqa_data.agents.config import load_system, seeded_name
     from remqa_data.agents.runner import play_split
     from remqa_data.agents.systems import make_agent
     from remqa_data.storage.manifest import load_manifest
 
     configs = [(Path(name).stem, load_system(name)) for name in systems]
+    if seed is not None:
+        configs = [(seeded_name(name, seed), config.seeded(seed)) for name, config in configs]
     asked = sum(load_manifest(data).questions.get(split, {}).values())
     count = worker_count(workers)
     announce_compiling(count)
@@ -108,15 +115,19 @@ def train(
     device: Device = "cpu",
     threads: Annotated[int | None, typer.Option(min=1, help="Cores; the same number gives the same weights.")] = None,
     resume: Resume = False,
+    seed: Seed = None,
 ) -> None:
     """Train networks, one after the other, on rooms that are in no val or test split; write weights, curves and scores."""
     from remqa_data.extras import require
 
     torch = require("torch", "agents")
+    from remqa_data.agents.config import seeded_name
     from remqa_data.agents.training.config import load_network_config
     from remqa_data.agents.training.learn import learn
 
     configs = [(Path(name).stem, load_network_config(name)) for name in networks]
+    if seed is not None:
+        configs = [(seeded_name(name, seed), config.seeded(seed)) for name, config in configs]
     check_device(device)
     torch.set_num_threads(threads or worker_count(None))
     scores = {}

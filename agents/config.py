@@ -14,16 +14,34 @@ from remqa_data.limits import MOST_SEED
 from remqa_data.storage.manifest import config_hash
 
 PRESETS = "remqa_data.configs.agents"
+SEED = ", seed "
+"""In titles, before the seed if it is not 0."""
 
 
 class _Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
-class NavigatorConfig(_Section):
-    """How the agent walks: by the semantic map of its walk, or anywhere."""
+class SemanticMapConfig(_Section):
+    """The agent walks by the semantic map of its walk."""
 
-    kind: Literal["semantic_map", "random"]
+    kind: Literal["semantic_map"]
+
+
+class RandomConfig(_Section):
+    """It walks anywhere."""
+
+    kind: Literal["random"]
+
+
+class PolicyConfig(_Section):
+    """It walks as a network of this name has learnt by reward."""
+
+    kind: Literal["policy"]
+    network: str
+
+
+Navigator = SemanticMapConfig | RandomConfig | PolicyConfig
 
 
 class LocalizerConfig(_Section):
@@ -64,15 +82,32 @@ class SystemConfig(_Section):
     title: Annotated[str, Field(min_length=1, max_length=200)]
     seed: Annotated[int, Field(ge=0, le=MOST_SEED)]
     most_steps: Annotated[int, Field(ge=0, le=MAX_ACTIONS)]
-    navigator: NavigatorConfig
+    navigator: Annotated[Navigator, Field(discriminator="kind")]
     localizer: LocalizerConfig | None
     manipulator: ManipulatorConfig | None
     answerer: AnswererConfig | None
+
+    def seeded(self, seed: int) -> SystemConfig:
+        """The same system with other draws, and with networks that have learnt to walk with others."""
+        navigator = self.navigator
+        if isinstance(navigator, PolicyConfig):
+            navigator = navigator.model_copy(update={"network": seeded_name(navigator.network, seed)})
+        title = f"{self.title}{SEED}{seed}" if seed else self.title
+        return self.model_copy(update={"title": title, "seed": seed, "navigator": navigator})
 
     @property
     def sha256(self) -> str:
         """Hash of what the configuration says, whatever its file looks like."""
         return config_hash(self.model_dump(mode="json"))
+
+
+def seeded_name(name: str, seed: int) -> str:
+    """The name of weights or of a submission that a seed gives.
+
+    >>> seeded_name("a3c", 2), seeded_name("a3c", 0)
+    ('a3c-2', 'a3c')
+    """
+    return f"{name}-{seed}" if seed else name
 
 
 def systems() -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from remqa_data.agents.agent import Agent
-from remqa_data.agents.config import AnswererConfig, LocalizerConfig, SystemConfig
+from remqa_data.agents.config import AnswererConfig, LocalizerConfig, PolicyConfig, RandomConfig, SystemConfig
 from remqa_data.agents.parts.interfaces import Answerer, Localizer, Navigator
 from remqa_data.agents.parts.majority_answerer import MajorityAnswerer, majority
 from remqa_data.agents.parts.map_localizer import MapLocalizer
@@ -40,16 +40,36 @@ def make_agent(system: SystemConfig, root: Path, weights: Path | None = None, *,
     MissingExtraError
         If it has networks and the extra `agents` is not installed.
     """
-    navigator: Navigator = SemanticMapNavigator()
-    if system.navigator.kind == "random":
-        navigator = RandomNavigator(system.most_steps)
     return Agent(
-        navigator,
+        _navigator(system, root, weights, force),
         _localizer(system.localizer, root, weights, force) if system.localizer else None,
         RuleManipulator() if system.manipulator else None,
         _answerer(system.answerer, root, weights, force) if system.answerer else None,
         system.most_steps,
     )
+
+
+def _navigator(system: SystemConfig, root: Path, weights: Path | None, force: bool) -> Navigator:
+    config = system.navigator
+    if isinstance(config, RandomConfig):
+        return RandomNavigator(system.most_steps)
+    if isinstance(config, PolicyConfig):
+        return _policy(config, root, weights, force)
+    return SemanticMapNavigator()
+
+
+def _policy(config: PolicyConfig, root: Path, weights: Path | None, force: bool) -> Navigator:
+    require("torch", "agents")
+    from remqa_data.agents.networks.actor_critic import ActorCritic
+    from remqa_data.agents.networks.view_encoder import ViewEncoder
+    from remqa_data.agents.parts.policy_navigator import PolicyNavigator
+    from remqa_data.agents.training.weights import load_network, weights_path
+
+    policy, about = load_network(weights_path(config.network, weights), root, force=force)
+    encoder, _ = load_network(weights_path("view_encoder", weights), root, force=force)
+    if not isinstance(policy, ActorCritic) or not isinstance(encoder, ViewEncoder):
+        raise ConfigError(f"navigator: {config.network!r} is no policy, or 'view_encoder' no view encoder")
+    return PolicyNavigator(policy, encoder, about.types)
 
 
 def _localizer(config: LocalizerConfig, root: Path, weights: Path | None, force: bool) -> Localizer:

@@ -6,6 +6,7 @@ The patterns are those of `templates/questions.yaml`, read backwards: an agent g
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import get_args
@@ -51,12 +52,29 @@ class Question:
         return str(self.target[0][1])
 
     @property
+    def anchor_type(self) -> str | None:
+        """The type that the target is told by: of "the drawer next to the toaster", the toaster's; None if there is none."""
+        inner = (step[-1] for step in self.target if isinstance(step[-1], tuple))
+        return next((str(program[0][1]) for program in inner), None)
+
+    @property
     def manipulation(self) -> Manipulation | None:
         """What shows the answer: one opens to look inside, and takes or pushes away what covers; None for what is fixed."""
         kind = object_type(self.target_type)
         if self.relation == "in":
             return "Open" if kind.openable else None
         return "Pickup" if kind.pickupable else "Move" if kind.moveable else None
+
+
+def asked_types(asked: Question, types: Sequence[str]) -> tuple[int, int]:
+    """Places of the target's and the anchor's type among some types, from 1; 0 for what is not there.
+
+    >>> asked_types(read_question("Is there a mug in the drawer next to the toaster?"), ("Drawer", "Mug", "Toaster"))
+    (1, 3)
+    """
+    wanted = (asked.target_type, asked.anchor_type)
+    first, second = (types.index(name) + 1 if name in types else 0 for name in wanted)
+    return first, second
 
 
 def read_question(text: str) -> Question:

@@ -7,7 +7,7 @@ al. 2019) adds a graph convolution over which types of objects lie near each oth
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, Protocol
 
 import torch
 from torch import Tensor, nn
@@ -130,6 +130,13 @@ class ActorCritic(nn.Module):
         if self.form == "scene_priors":
             joint.append(self.graph(shown[:, :, 1:].amax(1), asked[:, 0]))
         return torch.cat([*joint, seen.before.flatten(0, 1)], 1).view(steps, walks, -1)
+
+
+class Thinker(Protocol):
+    """Some walks of a network; see `PlainWalk`."""
+
+    def think(self, features: Tensor, asked: Tensor, before: Tensor) -> Tensor:
+        """(n, moves) logits of what to do next."""
 
 
 class PlainWalk:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import dijkstra
 
-from remqa_data.agents.knowledge.reading import Question, read_question
+from remqa_data.agents.knowledge.reading import Question, asked_types, read_question
 from remqa_data.agents.networks.actor_critic import DONE, MOVES
 from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.pictures import detector_types
@@ -19,7 +19,6 @@ from remqa_data.env.cached.tasks import CachedTasks
 from remqa_data.env.cached.walk import ACTIONS
 from remqa_data.errors import DatasetError
 from remqa_data.geometry.types import F32, I32
-from remqa_data.language.referring import Program
 from remqa_data.views.reader import RoomViews
 from remqa_data.views.tasks import NavigationTask
 
@@ -41,6 +40,8 @@ class Errand:
     room : RoomViews
     start : int
         The state in which its episode begins.
+    types : (int, int)
+        See `asked_types`.
     distances : (states,) int32
         How many of MOVES lead from each state to where the target counts as found; NOT_THERE where none do.
     """
@@ -49,6 +50,7 @@ class Errand:
     asked: Question
     room: RoomViews
     start: int
+    types: tuple[int, int]
     distances: I32
 
     def some_start(self, rng: np.random.Generator, farthest: int) -> int:
@@ -79,7 +81,9 @@ def errands(root: Path, views: Path, rooms: frozenset[str] | None, split: str = 
             )
         distances = distances_to(room, room.succeeds(name))
         if (distances == 0).any():
-            found.append(Errand(task, read_question(task.question), room, tasks.start(task, room), distances))
+            asked = read_question(task.question)
+            start, types = tasks.start(task, room), asked_types(asked, detector_types())
+            found.append(Errand(task, asked, room, start, types, distances))
     if not found:
         raise DatasetError(
             f"{views} has none of the rooms to learn from; add them: remqa-data cache {root} --split {split}"
@@ -155,22 +159,6 @@ class Walks:
             if MOVES[moves[place]] == "MoveAhead" and self.states[place] != before[place]:
                 self.moved_m[place] += errand.room.states.step_m
         return np.asarray(is_done | (self.states != before))
-
-
-def asked_types(asked: Question) -> tuple[int, int]:
-    """Numbers of the type that is looked for and of the type that it is told by, from 1; 0 where there is none."""
-    types = {name: number for number, name in enumerate(detector_types(), start=1)}
-    anchor = _anchor(asked.target)
-    return types.get(asked.target_type, 0), 0 if anchor is None else types.get(anchor, 0)
-
-
-def _anchor(target: Program) -> str | None:
-    """The type of what a program relates its target to: of "the drawer next to the toaster", the toaster's."""
-    for step in target:
-        inner = step[-1]
-        if isinstance(inner, tuple):
-            return str(inner[0][1])
-    return None
 
 
 def check_features(encoder: ViewEncoder, errand: Errand) -> None:

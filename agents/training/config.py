@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from remqa_data.agents.config import seeded_name
 from remqa_data.errors import ConfigError
 from remqa_data.generators.config_files import config_text, first_problem, preset_names, read_keys
 from remqa_data.limits import MOST_SEED
@@ -20,18 +21,24 @@ class _Section(BaseModel):
 
 
 class _Network(_Section):
-    """A network; `needs` names the networks that it is built upon."""
+    """A network."""
 
-    needs: ClassVar[tuple[str, ...]] = ("detector",)
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """Names of the trained networks that it is built upon."""
+        return ("detector",)
 
 
 class DetectorConfig(_Network):
     """Finds objects; learns from squares of so many pixels."""
 
-    needs = ()
-
     kind: Literal["detector"]
     side_px: Annotated[int, Field(ge=32, le=1024)]
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """None: all others are built upon it."""
+        return ()
 
 
 class MatcherConfig(_Network):
@@ -58,16 +65,25 @@ class ViewEncoderConfig(_Network):
 class WalkerConfig(_Network):
     """Walks to a type of object; learns by reward on cached views."""
 
-    needs = ("view_encoder",)
     kind: Literal["walker"]
     form: Literal["a3c", "scene_priors"]
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What it sees through."""
+        return ("view_encoder",)
 
 
 class AdaptiveWalkerConfig(_Network):
     """The same, and it goes on learning while it walks; begins with what a walker has learnt."""
 
-    needs = ("view_encoder", "a3c")
     kind: Literal["adaptive_walker"]
+    begins_with: str
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What it sees through, and what it begins with."""
+        return ("view_encoder", self.begins_with)
 
 
 class ScheduleConfig(_Section):
@@ -100,6 +116,13 @@ class NetworkConfig(_Section):
     title: Annotated[str, Field(min_length=1, max_length=200)]
     network: Annotated[Network, Field(discriminator="kind")]
     schedule: ScheduleConfig
+
+    def seeded(self, seed: int) -> NetworkConfig:
+        """The same training with other draws; what begins with another network begins with that of the same seed."""
+        network = self.network
+        if isinstance(network, AdaptiveWalkerConfig):
+            network = network.model_copy(update={"begins_with": seeded_name(network.begins_with, seed)})
+        return self.model_copy(update={"network": network, "schedule": self.schedule.model_copy(update={"seed": seed})})
 
     @property
     def sha256(self) -> str:

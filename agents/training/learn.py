@@ -138,7 +138,9 @@ def _task(
     if isinstance(network, WalkerConfig | AdaptiveWalkerConfig):
         encoder = trained("view_encoder", ViewEncoder, folder, roots[0])
         if isinstance(network, AdaptiveWalkerConfig):
-            return AdaptingTask(roots, views, trained("a3c", ActorCritic, folder, roots[0]), encoder, device)
+            return AdaptingTask(
+                roots, views, trained(network.begins_with, ActorCritic, folder, roots[0]), encoder, device
+            )
         torch.manual_seed(seed)
         return ReinforcingTask(roots, views, network.form, encoder, device)
     detector = trained(DETECTOR, Detector, folder, roots[0])

@@ -8,19 +8,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 import torch
 from torch import Tensor
 from torch.nn import functional
 
-from remqa_data.agents.networks.actor_critic import MOVES, ActorCritic, Form, PlainWalk, Seen, Thought, drawn, told
+from remqa_data.agents.networks.actor_critic import (
+    MOVES,
+    ActorCritic,
+    Form,
+    PlainWalk,
+    Seen,
+    Thinker,
+    Thought,
+    drawn,
+    told,
+)
 from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.cached_walks import (
     NOT_THERE,
     Walks,
-    asked_types,
     check_features,
     learning_errands,
 )
@@ -40,13 +49,6 @@ those of Wortsman et al.; the third (as Savva et al. 2019 have it) makes a milli
 DISCOUNT, SMOOTHED = 0.99, 0.95
 """Of later rewards; of the advantages of later steps (Schulman et al. 2016)."""
 VALUE_WEIGHT, ENTROPY_WEIGHT = 0.5, 0.01
-
-
-class Thinker(Protocol):
-    """Some walks of a network; see `PlainWalk`."""
-
-    def think(self, features: Tensor, asked: Tensor, before: Tensor) -> Tensor:
-        """(n, moves) logits of what to do next."""
 
 
 class Rollout(NamedTuple):
@@ -137,7 +139,7 @@ class ReinforcingTask:
 
 def rollout(thinker: Thinker, walks: Walks, rngs: Sequence[np.random.Generator], device: str = "cpu") -> Rollout:
     """Let a network walk to the end of all walks, MOST_STEPS at most."""
-    asked = torch.tensor([asked_types(errand.asked) for errand in walks.errands], device=device)
+    asked = torch.tensor([errand.types for errand in walks.errands], device=device)
     before = torch.zeros(len(walks), len(MOVES) + 1, device=device)
     steps = []
     distances = walks.distances()
