@@ -41,7 +41,14 @@ class PolicyConfig(_Section):
     network: str
 
 
-Navigator = SemanticMapConfig | RandomConfig | PolicyConfig
+class ImitatorConfig(_Section):
+    """It walks as a network of this name has learnt from shortest ways."""
+
+    kind: Literal["imitator"]
+    network: str
+
+
+Navigator = SemanticMapConfig | RandomConfig | PolicyConfig | ImitatorConfig
 
 
 class LocalizerConfig(_Section):
@@ -52,15 +59,15 @@ class LocalizerConfig(_Section):
 
 
 class ManipulatorConfig(_Section):
-    """How it decides what to do: by the question's words and the target's type."""
+    """How it decides what to do: by the question's words and the target's type, or as the navigator's network says."""
 
-    kind: Literal["rule"]
+    kind: Literal["rule", "navigator"]
 
 
 class AnswererConfig(_Section):
-    """How it answers: with the most frequent answer, or by a network of this name."""
+    """How it answers: with the most frequent answer, by a network of this name, or as the navigator's network says."""
 
-    kind: Literal["majority", "network"]
+    kind: Literal["majority", "network", "navigator"]
     network: str = "answerer"
 
 
@@ -90,7 +97,7 @@ class SystemConfig(_Section):
     def seeded(self, seed: int) -> SystemConfig:
         """The same system with other draws, and with networks that have learnt to walk with others."""
         navigator = self.navigator
-        if isinstance(navigator, PolicyConfig):
+        if isinstance(navigator, PolicyConfig | ImitatorConfig):
             navigator = navigator.model_copy(update={"network": seeded_name(navigator.network, seed)})
         title = f"{self.title}{SEED}{seed}" if seed else self.title
         return self.model_copy(update={"title": title, "seed": seed, "navigator": navigator})

@@ -5,8 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from remqa_data.agents.agent import Agent
-from remqa_data.agents.config import AnswererConfig, LocalizerConfig, PolicyConfig, RandomConfig, SystemConfig
-from remqa_data.agents.parts.interfaces import Answerer, Localizer, Navigator
+from remqa_data.agents.config import (
+    ImitatorConfig,
+    LocalizerConfig,
+    PolicyConfig,
+    RandomConfig,
+    SystemConfig,
+)
+from remqa_data.agents.parts.interfaces import Answerer, Localizer, Manipulator, Navigator
 from remqa_data.agents.parts.majority_answerer import MajorityAnswerer, majority
 from remqa_data.agents.parts.map_localizer import MapLocalizer
 from remqa_data.agents.parts.random_navigator import RandomNavigator
@@ -40,11 +46,12 @@ def make_agent(system: SystemConfig, root: Path, weights: Path | None = None, *,
     MissingExtraError
         If it has networks and the extra `agents` is not installed.
     """
+    navigator = _navigator(system, root, weights, force)
     return Agent(
-        _navigator(system, root, weights, force),
+        navigator,
         _localizer(system.localizer, root, weights, force) if system.localizer else None,
-        RuleManipulator() if system.manipulator else None,
-        _answerer(system.answerer, root, weights, force) if system.answerer else None,
+        _manipulator(system, navigator),
+        _answerer(system, navigator, root, weights, force),
         system.most_steps,
     )
 
@@ -55,6 +62,8 @@ def _navigator(system: SystemConfig, root: Path, weights: Path | None, force: bo
         return RandomNavigator(system.most_steps)
     if isinstance(config, PolicyConfig):
         return _policy(config, root, weights, force)
+    if isinstance(config, ImitatorConfig):
+        return _imitator(config, root, weights, force)
     return SemanticMapNavigator()
 
 
@@ -70,6 +79,31 @@ def _policy(config: PolicyConfig, root: Path, weights: Path | None, force: bool)
     if not isinstance(policy, ActorCritic) or not isinstance(encoder, ViewEncoder):
         raise ConfigError(f"navigator: {config.network!r} is no policy, or 'view_encoder' no view encoder")
     return PolicyNavigator(policy, encoder, about.types)
+
+
+def _imitator(config: ImitatorConfig, root: Path, weights: Path | None, force: bool) -> Navigator:
+    require("torch", "agents")
+    from remqa_data.agents.networks.planner_controller import PlannerController
+    from remqa_data.agents.networks.view_encoder import ViewEncoder
+    from remqa_data.agents.networks.view_transformer import ViewTransformer
+    from remqa_data.agents.parts.imitators import EqaAgent, TransformerAgent
+    from remqa_data.agents.training.weights import load_network, weights_path
+
+    network, about = load_network(weights_path(config.network, weights), root, force=force)
+    encoder, _ = load_network(weights_path("view_encoder", weights), root, force=force)
+    if isinstance(encoder, ViewEncoder) and isinstance(network, PlannerController):
+        return EqaAgent(network, encoder, about.vocabulary)
+    if isinstance(encoder, ViewEncoder) and isinstance(network, ViewTransformer):
+        return TransformerAgent(network, encoder, about.vocabulary)
+    raise ConfigError(f"navigator: {config.network!r} is no imitator, or 'view_encoder' no view encoder")
+
+
+def _manipulator(system: SystemConfig, navigator: Navigator) -> Manipulator | None:
+    if system.manipulator is None or system.manipulator.kind == "rule":
+        return RuleManipulator() if system.manipulator else None
+    if not isinstance(navigator, Manipulator):
+        raise ConfigError(f"manipulator: a navigator of kind {system.navigator.kind!r} does not manipulate")
+    return navigator
 
 
 def _localizer(config: LocalizerConfig, root: Path, weights: Path | None, force: bool) -> Localizer:
@@ -89,7 +123,16 @@ def _localizer(config: LocalizerConfig, root: Path, weights: Path | None, force:
     return NetworkLocalizer(detector, matcher, about.vocabulary)
 
 
-def _answerer(config: AnswererConfig, root: Path, weights: Path | None, force: bool) -> Answerer:
+def _answerer(
+    system: SystemConfig, navigator: Navigator, root: Path, weights: Path | None, force: bool
+) -> Answerer | None:
+    config = system.answerer
+    if config is None:
+        return None
+    if config.kind == "navigator":
+        if not isinstance(navigator, Answerer):
+            raise ConfigError(f"answerer: a navigator of kind {system.navigator.kind!r} does not answer")
+        return navigator
     if config.kind == "majority":
         return _majority_answerer(root)
     require("torch", "agents")

@@ -7,7 +7,7 @@ ask it where the target is.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -84,6 +84,7 @@ class Localizer(Protocol):
         """Where the target is; None where it is not seen."""
 
 
+@runtime_checkable
 class Manipulator(Protocol):
     """Decides what to do to the target."""
 
@@ -93,6 +94,7 @@ class Manipulator(Protocol):
         """What to try, one after the other, until one succeeds; nothing where there is nothing to do."""
 
 
+@runtime_checkable
 class Answerer(Protocol):
     """Answers the question from what was seen before and after the manipulation."""
 

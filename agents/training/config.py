@@ -86,6 +86,18 @@ class AdaptiveWalkerConfig(_Network):
         return ("view_encoder", self.begins_with)
 
 
+class ImitatorConfig(_Network):
+    """Walks as shortest ways do, and answers or says what to do in the end; learns on cached views."""
+
+    kind: Literal["imitator"]
+    form: Literal["planner_controller", "transformer"]
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What it sees through."""
+        return ("view_encoder",)
+
+
 class ScheduleConfig(_Section):
     """How long and how fast is learnt; see `remqa_data.agents.training.trainer.Schedule`."""
 
@@ -97,7 +109,15 @@ class ScheduleConfig(_Section):
     score_every: Annotated[int, Field(ge=1)]
 
 
-Network = DetectorConfig | MatcherConfig | AnswererConfig | ViewEncoderConfig | WalkerConfig | AdaptiveWalkerConfig
+Network = (
+    DetectorConfig
+    | MatcherConfig
+    | AnswererConfig
+    | ViewEncoderConfig
+    | WalkerConfig
+    | AdaptiveWalkerConfig
+    | ImitatorConfig
+)
 
 
 class NetworkConfig(_Section):

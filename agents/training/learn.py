@@ -19,12 +19,14 @@ from remqa_data.agents.training.config import (
     AdaptiveWalkerConfig,
     AnswererConfig,
     DetectorConfig,
+    ImitatorConfig,
     Network,
     NetworkConfig,
     ViewEncoderConfig,
     WalkerConfig,
 )
 from remqa_data.agents.training.detection import DetectionTask
+from remqa_data.agents.training.imitating import ImitationTask
 from remqa_data.agents.training.matching import MatchingTask
 from remqa_data.agents.training.pictures import detector_types
 from remqa_data.agents.training.reinforcing import ReinforcingTask
@@ -135,13 +137,15 @@ def _task(
         torch.manual_seed(seed)
         return DetectionTask(roots, network.side_px, device)
     views = views or views_beside(roots[0])
-    if isinstance(network, WalkerConfig | AdaptiveWalkerConfig):
+    if isinstance(network, WalkerConfig | AdaptiveWalkerConfig | ImitatorConfig):
         encoder = trained("view_encoder", ViewEncoder, folder, roots[0])
         if isinstance(network, AdaptiveWalkerConfig):
             return AdaptingTask(
                 roots, views, trained(network.begins_with, ActorCritic, folder, roots[0]), encoder, device
             )
         torch.manual_seed(seed)
+        if isinstance(network, ImitatorConfig):
+            return ImitationTask(roots, views, network.form, encoder, device)
         return ReinforcingTask(roots, views, network.form, encoder, device)
     detector = trained(DETECTOR, Detector, folder, roots[0])
     torch.manual_seed(seed)

@@ -15,11 +15,14 @@ from torch import nn
 from remqa_data.agents.networks.actor_critic import ActorCritic
 from remqa_data.agents.networks.answerer import ManipulationAnswerer
 from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.planner_controller import PlannerController
 from remqa_data.agents.networks.view_encoder import ViewEncoder
+from remqa_data.agents.networks.view_transformer import ViewTransformer
 from remqa_data.agents.training.config import (
     AdaptiveWalkerConfig,
     AnswererConfig,
     DetectorConfig,
+    ImitatorConfig,
     NetworkConfig,
     ViewEncoderConfig,
     WalkerConfig,
@@ -165,6 +168,10 @@ def empty_network(about: About) -> nn.Module:
         return ActorCritic(types, "savn")
     if isinstance(network, ViewEncoderConfig):
         return ViewEncoder(types)
+    if isinstance(network, ImitatorConfig):
+        if network.form == "transformer":
+            return ViewTransformer(words, types)
+        return PlannerController(words, len(about.answers), types)
     if isinstance(network, AnswererConfig):
         return ManipulationAnswerer(words, len(about.answers), types, network.views)
     return MATCHERS[network.form](words, types)
