@@ -99,6 +99,7 @@ class ActorCritic(nn.Module):
             self.loss = LearnedLoss()
         with torch.no_grad():
             self.policy.weight.mul_(0.1)
+            self.policy.bias[DONE] = -2.0  # who stops at once sees nothing
 
     def know(self, encoder: ViewEncoder) -> None:
         """Take over what a trained view encoder knows of types."""

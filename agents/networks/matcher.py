@@ -14,10 +14,13 @@ from torch.nn import functional
 
 from remqa_data.agents.networks.language import EMBEDDED, HIDDEN, WordReader
 from remqa_data.agents.networks.pyramid import CHANNELS
-from remqa_data.agents.networks.regions import ALIKE, PLACE, Regions
+from remqa_data.agents.networks.regions import ALIKE, PLACE, Regions, compared
 
 JOINT = 128
 """Numbers of what is compared."""
+
+PAIRED = 96
+"""The same, where all pairs are compared."""
 
 PARTS = ("subject", "location", "relationship")
 SHARPNESS = 10.0
@@ -114,7 +117,56 @@ class PlainMatcher(nn.Module):
         return Match(scores, torch.full((len(numbers), len(PARTS)), 1 / len(PARTS)), attention)
 
 
-Matcher = LanguageAttentionMatcher | PlainMatcher
+class CompositionalMatcher(nn.Module):
+    """Compositional modular networks (Hu et al. 2017): an expression as subject, relationship and object, softly chosen words.
+
+    Unlike LAN it weighs pairs: a subject is as good as it fits its own words, with the object for which words of the object
+    and of the relationship fit best.
+
+    Parameters
+    ----------
+    words : int
+        Size of the vocabulary.
+    types : int
+        How many types the detector knows.
+    """
+
+    def __init__(self, words: int, types: int) -> None:
+        super().__init__()
+        self.reader = WordReader(words, layers=2)
+        self.attend = nn.Linear(2 * 2 * HIDDEN, len(PARTS))
+        self.looks = nn.Linear(CHANNELS + types + PLACE, PAIRED)
+        self.pair = nn.Linear(PLACE, PAIRED)
+        self.asked = nn.ModuleList(nn.Linear(EMBEDDED, PAIRED) for _ in PARTS)
+        self.score = nn.ModuleList(nn.Linear(PAIRED, 1) for _ in PARTS)
+
+    def forward(self, numbers: Tensor, regions: Regions) -> Match:
+        """See `LanguageAttentionMatcher.forward`; parts are the subject, the relationship and its object, and count alike."""
+        words = self.reader(numbers)
+        attention = self._attention(words.read, words.is_word)
+        phrases = (attention @ words.embedded).unbind(1)
+        subject, relation, other = (layer(phrase) for layer, phrase in zip(self.asked, phrases, strict=True))
+        seen = self.looks(torch.cat([regions.looks.mean((2, 3)), regions.types, regions.places], 1))
+        subjects = self._fit(0, subject[:, None] * seen)
+        others = self._fit(2, other[:, None] * seen)
+        pairs = self._fit(1, relation[:, None, None] * self.pair(compared(regions.places)))
+        is_self = torch.eye(len(seen), dtype=torch.bool, device=seen.device)
+        best = (pairs + others[:, None]).masked_fill(is_self, -torch.inf).amax(2)
+        scores = subjects + torch.where(best.isfinite(), best, torch.zeros_like(best))
+        return Match(scores, scores.new_full((len(numbers), len(PARTS)), 1 / len(PARTS)), attention)
+
+    def _attention(self, read: Tensor, is_word: Tensor) -> Tensor:
+        """(e, 3, t) how much each word counts for each part."""
+        first = read[:, :1].expand_as(read)
+        logits = self.attend(torch.cat([read, first], 2)).masked_fill(~is_word[..., None], -torch.inf)
+        return logits.softmax(1).transpose(1, 2)
+
+    def _fit(self, part: int, both: Tensor) -> Tensor:
+        """(...) how well words and what is seen fit, by (..., PAIRED) products of the two."""
+        return self.score[part](functional.normalize(both, dim=-1))[..., 0]  # type: ignore[no-any-return]
+
+
+Matcher = LanguageAttentionMatcher | PlainMatcher | CompositionalMatcher
 
 
 def _joint(width: int) -> nn.Sequential:

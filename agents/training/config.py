@@ -42,10 +42,10 @@ class DetectorConfig(_Network):
 
 
 class MatcherConfig(_Network):
-    """Finds what an expression means, by language attention or with one vector for all words."""
+    """Finds what an expression means, by language attention, by pairs, or with one vector for all words."""
 
     kind: Literal["matcher"]
-    form: Literal["language_attention", "plain"]
+    form: Literal["language_attention", "plain", "compositional"]
 
 
 class AnswererConfig(_Network):

@@ -13,7 +13,14 @@ from torch import Tensor
 
 from remqa_data.agents.networks.detector import Detector, iou
 from remqa_data.agents.networks.detector_loss import LEAST_PIXELS
-from remqa_data.agents.networks.matcher import LanguageAttentionMatcher, Match, Matcher, PlainMatcher, ranking_loss
+from remqa_data.agents.networks.matcher import (
+    CompositionalMatcher,
+    LanguageAttentionMatcher,
+    Match,
+    Matcher,
+    PlainMatcher,
+    ranking_loss,
+)
 from remqa_data.agents.networks.regions import Regions, candidates, regions_of
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.datasets.random_access import SplitReader
@@ -28,6 +35,7 @@ RIGHT_IOU = 0.5
 MATCHERS: Mapping[str, Callable[[int, int], Matcher]] = {
     "language_attention": LanguageAttentionMatcher,
     "plain": PlainMatcher,
+    "compositional": CompositionalMatcher,
 }
 
 

@@ -43,9 +43,9 @@ FARTHEST = 50
 AN_EPOCH = 6400
 """Walks of an epoch."""
 
-REACHED, STEP, NEARER = 5.0, -0.01, 0.1
-"""Rewards: at the target and sure of it, for each action, and for each action that is less to go then. The first two are
-those of Wortsman et al.; the third (as Savva et al. 2019 have it) makes a million steps do."""
+REACHED, STEP, NEARER, MISTAKEN = 5.0, -0.01, 0.1, -1.0
+"""Rewards: at the target and sure of it, for each action, for each action that is less to go then, and for stopping elsewhere.
+The first two are those of Wortsman et al.; the third (as Savva et al. 2019 have it) makes a million steps do."""
 DISCOUNT, SMOOTHED = 0.99, 0.95
 """Of later rewards; of the advantages of later steps (Schulman et al. 2016)."""
 VALUE_WEIGHT, ENTROPY_WEIGHT = 0.5, 0.01
@@ -151,11 +151,11 @@ def rollout(thinker: Thinker, walks: Walks, rngs: Sequence[np.random.Generator],
         logits = thinker.think(features, asked, before)
         draws = torch.tensor([rng.random() for rng in rngs], device=device)
         moves = drawn(logits, draws)
-        succeeded = walks.succeeded.copy()
         was_done = walks.step(moves.numpy(force=True))
         now = walks.distances()
         known = (distances != NOT_THERE) & (now != NOT_THERE)
-        earned = REACHED * (walks.succeeded & ~succeeded) + STEP + NEARER * np.where(known, distances - now, 0)
+        earned = STEP + NEARER * np.where(known, distances - now, 0)
+        earned += np.where(walks.succeeded, REACHED, MISTAKEN) * (walks.is_over & is_going)
         distances = now
         going = torch.from_numpy(is_going).to(device)
         rewards = torch.from_numpy(earned * is_going).float().to(device)
@@ -171,12 +171,12 @@ def actor_critic_losses(thoughts: Thought, batch: Rollout) -> dict[str, Tensor]:
     with torch.no_grad():
         advantages = advantages_of(batch.rewards, thoughts.values, batch.is_going, batch.is_done)
         returns = advantages + thoughts.values
-        spread = advantages[batch.is_going].std().clamp(min=1e-3)
+        mean, spread = advantages[batch.is_going].mean(), advantages[batch.is_going].std().clamp(min=1e-3)
     log_moves = thoughts.moves.log_softmax(2)
     chosen = log_moves.gather(2, batch.moves[..., None])[..., 0]
     steps = going.sum()
-    policy = -(chosen * advantages / spread * going).sum() / steps
-    value = (functional.smooth_l1_loss(thoughts.values, returns, reduction="none") * going).sum() / steps
+    policy = -(chosen * (advantages - mean) / spread * going).sum() / steps
+    value = (functional.mse_loss(thoughts.values, returns, reduction="none") * going).sum() / steps
     entropy = -((log_moves.exp() * log_moves).sum(2) * going).sum() / steps
     rewards = batch.rewards.sum(0).mean()
     loss = policy + VALUE_WEIGHT * value - ENTROPY_WEIGHT * entropy
