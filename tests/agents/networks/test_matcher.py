@@ -3,11 +3,17 @@ import pytest
 import torch
 
 from remqa_data.agents.networks.detector import Detections, Detector
-from remqa_data.agents.networks.matcher import LanguageAttentionMatcher, Matcher, PlainMatcher, ranking_loss
+from remqa_data.agents.networks.matcher import (
+    CompositionalMatcher,
+    LanguageAttentionMatcher,
+    Matcher,
+    PlainMatcher,
+    ranking_loss,
+)
 from remqa_data.agents.networks.pyramid import CHANNELS
 from remqa_data.agents.networks.regions import Regions, candidates, compared, nearest, places_of, regions_of
 
-MATCHERS = (LanguageAttentionMatcher, PlainMatcher)
+MATCHERS = (LanguageAttentionMatcher, PlainMatcher, CompositionalMatcher)
 TYPES, WORDS = 5, 12
 BOXES = np.array([[10, 10, 40, 40], [50, 10, 90, 60], [5, 60, 45, 95], [60, 70, 80, 90]], dtype=np.float32)
 
@@ -85,3 +91,18 @@ def test_a_box_is_chosen_from_once() -> None:
     boxes = np.repeat(BOXES[:2], 2, axis=0)
     found = Detections(boxes, np.array([0, 1, 0, 1]), np.array([0.9, 0.8, 0.7, 0.6], np.float32), np.zeros((25, 25)))
     assert candidates(found) == [0, 2]
+
+
+def test_of_pairs_the_other_one_is_never_the_object_itself() -> None:
+    """Where words of the object fit one object alone, it helps all but itself."""
+    matcher, seen = matcher_of(CompositionalMatcher), regions()
+    found = []
+    with torch.no_grad():
+        for fits in (0.0, 50.0):
+            matcher._fit = (
+                lambda part, both, fits=fits: (  # type: ignore[method-assign]
+                    torch.tensor([0.0, fits, 0.0, 0.0]) if part == 2 else torch.zeros(both.shape[:-1])
+                ).expand(both.shape[:-1])
+            )
+            found.append(matcher(torch.tensor([[2, 3]]), seen).scores[0])
+    assert (found[1] - found[0]).tolist() == [50.0, 0.0, 50.0, 50.0]
