@@ -1,9 +1,10 @@
 """A planner and a controller, and a transformer: how moves are decided on, repeated and led, and what a view sees."""
 
+import numpy as np
 import torch
 
 from remqa_data.agents.networks.actor_critic import DONE, MOVES, told
-from remqa_data.agents.networks.imitation import DRAWS, SEEN, Eye, Lead, led
+from remqa_data.agents.networks.imitation import DOUBT, DRAWS, SEEN, SHARPNESS, Eye, Lead, led
 from remqa_data.agents.networks.planner_controller import MOST_REPEATS, PlannedWalk, PlannerController
 from remqa_data.agents.networks.view_transformer import LAYERS, VIEWS, AttentiveWalk, ViewTransformer
 
@@ -184,6 +185,18 @@ def test_what_fills_a_shorter_question_up_is_not_read() -> None:
 
 
 # ---- who leads
+
+
+def test_who_is_alone_prefers_likelier_moves_and_stops_late() -> None:
+    shares = np.array([0.3, 0.1, 0.1, 0.1, 0.1, 0.3])
+    own = torch.log(torch.from_numpy(shares)).expand(10_000, -1)
+    draws = torch.from_numpy(np.random.default_rng(0).random(10_000))
+    wanted = shares**SHARPNESS
+    wanted[DONE] *= np.exp(-SHARPNESS * DOUBT)
+    found = np.bincount(led(own, draws, None), minlength=6) / 10_000
+    assert np.allclose(found, wanted / wanted.sum(), atol=0.02)
+    nobody = Lead(torch.ones(10_000, 6, dtype=torch.bool), torch.zeros(10_000, dtype=torch.bool))
+    assert np.allclose(np.bincount(led(own, draws, nobody), minlength=6) / 10_000, shares, atol=0.02)
 
 
 def test_who_is_led_does_one_of_the_best_moves_and_any_of_them() -> None:

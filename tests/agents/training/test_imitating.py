@@ -75,6 +75,9 @@ def test_best_moves_are_all_that_come_nearer_and_done_at_the_target() -> None:
 @pytest.mark.parametrize("form", FORMS)
 def test_who_is_led_walks_a_shortest_way_and_who_is_not_may_stop_anywhere(form: ImitatorForm) -> None:
     task = task_in_the_corridor(form)
+    head = task.model.plan if isinstance(task.model, PlannerController) else task.model.policy
+    with torch.no_grad():
+        head.bias[DONE] = 5.0  # it is eager to stop
     errands = task.errands
     numbers = task._numbers(errands)
     walks = Walks(errands, [errand.start for errand in errands])
@@ -86,7 +89,7 @@ def test_who_is_led_walks_a_shortest_way_and_who_is_not_may_stop_anywhere(form: 
     assert (half.succeeded == half.is_over).all()  # who learns does not stop elsewhere
     free = Walks(errands, [errand.start for errand in errands])
     followed(walk_of(task.model, numbers), free, generators(0, 20), None, 50)
-    assert (free.is_over & ~free.succeeded).sum() >= 10
+    assert (free.is_over & ~free.succeeded).sum() >= 15
 
 
 @pytest.mark.parametrize("form", FORMS)
