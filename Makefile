@@ -23,8 +23,10 @@ DATASET := out/remqa$(if $(filter-out 120,$(SCENES)),-$(SCENES))
 MORE_SCENES ?= 100
 MORE := out/sampled-$(MORE_SCENES)
 
-# All that come with the package; the others are built upon the detector.
-NETWORKS := detector $(filter-out detector,$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
+# All that come with the package; the others are built upon the first ones.
+FIRST := detector view_encoder
+NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
+SYSTEMS := random semantic_map framework framework_memory a3c scene_priors savn eqa bc_transformer
 
 # Older ones, such as Debian 12's, look for hours for versions that go together.
 ABLE_PIP := 'pip>=23.1'
@@ -42,10 +44,12 @@ dataset: $(INSTALLED)  ## the main job: the whole benchmark, in out/remqa; `make
 
 agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all systems play, and make their tables, in out/agents
 	$(BIN)/remqa-gen --layouts sampled --scenes $(MORE_SCENES) --out $(MORE) --resume
+	$(BIN)/remqa-agent train $(FIRST) --data $(DATASET) --more $(MORE) --resume
+	$(BIN)/remqa-data cache $(DATASET) --split train --configurations 0 --features remqa_data.agents.view_features:features
 	$(BIN)/remqa-agent train $(NETWORKS) --data $(DATASET) --more $(MORE) --resume
-	$(BIN)/remqa-agent predict detector language_attention plain_matcher --data $(DATASET) --split val --weights out/weights
+	$(BIN)/remqa-agent predict detector language_attention plain_matcher compositional_matcher --data $(DATASET) --split val --weights out/weights
 	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
-	$(BIN)/remqa-agent run random semantic_map framework framework_memory --data $(DATASET) --weights out/weights --resume
+	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --resume
 	$(BIN)/remqa-agent table --data $(DATASET)
 
 test: $(INSTALLED_DEV) lint  ## lint, then all tests on two cores

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
@@ -188,10 +189,12 @@ def predict(
 
 @app.command()
 def table(data: Data, out: Folder = OUT, workers: Workers = None) -> None:
-    """Replay the submissions in a folder and show them beside the paper's figures; writes table.md and table.json."""
+    """Replay the submissions in a folder and show them beside the paper's figures; writes tables and leaderboard.json."""
     from rich.console import Console
 
+    from remqa_data.agents.leaderboard import leaderboard
     from remqa_data.agents.picture_tables import qa_grid, rec_grid, score_pictures
+    from remqa_data.agents.ranking import orders, orders_grid
     from remqa_data.agents.table import (
         as_json,
         failures_grid,
@@ -202,6 +205,7 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None) -> None:
         write_tables,
     )
     from remqa_data.evaluation.report.tables import print_grid
+    from remqa_data.files import atomic_path
 
     count = worker_count(workers)
     submissions_in(out)  # before anything is compiled
@@ -210,12 +214,16 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None) -> None:
         scored = score_systems(out, data, count, on_replayed)
     pictures = {track: score_pictures(out, data, track) for track in ("rec", "qa")}
     more = [grid_of(pictures[track]) for track, grid_of in (("rec", rec_grid), ("qa", qa_grid)) if pictures[track]]
+    if found := orders(scored, pictures["rec"]):
+        more.append(orders_grid(found))
     write_tables(out, scored, more)
+    with atomic_path(out / "leaderboard.json") as temporary:
+        temporary.write_text(json.dumps(leaderboard(scored), indent=1) + "\n", encoding="utf-8")
     say = output()
     if not (say.is_quiet or say.is_json):
         for grid in (navigation_grid(scored), remqa_grid(scored), failures_grid(scored), *more):
             print_grid(Console(), grid)
-    say.say(f"{out}: table.md, table.json")
+    say.say(f"{out}: table.md, table.json, leaderboard.json")
     say.result(**as_json(scored))
 
 

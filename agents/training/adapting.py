@@ -18,9 +18,6 @@ from remqa_data.agents.networks.adaptation import AT_ONCE, MOST_ADAPTED, Adaptiv
 from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.reinforcing import ReinforcingTask, Rollout, actor_critic_losses
 
-AN_EPOCH = 640
-"""Walks of an epoch: each costs some ten times what one of the plain actor-critic does."""
-
 
 class AdaptingTask(ReinforcingTask):
     """SAVN learns; see `remqa_data.agents.training.trainer.Task`, and `ReinforcingTask` for parameters.
@@ -32,13 +29,16 @@ class AdaptingTask(ReinforcingTask):
     """
 
     def __init__(
-        self, roots: Sequence[Path], views: Path, before: ActorCritic, encoder: ViewEncoder, device: str = "cpu"
+        self,
+        roots: Sequence[Path],
+        views: Path,
+        before: ActorCritic,
+        encoder: ViewEncoder,
+        walks: int,
+        device: str = "cpu",
     ) -> None:
-        super().__init__(roots, views, "savn", encoder, device)
+        super().__init__(roots, views, "savn", encoder, walks, device)
         self.model.load_state_dict(before.state_dict() | self._of_loss())
-
-    def __len__(self) -> int:
-        return AN_EPOCH
 
     def walk(self, walks: int) -> AdaptiveWalk:
         """Begin some walks, which adapt."""

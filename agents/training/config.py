@@ -63,10 +63,11 @@ class ViewEncoderConfig(_Network):
 
 
 class WalkerConfig(_Network):
-    """Walks to a type of object; learns by reward on cached views."""
+    """Walks to a type of object; learns by reward, an epoch being so many walks on cached views."""
 
     kind: Literal["walker"]
     form: Literal["a3c", "scene_priors"]
+    walks: Annotated[int, Field(ge=1)] = 6400
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -79,6 +80,7 @@ class AdaptiveWalkerConfig(_Network):
 
     kind: Literal["adaptive_walker"]
     begins_with: str
+    walks: Annotated[int, Field(ge=1)] = 640
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -87,10 +89,11 @@ class AdaptiveWalkerConfig(_Network):
 
 
 class ImitatorConfig(_Network):
-    """Walks as shortest ways do, and answers or says what to do in the end; learns on cached views."""
+    """Walks as shortest ways do, and answers or says what to do in the end; an epoch is so many walks on cached views."""
 
     kind: Literal["imitator"]
     form: Literal["planner_controller", "transformer"]
+    walks: Annotated[int, Field(ge=1)] = 6400
 
     @property
     def needs(self) -> tuple[str, ...]:

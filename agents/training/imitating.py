@@ -32,8 +32,6 @@ from remqa_data.geometry.types import Flags
 from remqa_data.metrics import spl
 from remqa_data.storage.shards import read_table
 
-AN_EPOCH = 6400
-"""Walks of an epoch."""
 FARTHEST, LONGEST = 25, 30
 """Moves from where a walk to learn from begins to its target, at most; and of the walk. Episodes begin 2 to 19 away."""
 NAME_WEIGHT = 0.5
@@ -101,13 +99,22 @@ class ImitationTask:
         Which network.
     encoder : ViewEncoder
         Trained: that of the cache's features.
+    walks : int
+        Of an epoch.
     device : str
         Where to compute.
     """
 
     def __init__(
-        self, roots: Sequence[Path], views: Path, form: ImitatorForm, encoder: ViewEncoder, device: str = "cpu"
+        self,
+        roots: Sequence[Path],
+        views: Path,
+        form: ImitatorForm,
+        encoder: ViewEncoder,
+        walks: int,
+        device: str = "cpu",
     ) -> None:
+        self._epoch = walks
         self.errands, self._val = learning_errands(roots[0], views, roots)
         check_features(encoder, self.errands[0])
         rows = read_table(roots[0], "questions", "train", ["question_id", "question", "answer", "scene"]).to_pylist()
@@ -125,7 +132,7 @@ class ImitationTask:
         self.device = device
 
     def __len__(self) -> int:
-        return AN_EPOCH
+        return self._epoch
 
     def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> Sampled:
         """Walks that are led in part, one drawn with each generator."""

@@ -140,13 +140,12 @@ def _task(
     if isinstance(network, WalkerConfig | AdaptiveWalkerConfig | ImitatorConfig):
         encoder = trained("view_encoder", ViewEncoder, folder, roots[0])
         if isinstance(network, AdaptiveWalkerConfig):
-            return AdaptingTask(
-                roots, views, trained(network.begins_with, ActorCritic, folder, roots[0]), encoder, device
-            )
+            before = trained(network.begins_with, ActorCritic, folder, roots[0])
+            return AdaptingTask(roots, views, before, encoder, network.walks, device)
         torch.manual_seed(seed)
         if isinstance(network, ImitatorConfig):
-            return ImitationTask(roots, views, network.form, encoder, device)
-        return ReinforcingTask(roots, views, network.form, encoder, device)
+            return ImitationTask(roots, views, network.form, encoder, network.walks, device)
+        return ReinforcingTask(roots, views, network.form, encoder, network.walks, device)
     detector = trained(DETECTOR, Detector, folder, roots[0])
     torch.manual_seed(seed)
     if isinstance(network, ViewEncoderConfig):

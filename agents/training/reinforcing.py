@@ -40,8 +40,6 @@ from remqa_data.metrics import spl
 MOST_STEPS = 50
 FARTHEST = 50
 """Actions from where a walk begins to its target, at most; small figures come as often as large ones."""
-AN_EPOCH = 6400
-"""Walks of an epoch."""
 
 REACHED, STEP, NEARER, MISTAKEN = 5.0, -0.01, 0.1, -1.0
 """Rewards: at the target and sure of it, for each action, for each action that is less to go then, and for stopping elsewhere.
@@ -89,13 +87,16 @@ class ReinforcingTask:
         Which actor-critic.
     encoder : ViewEncoder
         Trained: that of the cache's features.
+    walks : int
+        Of an epoch.
     device : str
         Where to compute.
     """
 
     def __init__(
-        self, roots: Sequence[Path], views: Path, form: Form, encoder: ViewEncoder, device: str = "cpu"
+        self, roots: Sequence[Path], views: Path, form: Form, encoder: ViewEncoder, walks: int, device: str = "cpu"
     ) -> None:
+        self._epoch = walks
         self.errands, self._val = learning_errands(roots[0], views, roots)
         check_features(encoder, self.errands[0])
         self.model = ActorCritic(len(detector_types()), form)
@@ -105,7 +106,7 @@ class ReinforcingTask:
         self.device = device
 
     def __len__(self) -> int:
-        return AN_EPOCH
+        return self._epoch
 
     def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> Rollout:
         """Walks with the network as it is, one drawn with each generator."""

@@ -7,9 +7,14 @@ import numpy as np
 import pytest
 
 from remqa_data.agents import table
+from remqa_data.agents.leaderboard import leaderboard
 from remqa_data.agents.paper import paper_results
 from remqa_data.agents.table import failures_grid, navigation_grid, remqa_grid, score_systems, write_tables
 from remqa_data.errors import SubmissionError
+from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
+from remqa_data.evaluation.scoring.results import make_results
+from remqa_data.evaluation.scoring.scoring import score
+from remqa_data.evaluation.submission.reader import open_submission
 from remqa_data.evaluation.submission.reference import reference_rows
 from remqa_data.storage.shards import read_table
 from tests.helpers.submissions import written
@@ -76,6 +81,24 @@ def test_what_was_replayed_is_not_replayed_again_unless_it_has_changed(
     assert navigation == pytest.approx(1 - changed.results.metric("S_N").value, abs=0.001)
     assert nothing == answer == 0
     assert navigation + localisation + manipulation + succeeded == pytest.approx(1, abs=0.002)
+
+
+@pytest.mark.slow
+def test_what_the_leaderboard_says_is_what_scoring_again_gives(two_rooms: Path, tmp_path: Path) -> None:
+    oracle(two_rooms, tmp_path / "oracle.jsonl")
+    rows = reference_rows("blind", two_rooms, "remqa", "test", np.random.default_rng(0))
+    written(tmp_path / "blind.jsonl", "remqa", rows, "test", agent="blind")
+    board = leaderboard(score_systems(tmp_path, two_rooms))
+    assert [entry["title"] for entry in board["entries"]] == ["oracle", "blind"]
+    truth = load_ground_truth(two_rooms, "remqa", "test")
+    for entry in board["entries"]:
+        submission = open_submission(tmp_path / f"{entry['title']}.jsonl")
+        assert entry["submission_sha256"] == submission.sha256()
+        assert entry["dataset_sha256"] == dataset_sha256(truth.manifest)
+        again = make_results(submission, truth, score(submission, truth), replay=True)
+        for name in ("S_N", "S_L", "S_QA", "S_M", "S_MQA"):
+            assert entry["overall"][name] == again.metric(name).value
+            assert entry["COUNTING"][name] == again.metric(name, "kind", "COUNTING").value
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ import torch
 import yaml
 from typer.testing import CliRunner
 
+from remqa_data.agents import view_features
 from remqa_data.agents.cli import app
 from remqa_data.agents.networks.detector import Detector
 from remqa_data.agents.training import rooms as rooms_module
@@ -17,9 +18,13 @@ from remqa_data.agents.training.config import load_network_config, networks
 from remqa_data.agents.training.pictures import Pictures, detector_types, varied
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.agents.training.weights import About, halved, load_network, save_network, weights_path
+from remqa_data.agents.view_features import WEIGHTS
 from remqa_data.errors import ConfigError, DatasetError
+from remqa_data.views.build import Wanted, cache_views
 
 pytestmark = pytest.mark.slow
+
+WALKERS = ("a3c", "scene_priors", "savn", "eqa", "bc_transformer")
 
 
 def asked(*arguments: object) -> str:
@@ -34,6 +39,9 @@ def short(name: str, folder: Path) -> Path:
     config["schedule"]["epochs"] = 1
     if config["network"]["kind"] == "detector":
         config["network"]["side_px"] = 64
+    if "walks" in config["network"]:
+        config["network"]["walks"] = 4
+        config["schedule"]["batch_size"] = 4
     path = folder / f"{name}.yaml"
     path.write_text(yaml.safe_dump(config))
     return path
@@ -43,16 +51,24 @@ def short(name: str, folder: Path) -> Path:
 def trained(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Weights of all networks."""
     folder = tmp_path_factory.mktemp("trained")
-    names = sorted(networks(), key=lambda name: name != "detector")
-    paths = [short(name, folder) for name in names]
-    asked("train", *paths, "--data", two_rooms, "--out", folder / "weights", "--threads", 1)
+    first = ["detector", "view_encoder"]
+    then = [name for name in networks() if name not in first]
+    options = ("--data", two_rooms, "--out", folder / "weights", "--threads", 1)
+    asked("train", *(short(name, folder) for name in first), *options)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(WEIGHTS, str(folder / "weights"))
+        view_features._encoder.cache_clear()
+        wanted = Wanted(split="train", configurations=(0,), features="remqa_data.agents.view_features:features")
+        cache_views(two_rooms, folder / "views", wanted)
+    view_features._encoder.cache_clear()
+    asked("train", *(short(name, folder) for name in then), *options, "--views", folder / "views")
     return folder / "weights"
 
 
 def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path, tmp_path: Path) -> None:
     options = ("--data", two_rooms, "--out", tmp_path, "--weights", trained)
     asked("predict", *networks(), *options)
-    asked("run", "framework", "framework_memory", *options, "--workers", 1)
+    asked("run", "framework", "framework_memory", *WALKERS, *options, "--workers", 1)
     asked("table", "--data", two_rooms, "--out", tmp_path, "--workers", 1)
     text = (tmp_path / "table.md").read_text()
     for wanted in (
@@ -61,8 +77,14 @@ def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path,
         "| BiLSTM, no modules, true boxes |",
         "| LAN + detectron2 (Ours) (paper) |",
         "| answerer: the words alone |",
+        "| A3C, LAN, answerer |",
+        "| EQA (PACMAN), LAN | COUNTING |",
+        "| BiLSTM, pairs (CMN), true boxes |",
+        "| VSN | success@50 | 4 |",
     ):
         assert wanted in text
+    board = json.loads((tmp_path / "leaderboard.json").read_text())
+    assert len(board["entries"]) == 2 + len(WALKERS)
     scores = json.loads((tmp_path / "detector-test.json").read_text())
     assert scores["frames"] > 0
     rows = [json.loads(line) for line in (tmp_path / "framework.jsonl").read_text().splitlines()[1:]]
