@@ -33,7 +33,8 @@ from remqa_data.metrics import spl
 from remqa_data.storage.shards import read_table
 
 FARTHEST, LONGEST = 25, 30
-"""Moves from where a walk to learn from begins to its target, at most; and of the walk. Episodes begin 2 to 19 away."""
+"""Moves from where a walk to learn from begins to its target, at most; and of the walk. Of the episodes in
+val rooms 90 % begin 2 to 19 away."""
 NAME_WEIGHT = 0.5
 """Of the loss of which types a question names."""
 
