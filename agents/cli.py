@@ -67,9 +67,10 @@ def run(
     seed: Seed = None,
 ) -> None:
     """Let systems play all questions of a split; write a submission of each, which remqa-eval replays."""
-    from remqa_data.agents.config import load_system, seeded_name
+    from remqa_data.agents.config import load_system
     from remqa_data.agents.runner import play_split
     from remqa_data.agents.systems import make_agent
+    from remqa_data.agents.training.config import seeded_name
     from remqa_data.storage.manifest import load_manifest
 
     configs = [(Path(name).stem, load_system(name)) for name in systems]
@@ -122,8 +123,7 @@ def train(
     from remqa_data.extras import require
 
     torch = require("torch", "agents")
-    from remqa_data.agents.config import seeded_name
-    from remqa_data.agents.training.config import load_network_config
+    from remqa_data.agents.training.config import load_network_config, seeded_name
     from remqa_data.agents.training.learn import learn
 
     configs = [(Path(name).stem, load_network_config(name)) for name in networks]

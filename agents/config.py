@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from remqa_data.agents.training.config import seeded_name
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.submission.tracks import MAX_ACTIONS
 from remqa_data.generators.config_files import config_text, first_problem, preset_names, read_keys
@@ -106,15 +107,6 @@ class SystemConfig(_Section):
     def sha256(self) -> str:
         """Hash of what the configuration says, whatever its file looks like."""
         return config_hash(self.model_dump(mode="json"))
-
-
-def seeded_name(name: str, seed: int) -> str:
-    """The name of weights or of a submission that a seed gives.
-
-    >>> seeded_name("a3c", 2), seeded_name("a3c", 0)
-    ('a3c-2', 'a3c')
-    """
-    return f"{name}-{seed}" if seed else name
 
 
 def systems() -> tuple[str, ...]:

@@ -212,7 +212,7 @@ class LearnedLoss(nn.Module):
 
 def drawn(logits: Tensor, draws: Tensor) -> Tensor:
     """(n,) moves by (n, moves) logits and (n,) numbers from 0 to 1."""
-    return (logits.softmax(1).cumsum(1) < draws[:, None]).sum(1).clamp(max=logits.shape[1] - 1)
+    return (logits.softmax(1).cumsum(1) <= draws[:, None]).sum(1).clamp(max=logits.shape[1] - 1)
 
 
 def told(moves: Tensor, was_done: Tensor) -> Tensor:
