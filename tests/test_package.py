@@ -5,9 +5,11 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib.metadata import distributions
 from pathlib import Path
 
 import pytest
+from packaging.specifiers import SpecifierSet
 
 from remqa_data import errors, extras
 from remqa_data.errors import MissingExtraError
@@ -95,3 +97,16 @@ def test_every_error_belongs_to_the_family():
     own = [kind for kind in vars(errors).values() if isinstance(kind, type) and kind.__module__ == errors.__name__]
     assert own
     assert all(issubclass(kind, errors.RemqaError) for kind in own)
+
+
+def test_every_pinned_version_runs_on_the_python_of_debian_12() -> None:
+    """Else pip looks for others for hours there, and finds none."""
+    pins = dict(re.findall(r"^(\S+)==(\S+)$", (ROOT / "constraints.txt").read_text(encoding="utf-8"), re.MULTILINE))
+    pinned = {name.lower().replace("_", "-"): version for name, version in pins.items()}
+    needs = {
+        name: found.metadata["Requires-Python"] or ""
+        for found in distributions()
+        if pinned.get(name := found.name.lower().replace("_", "-")) == found.version
+    }
+    assert len(needs) > 50
+    assert [name for name, versions in needs.items() if "3.11.2" not in SpecifierSet(versions)] == []
