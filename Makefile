@@ -28,9 +28,6 @@ FIRST := detector view_encoder
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
 SYSTEMS := random semantic_map framework framework_memory a3c scene_priors savn eqa bc_transformer
 
-# Older ones, such as Debian 12's, look for hours for versions that go together.
-ABLE_PIP := 'pip>=23.1'
-
 .DEFAULT_GOAL := help
 .PHONY: help setup dataset agents test test-fast test-newest lint format build docs bench clean
 
@@ -110,11 +107,9 @@ $(BIN)/python:
 		"or name it: make PYTHON=/path/to/python3.11" >&2; exit 1; }
 	@$(PYTHON) tools/check_python.py
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet $(ABLE_PIP)
 
 .venv-newest/bin/python:
 	@test -n "$(NEWEST)" || { echo "No Python 3.12 or newer found. Name one: make NEWEST=/path/to/python3.13" \
 		"test-newest" >&2; exit 1; }
 	@$(NEWEST) tools/check_python.py
 	$(NEWEST) -m venv .venv-newest
-	$@ -m pip install --quiet $(ABLE_PIP)
