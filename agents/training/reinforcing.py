@@ -46,7 +46,8 @@ REACHED, STEP, NEARER, MISTAKEN = 5.0, -0.01, 0.1, -1.0
 The first two are those of Wortsman et al.; the third (as Savva et al. 2019 have it) makes a million steps do."""
 DISCOUNT, SMOOTHED = 0.99, 0.95
 """Of later rewards; of the advantages of later steps (Schulman et al. 2016)."""
-VALUE_WEIGHT, ENTROPY_WEIGHT = 0.5, 0.01
+VALUE_WEIGHT, ENTROPY_WEIGHT = 0.05, 0.01
+"""Rewards of 5 make the value's errors large: with the usual 0.5 they unlearn what the policy has in the LSTM that both share."""
 
 
 class Rollout(NamedTuple):

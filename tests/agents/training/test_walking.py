@@ -35,9 +35,9 @@ def on_one_core() -> Iterator[None]:
 AHEAD, LEFT, RIGHT = (MOVES.index(name) for name in ("MoveAhead", "RotateLeft", "RotateRight"))
 
 
-def task_in_the_corridor(kind: type[ReinforcingTask], form: str) -> ReinforcingTask:
+def task_in_the_corridor(kind: type[ReinforcingTask], form: str, seed: int = 0) -> ReinforcingTask:
     task = kind.__new__(kind)
-    torch.manual_seed(0)
+    torch.manual_seed(seed)
     task.errands = [corridor_errand((cell, yaw)) for cell in range(5) for yaw in (0, 90, 180, 270)]
     task.model = ActorCritic(3, form)  # type: ignore[arg-type]
     task.device = "cpu"
@@ -121,7 +121,7 @@ def test_moves_are_drawn_as_often_as_they_are_likely() -> None:
 
 def learnt(task: ReinforcingTask, batches: int, walks: int) -> float:
     """Share of the last walks that succeed."""
-    optimizer = torch.optim.AdamW(task.model.parameters(), lr=0.003)
+    optimizer = torch.optim.AdamW(task.model.parameters(), lr=0.002)
     for number in range(batches):
         batch = task.batch(np.arange(walks), [np.random.default_rng([number, walk]) for walk in range(walks)])
         optimizer.zero_grad()
@@ -131,10 +131,11 @@ def learnt(task: ReinforcingTask, batches: int, walks: int) -> float:
 
 
 @pytest.mark.slow
-def test_an_actor_critic_learns_to_walk_the_corridor() -> None:
-    task = task_in_the_corridor(ReinforcingTask, "a3c")
+@pytest.mark.parametrize("seed", [0, 1])
+def test_an_actor_critic_learns_to_walk_the_corridor(seed: int) -> None:
+    task = task_in_the_corridor(ReinforcingTask, "a3c", seed)
     assert learnt(task, 1, 64) < 0.5
-    assert learnt(task, 90, 64) > 0.9
+    assert learnt(task, 70, 64) > 0.9
 
 
 def test_the_same_generators_make_the_same_walks() -> None:
