@@ -47,7 +47,7 @@ The first two are those of Wortsman et al.; the third (as Savva et al. 2019 have
 DISCOUNT, SMOOTHED = 0.99, 0.95
 """Of later rewards; of the advantages of later steps (Schulman et al. 2016)."""
 VALUE_WEIGHT, ENTROPY_WEIGHT = 0.05, 0.01
-"""Rewards of 5 make the value's errors large: with the usual 0.5 they unlearn what the policy has in the LSTM that both share."""
+"""Rewards of 5 make the value's errors large: with the usual 0.5 they undo what the policy has learnt in the LSTM of both."""
 
 
 class Rollout(NamedTuple):
