@@ -9,7 +9,7 @@ import numpy as np
 
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.reading import Question
-from remqa_data.agents.parts.interfaces import Answerer, Localizer, Manipulator, Navigator, Percept
+from remqa_data.agents.parts.interfaces import Answerer, Localizer, Manipulator, Navigator, Percept, Remembering
 from remqa_data.env.actions import Command
 from remqa_data.sim.agent.actions import DONE, Action
 
@@ -56,6 +56,8 @@ class Agent:
             if action is None:
                 break
             before = act(Command(Action(action)))
+        if isinstance(walker, Remembering):
+            memory = walker.memory
         sighting = self.localizer.locate(asked, memory, before, rng) if self.localizer else None
         box = sighting.box if sighting else None
         after = before

@@ -24,9 +24,10 @@ class _Section(BaseModel):
 
 
 class SemanticMapConfig(_Section):
-    """The agent walks by the semantic map of its walk."""
+    """The agent walks by the semantic map of its walk: as the simulator has labelled it, or the detector."""
 
     kind: Literal["semantic_map"]
+    map: Literal["true", "predicted"] = "true"
 
 
 class RandomConfig(_Section):
@@ -49,7 +50,13 @@ class ImitatorConfig(_Section):
     network: str
 
 
-Navigator = SemanticMapConfig | RandomConfig | PolicyConfig | ImitatorConfig
+class FrontierConfig(_Section):
+    """It has not walked there before: it explores, and makes its map on the way."""
+
+    kind: Literal["frontier"]
+
+
+Navigator = SemanticMapConfig | RandomConfig | PolicyConfig | ImitatorConfig | FrontierConfig
 
 
 class LocalizerConfig(_Section):

@@ -6,10 +6,12 @@ from pathlib import Path
 
 from remqa_data.agents.agent import Agent
 from remqa_data.agents.config import (
+    FrontierConfig,
     ImitatorConfig,
     LocalizerConfig,
     PolicyConfig,
     RandomConfig,
+    SemanticMapConfig,
     SystemConfig,
 )
 from remqa_data.agents.parts.interfaces import Answerer, Localizer, Manipulator, Navigator
@@ -64,7 +66,24 @@ def _navigator(system: SystemConfig, root: Path, weights: Path | None, force: bo
         return _policy(config, root, weights, force)
     if isinstance(config, ImitatorConfig):
         return _imitator(config, root, weights, force)
+    if isinstance(config, FrontierConfig) or config.map == "predicted":
+        return _mapper(config, root, weights, force)
     return SemanticMapNavigator()
+
+
+def _mapper(config: FrontierConfig | SemanticMapConfig, root: Path, weights: Path | None, force: bool) -> Navigator:
+    require("torch", "agents")
+    from remqa_data.agents.networks.detector import Detector
+    from remqa_data.agents.parts.frontier_navigator import FrontierNavigator
+    from remqa_data.agents.parts.predicted_navigator import PredictedMapNavigator
+    from remqa_data.agents.training.learn import DETECTOR
+    from remqa_data.agents.training.weights import load_network, weights_path
+
+    detector, about = load_network(weights_path(DETECTOR, weights), root, force=force)
+    if not isinstance(detector, Detector):
+        raise ConfigError(f"navigator: {DETECTOR!r} is no detector")
+    kind = FrontierNavigator if isinstance(config, FrontierConfig) else PredictedMapNavigator
+    return kind(detector, about.types)
 
 
 def _policy(config: PolicyConfig, root: Path, weights: Path | None, force: bool) -> Navigator:

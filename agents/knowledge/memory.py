@@ -9,23 +9,27 @@ which one can stand, the questions' targets, goals and answers) is in columns th
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.compute as pc
 
+from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import DatasetError
-from remqa_data.geometry.types import F64, I16, Flags
+from remqa_data.geometry.types import F32, F64, I16, U8, Flags
 from remqa_data.mapping.semantic_map import FLOOR_SLACK_M, MARGIN_M, SemanticPlan, VoxelMap
 from remqa_data.scene_graph.graph import GraphUpdate, SceneGraph
 from remqa_data.sim.metadata import ObjectMetadata
 from remqa_data.sim.navigation.embodiment import Embodiment
+from remqa_data.sim.render.camera import Camera
 from remqa_data.storage.shards import read_table
+from remqa_data.tables.images import decode_depth, decode_rgb
 from remqa_data.tables.map_columns import sparse_voxels
 from remqa_data.tables.rows import SemanticMap
 from remqa_data.tables.schema import table_spec
@@ -35,6 +39,22 @@ FRAME_COLUMNS = ("scene", "configuration", "index", "objects", "added_nodes", "a
 """All that is read of a dataset for an agent's memory."""
 
 T = TypeVar("T")
+
+
+class Look(NamedTuple):
+    """What an agent sees from somewhere.
+
+    Attributes
+    ----------
+    rgb : (h, w, 3) uint8
+    depth : (h, w) float32
+        Metres along the camera's forward axis, 0 where nothing is.
+    camera : Camera
+    """
+
+    rgb: U8
+    depth: F32
+    camera: Camera
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +72,15 @@ class WalkMemory:
         The semantic map in 2D, and where the agent can stand by it.
     body : Embodiment
         The agent's own.
+    looks : callable, optional
+        Gives what the walk has seen, frame by frame, for who makes a map of it himself.
     """
 
     graph: SceneGraph
     labels: I16
     plan: SemanticPlan
     body: Embodiment
+    looks: Callable[[], Iterator[Look]] | None = None
 
     def corner_of(self, voxels: npt.ArrayLike) -> F64:
         """(..., 3) where voxels, (..., 3) indices of `labels`, begin in the room, metres."""
@@ -98,6 +121,10 @@ class WalkMemory:
         return cls(graph, voxels.labels()[0], voxels.plan(), body)
 
 
+_IMAGES = ("rgb", "depth")
+_DECODERS: tuple[Callable[[memoryview], Any], ...] = (decode_rgb, decode_depth)
+
+
 class WalkMemories:
     """The memories of all walks of a split, made when they are asked for.
 
@@ -134,7 +161,21 @@ class WalkMemories:
             raise DatasetError(f"{where}: there is no walk through it")
         row = rows[0]
         body = Embodiment.of_dataset(**vars(row["embodiment"]))
-        return WalkMemory.of_walk(graph_of_walk(frames), row["semantic_map"], body, where)
+        memory = WalkMemory.of_walk(graph_of_walk(frames), row["semantic_map"], body, where)
+        return replace(memory, looks=partial(self._looks, scene, configuration, body))
+
+    def _looks(self, scene: str, configuration: int, body: Embodiment) -> Iterator[Look]:
+        """The frames of a walk: what was seen, and from where."""
+        reader = SplitReader(self.root, "frames", self.split)
+        columns = reader.columns(["scene", "configuration", "agent"])
+        is_wanted = pc.and_(pc.equal(columns["scene"], scene), pc.equal(columns["configuration"], configuration))
+        for row in np.flatnonzero(is_wanted.to_numpy(zero_copy_only=False)).tolist():
+            agent = columns["agent"][row].as_py()
+            rgb, depth = (decode(image) for decode, image in zip(_DECODERS, reader.images(row, _IMAGES), strict=True))
+            x, y, z = agent["position"]
+            eye = (x, y, z + body.camera_height_m)
+            size = depth.shape[0]
+            yield Look(rgb, depth, Camera(eye, agent["yaw_deg"], agent["horizon_deg"], body.fov_deg, size, size))
 
 
 def graph_of_walk(frames: Sequence[Mapping[str, Any]]) -> SceneGraph:

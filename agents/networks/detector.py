@@ -24,6 +24,9 @@ TYPES_OF_A_PEAK = 2
 """A peak is reported as so many of its likeliest types."""
 
 LEAST_SCORE = 0.02
+LEAST_VOTES = 0.1
+"""What is less likely an object at all gets no vote."""
+
 SAME_OBJECT_IOU = 0.6
 """Of two boxes of a type that overlap so much, the likelier one counts."""
 
@@ -56,6 +59,21 @@ class Raw(NamedTuple):
     middles: Tensor
     sides: Tensor
     cells: Tensor
+
+
+class Peaks(NamedTuple):
+    """Where objects may be in a picture, and how likely each is of each type.
+
+    Attributes
+    ----------
+    boxes : (m, 4) float32
+        x1, y1, x2, y2 in pixels.
+    votes : (m, types) float32
+        How likely it is of each type; together as likely as that it is an object at all.
+    """
+
+    boxes: F32
+    votes: F32
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,35 +144,53 @@ class Detector(nn.Module):
     @torch.no_grad()
     def look(self, rgb: Tensor) -> tuple[Tensor, list[Detections]]:
         """Features of (n, 3, h, w) uint8 pictures, see `Raw`, and the objects that `detect` finds in them."""
-        size = rgb.shape[-2:]
-        larger = [round(side * ENLARGED) for side in size]
-        closely = functional.interpolate(rgb.to(torch.float32), size=larger, mode="bilinear").round().to(torch.uint8)
-        raw = self(rgb)
-        found = zip(self.read(raw, size), self.read(self(closely), tuple(larger)), strict=True)
+        (raw, size), (closely, larger) = self._twice(rgb)
+        found = zip(self.read(raw, size), self.read(closely, larger), strict=True)
         return raw.features, [_large_and_small(*both) for both in found]
 
     @torch.no_grad()
-    def read(self, raw: Raw, size: tuple[int, ...]) -> list[Detections]:
-        """Objects in what was said of pictures of a (height, width)."""
+    def vote(self, rgb: Tensor) -> list[tuple[Peaks, np.ndarray]]:
+        """Objects in (n, 3, h, w) uint8 pictures with all types that each may be, for who sees it in more pictures.
+
+        Beside them (h', w') what each cell shows; see `Detections`.
+        """
+        (raw, size), (closely, larger) = self._twice(rgb)
+        shown = raw.cells.argmax(1).numpy(force=True)
+        both = zip(self.peaks(raw, size), self.peaks(closely, larger), shown, strict=True)
+        return [(_peaks_of_both(whole, close), cells) for whole, close, cells in both]
+
+    def _twice(self, rgb: Tensor) -> list[tuple[Raw, tuple[int, ...]]]:
+        """What it says of pictures, and of the same enlarged, and how large these are."""
+        size = tuple(rgb.shape[-2:])
+        larger = tuple(round(side * ENLARGED) for side in size)
+        enlarged = functional.interpolate(rgb.to(torch.float32), size=larger, mode="bilinear").round().to(torch.uint8)
+        return [(self(rgb), size), (self(enlarged), larger)]
+
+    @torch.no_grad()
+    def peaks(self, raw: Raw, size: tuple[int, ...]) -> list[Peaks]:
+        """Where objects may be by what was said of pictures of a (height, width); the likeliest first."""
         heat = raw.middles.sigmoid()
         heat = torch.where(functional.max_pool2d(heat, 3, 1, 1) == heat, heat, 0.0)
         scores, places = heat.flatten(1).topk(min(MOST_PEAKS, heat[0].numel()))
         rows, columns = places // heat.shape[-1], places % heat.shape[-1]
-        shown = raw.cells.argmax(1)
         found = []
         for image in range(len(heat)):
             row, column = rows[image], columns[image]
             types = self.types_at(raw.features[image, :, row, column].T).softmax(1)
-            likely, kinds = types.topk(min(TYPES_OF_A_PEAK, types.shape[1]))
             boxes = boxes_at(raw.sides[image, :, row, column].T, row, column, size)
-            found.append(
-                _without_doubles(
-                    boxes.repeat_interleave(kinds.shape[1], 0).numpy(force=True),
-                    kinds.flatten().numpy(force=True),
-                    (scores[image, :, None] * likely).flatten().numpy(force=True),
-                    shown[image].numpy(force=True),
-                )
-            )
+            found.append(Peaks(boxes.numpy(force=True), (scores[image, :, None] * types).numpy(force=True)))
+        return found
+
+    @torch.no_grad()
+    def read(self, raw: Raw, size: tuple[int, ...]) -> list[Detections]:
+        """Objects in what was said of pictures of a (height, width)."""
+        shown = raw.cells.argmax(1).numpy(force=True)
+        found = []
+        for peaks, cells in zip(self.peaks(raw, size), shown, strict=True):
+            likely = min(TYPES_OF_A_PEAK, peaks.votes.shape[1])
+            kinds = np.argsort(-peaks.votes, axis=1, kind="stable")[:, :likely]
+            scores = np.take_along_axis(peaks.votes, kinds, axis=1)
+            found.append(_without_doubles(peaks.boxes.repeat(likely, 0), kinds.ravel(), scores.ravel(), cells))
         return found
 
 
@@ -177,6 +213,22 @@ def _large_and_small(whole: Detections, closely: Detections) -> Detections:
         np.concatenate([whole.scores[large], closely.scores[small]]),
         whole.cells,
     )
+
+
+def _peaks_of_both(whole: Peaks, closely: Peaks) -> Peaks:
+    """As `_large_and_small`; of two boxes that overlap the likelier one counts, whatever its type."""
+    small_boxes = closely.boxes / ENLARGED
+    large, small = _shorter_sides(whole.boxes) >= LARGE_PX, _shorter_sides(small_boxes) < SMALL_PX
+    boxes = np.concatenate([whole.boxes[large], small_boxes[small]])
+    votes = np.concatenate([whole.votes[large], closely.votes[small]])
+    order = np.argsort(-votes.sum(axis=1), kind="stable")
+    order = order[votes[order].sum(axis=1) >= LEAST_VOTES]
+    overlaps = iou(boxes, boxes) > SAME_OBJECT_IOU
+    kept: list[int] = []
+    for place in order.tolist():
+        if not overlaps[place, kept].any():
+            kept.append(place)
+    return Peaks(boxes[kept], votes[kept])
 
 
 def _shorter_sides(boxes: F32) -> F32:

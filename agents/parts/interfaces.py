@@ -68,6 +68,15 @@ class Walker(Protocol):
         """The next navigation action, a whole step such as "MoveAhead"; None when it is there, or gives up."""
 
 
+@runtime_checkable
+class Remembering(Protocol):
+    """A walker that says what the agent knows of the room in the end: what it was told, or has found out itself."""
+
+    @property
+    def memory(self) -> WalkMemory:
+        """For the localizer and the manipulator, instead of what the stored walk has left."""
+
+
 class Navigator(Protocol):
     """Brings the agent to the target."""
 
