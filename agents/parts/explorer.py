@@ -150,7 +150,7 @@ class Explorer:
             return [LOOK_DOWN if self.pose.horizon_deg < EXPLORING_DEG else LOOK_UP]
         grid, plan = self.grid(), self.memory.plan
         while len(columns := frontier(plan, self._given_up)):
-            places = (columns + 0.5) * plan.voxel_m
+            places = (columns.astype(np.float64) + 0.5) * plan.voxel_m
             costs: F64 = np.zeros(len(places))
             if towards is not None:
                 costs += np.linalg.norm(places - towards.centre[:2], axis=1) / grid.body.step_m
