@@ -17,6 +17,7 @@ EVERY_PX = 2
 """Of every so many pixels across and down one is looked at."""
 POINTS = 64
 """Points that are kept of an object that a view shows."""
+GOLDEN = (5**0.5 - 1) / 2
 FEWEST_POINTS = 3
 AGREE_SHARE = 0.1
 """Where fewer cells than this of a box have the object's type, the middle of the box is taken, ..."""
@@ -172,8 +173,13 @@ def seen_in(boxes: F32, votes: F32, cells: np.ndarray, stride: int, depth: F32, 
         if len(own) < FEWEST_POINTS:
             continue
         counts = np.bincount(looks[looks >= 0], minlength=len(HEADINGS_DEG)) / len(looks)
-        found.append(Seen(vote, own[:: -(-len(own) // POINTS)], counts.astype(np.float32)))
+        found.append(Seen(vote, own[_evenly(len(own))], counts.astype(np.float32)))
     return found
+
+
+def _evenly(count: int) -> np.ndarray:
+    """`POINTS` of so many places, or all of them; not every third or so: in rows of three these would be a column."""
+    return np.flatnonzero(np.arange(count) * GOLDEN % 1.0 < POINTS / count)
 
 
 def sides_of(depth: F32, camera: Camera) -> np.ndarray:
