@@ -47,6 +47,13 @@ class MatcherConfig(_Network):
     form: Literal["language_attention", "plain", "compositional"]
 
 
+class GrounderConfig(_Network):
+    """Says box and mask of what an expression means at once: two branches that agree (MCN), or groups of features (CGAN)."""
+
+    kind: Literal["grounder"]
+    form: Literal["collaborative", "grouped"]
+
+
 class AnswererConfig(_Network):
     """Answers by what it looks at; `with_box` is whether it is told where the target is."""
 
@@ -114,6 +121,7 @@ class ScheduleConfig(_Section):
 Network = (
     DetectorConfig
     | MatcherConfig
+    | GrounderConfig
     | AnswererConfig
     | ViewEncoderConfig
     | WalkerConfig

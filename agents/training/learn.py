@@ -19,6 +19,7 @@ from remqa_data.agents.training.config import (
     AdaptiveWalkerConfig,
     AnswererConfig,
     DetectorConfig,
+    GrounderConfig,
     ImitatorConfig,
     Network,
     NetworkConfig,
@@ -26,6 +27,7 @@ from remqa_data.agents.training.config import (
     WalkerConfig,
 )
 from remqa_data.agents.training.detection import DetectionTask
+from remqa_data.agents.training.grounding import GroundingTask
 from remqa_data.agents.training.imitating import ImitationTask
 from remqa_data.agents.training.matching import MatchingTask
 from remqa_data.agents.training.pictures import detector_types
@@ -152,6 +154,8 @@ def _task(
         return ViewingTask(roots, detector, device)
     if isinstance(network, AnswererConfig):
         return AnsweringTask(roots, network.views, network.with_box, detector, device)
+    if isinstance(network, GrounderConfig):
+        return GroundingTask(roots, network.form, detector, device, on_look)
     return MatchingTask(roots, network.form, detector, device, on_look)
 
 

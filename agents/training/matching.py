@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -150,6 +151,42 @@ def chosen(matcher: Matcher, numbers: Tensor, regions: Regions) -> F32:
     return np.asarray(regions.boxes[places])
 
 
+class FrameExpressions(NamedTuple):
+    """A frame, and the expressions that are about it.
+
+    Attributes
+    ----------
+    reader : SplitReader
+        Of its table.
+    place : int
+        Its row there.
+    objects : list of dict
+        What it shows, as its row has it.
+    rows : list of dict
+        The expressions: `expression_id`, `text`, `target_id`, `box_2d`.
+    """
+
+    reader: SplitReader
+    place: int
+    objects: list[dict[str, Any]]
+    rows: list[dict[str, Any]]
+
+
+def frames_with_expressions(root: Path, split: str, rooms: frozenset[str] | None = None) -> Iterator[FrameExpressions]:
+    """The frames that expressions of a split are about; only those of some rooms, if given."""
+    columns = ["expression_id", "scene", "frame_id", "text", "target_id", "box_2d"]
+    by_frame: dict[str, list[dict[str, Any]]] = {}
+    for row in read_table(root, "expressions", split, columns).to_pylist():
+        if rooms is None or row["scene"] in rooms:
+            by_frame.setdefault(row["frame_id"], []).append(row)
+    for frames_split in load_manifest(root).splits("frames"):
+        reader = SplitReader(root, "frames", frames_split)
+        table = reader.columns(["frame_id", "objects"])
+        for place, frame_id in enumerate(table["frame_id"].to_pylist()):
+            if frame_id in by_frame:
+                yield FrameExpressions(reader, place, table["objects"][place].as_py(), by_frame[frame_id])
+
+
 @torch.no_grad()
 def referred_pictures(
     root: Path,
@@ -160,26 +197,17 @@ def referred_pictures(
     progress: Callable[[int], None] | None = None,
 ) -> list[Referred]:
     """The pictures that expressions of a split are about, as the detector sees them; only those of some rooms, if given."""
-    columns = ["expression_id", "scene", "frame_id", "text", "target_id", "box_2d"]
-    by_frame: dict[str, list[dict[str, object]]] = {}
-    for row in read_table(root, "expressions", split, columns).to_pylist():
-        if rooms is None or row["scene"] in rooms:
-            by_frame.setdefault(row["frame_id"], []).append(row)
     pictures = []
-    for frames_split in load_manifest(root).splits("frames"):
-        reader = SplitReader(root, "frames", frames_split)
-        table = reader.columns(["frame_id", "objects"])
-        for place, frame_id in enumerate(table["frame_id"].to_pylist()):
-            if frame_id in by_frame:
-                objects = table["objects"][place].as_py()
-                pictures.append(_referred(reader, place, objects, by_frame[frame_id], detector, device))
-                if progress is not None:
-                    progress(1)
+    for frame in frames_with_expressions(root, split, rooms):
+        pictures.append(_referred(frame, detector, device))
+        if progress is not None:
+            progress(1)
     return pictures
 
 
-def _referred(reader: SplitReader, place: int, objects: list, rows: list, detector: Detector, device: str) -> Referred:  # type: ignore[type-arg]
-    rgb, depth = reader.images(place, ["rgb", "depth"])
+def _referred(frame: FrameExpressions, detector: Detector, device: str) -> Referred:
+    rgb, depth = frame.reader.images(frame.place, ["rgb", "depth"])
+    rows, objects = frame.rows, frame.objects
     picture = torch.from_numpy(decode_rgb(rgb)).permute(2, 0, 1)[None].to(device)
     features, (found,) = detector.look(picture)
     metres = decode_depth(depth)

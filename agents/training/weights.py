@@ -22,11 +22,13 @@ from remqa_data.agents.training.config import (
     AdaptiveWalkerConfig,
     AnswererConfig,
     DetectorConfig,
+    GrounderConfig,
     ImitatorConfig,
     NetworkConfig,
     ViewEncoderConfig,
     WalkerConfig,
 )
+from remqa_data.agents.training.grounding import GROUNDERS
 from remqa_data.agents.training.matching import MATCHERS
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import ConfigError
@@ -174,6 +176,8 @@ def empty_network(about: About) -> nn.Module:
         return PlannerController(words, len(about.answers), types)
     if isinstance(network, AnswererConfig):
         return ManipulationAnswerer(words, len(about.answers), types, network.views)
+    if isinstance(network, GrounderConfig):
+        return GROUNDERS[network.form](words)
     return MATCHERS[network.form](words, types)
 
 
