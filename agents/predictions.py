@@ -12,9 +12,11 @@ import torch
 from remqa_data.agents.detection_scores import score_detector
 from remqa_data.agents.networks.answerer import ManipulationAnswerer, likeliest
 from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.grounding import Grounder, grounded
 from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.training.answering import AskedViews
 from remqa_data.agents.training.config import AnswererConfig
+from remqa_data.agents.training.grounding import asked_frames, seen_frames
 from remqa_data.agents.training.learn import DETECTOR
 from remqa_data.agents.training.matching import chosen, referred_pictures
 from remqa_data.agents.training.weights import About, load_network, weights_path
@@ -61,6 +63,26 @@ def predict_expressions(
 
 
 @torch.no_grad()
+def predict_groundings(
+    detector: Detector,
+    network: Grounder,
+    about: About,
+    root: Path,
+    split: str,
+    device: str = "cpu",
+    progress: Progress | None = None,
+) -> list[dict[str, Any]]:
+    """What a network says in one stage that the expressions of a split mean: rows of the track `rec`."""
+    network, rows = network.to(device), []
+    for frame in seen_frames(root, split, detector.to(device).eval(), device, None, progress):
+        made = asked_frames([frame], about.vocabulary, device)
+        found = grounded(network(made.numbers, made.sight, made.which), made.size)
+        for name, one in zip(frame.expression_ids, found, strict=True):
+            rows.append({"expression_id": name, "box": [float(side) for side in one.box]})
+    return rows
+
+
+@torch.no_grad()
 def predict_answers(
     network: ManipulationAnswerer,
     about: About,
@@ -100,7 +122,8 @@ def predict_all(
 ) -> list[Path]:
     """Let networks say what they see in the pictures of a split, and write it.
 
-    Matchers write submissions to `<out>/rec`, answerers to `<out>/qa`, a detector its scores to `<out>/detector-<split>.json`.
+    Matchers and grounders write submissions to `<out>/rec`, answerers to `<out>/qa`, a detector its scores to
+    `<out>/detector-<split>.json`.
 
     Raises
     ------
@@ -111,6 +134,7 @@ def predict_all(
     """
     loaded = [load_network(weights_path(name, weights), root, force=force) for name in names]
     matchers = [(network, about) for network, about in loaded if isinstance(network, Matcher)]
+    grounders = [(network, about) for network, about in loaded if isinstance(network, Grounder)]
     written: list[Path] = []
     for network, about in loaded:
         if isinstance(network, Detector):
@@ -122,11 +146,15 @@ def predict_all(
             rows = predict_answers(network, about, root, split, device, progress)
             written.append(out / "qa" / file_name(about.network.title, split))
             write_predictions(written[-1], "qa", root, split, about.network.title, rows)
-    if matchers:
+    if matchers or grounders:
         detector, _ = load_network(weights_path(DETECTOR, weights), root, force=force)
         if not isinstance(detector, Detector):
             raise ConfigError(f"{DETECTOR!r} is no detector")
-        for title, rows in predict_expressions(detector, matchers, root, split, device, progress).items():
+        referred = predict_expressions(detector, matchers, root, split, device, progress) if matchers else {}
+        for network, about in grounders:
+            rows = predict_groundings(detector, network, about, root, split, device, progress)
+            referred[about.network.title] = rows
+        for title, rows in referred.items():
             written.append(out / "rec" / file_name(title, split))
             write_predictions(written[-1], "rec", root, split, title, rows)
     return written

@@ -130,16 +130,21 @@ def _localizer(config: LocalizerConfig, root: Path, weights: Path | None, force:
         return MapLocalizer()
     require("torch", "agents")
     from remqa_data.agents.networks.detector import Detector
+    from remqa_data.agents.networks.grounding import Grounder
     from remqa_data.agents.networks.matcher import Matcher
-    from remqa_data.agents.parts.network_localizer import NetworkLocalizer
+    from remqa_data.agents.parts.network_localizer import GroundingLocalizer, NetworkLocalizer
     from remqa_data.agents.training.learn import DETECTOR
     from remqa_data.agents.training.weights import load_network, weights_path
 
     detector, _ = load_network(weights_path(DETECTOR, weights), root, force=force)
     matcher, about = load_network(weights_path(config.matcher, weights), root, force=force)
-    if not isinstance(detector, Detector) or not isinstance(matcher, Matcher):
-        raise ConfigError(f"localizer: {config.matcher!r} is no matcher, or {DETECTOR!r} no detector")
-    return NetworkLocalizer(detector, matcher, about.vocabulary)
+    if isinstance(detector, Detector) and isinstance(matcher, Matcher):
+        return NetworkLocalizer(detector, matcher, about.vocabulary)
+    if isinstance(detector, Detector) and isinstance(matcher, Grounder):
+        return GroundingLocalizer(detector, matcher, about.vocabulary)
+    raise ConfigError(
+        f"localizer: {config.matcher!r} does not tell what expressions mean, or {DETECTOR!r} is no detector"
+    )
 
 
 def _answerer(

@@ -10,12 +10,13 @@ import torch
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.reading import Question
 from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.grounding import CELL_PX, Grounder, grounded, sight_of
 from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.networks.regions import candidates, regions_of
 from remqa_data.agents.networks.threads import one_thread
 from remqa_data.agents.parts.interfaces import Percept, Sighting
 from remqa_data.datasets.vocabulary import Vocabulary
-from remqa_data.geometry.types import Flags
+from remqa_data.geometry.types import F32, Flags
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,10 +49,46 @@ class NetworkLocalizer:
             regions = regions_of(self.detector, features, found.boxes[places], percept.depth)
             numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.expression])[0])
             best = places[int(self.matcher(numbers, regions).scores[0].argmax())]
+        return _sighting(found.boxes[best], found.mask(best, percept.depth.shape))
+
+
+@dataclass(frozen=True, eq=False)
+class GroundingLocalizer:
+    """The same in one stage: from the words to a box and a mask.
+
+    Attributes
+    ----------
+    detector, grounder
+        Trained networks.
+    vocabulary : Vocabulary
+        The grounder's.
+    """
+
+    detector: Detector
+    grounder: Grounder
+    vocabulary: Vocabulary
+
+    @torch.no_grad()
+    def locate(
+        self, asked: Question, memory: WalkMemory, percept: Percept, rng: np.random.Generator
+    ) -> Sighting | None:
+        """See `remqa_data.agents.parts.interfaces.Localizer`; nothing is drawn, and something is always found."""
+        with one_thread():
+            rgb = torch.from_numpy(percept.rgb).permute(2, 0, 1)[None]
+            sight = sight_of(self.detector, rgb, torch.from_numpy(percept.depth)[None])
+            numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.expression])[0])
+            said = self.grounder(numbers, sight, torch.zeros(1, dtype=torch.int64))
         height, width = percept.depth.shape
-        box = found.boxes[best] / np.array([width, height, width, height], dtype=np.float32)
-        x1, y1, x2, y2 = (float(share) for share in box)
-        return Sighting((x1, y1, x2, y2), middle_of(found.mask(best, percept.depth.shape)))
+        (found,) = grounded(said, (height, width))
+        mask = np.kron(found.mask, np.ones((CELL_PX, CELL_PX), dtype=np.bool_))[:height, :width]
+        return _sighting(found.box, mask)
+
+
+def _sighting(box: F32, mask: Flags) -> Sighting:
+    """A box in pixels and a (h, w) mask, as shares of the view."""
+    height, width = mask.shape
+    x1, y1, x2, y2 = (float(share) for share in box / np.array([width, height, width, height], dtype=np.float32))
+    return Sighting((x1, y1, x2, y2), middle_of(mask))
 
 
 def middle_of(mask: Flags) -> tuple[float, float]:

@@ -80,6 +80,8 @@ def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path,
         "| A3C, LAN, answerer |",
         "| EQA (PACMAN), LAN | COUNTING |",
         "| BiLSTM, pairs (CMN), true boxes |",
+        "| MCN |",
+        "| CGAN |",
         "| VSN | success@50 | 4 |",
     ):
         assert wanted in text
