@@ -47,7 +47,7 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	$(BIN)/remqa-agent predict detector language_attention plain_matcher compositional_matcher mcn cgan --data $(DATASET) --split val --weights out/weights
 	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --resume
-	$(BIN)/remqa-agent table --data $(DATASET)
+	$(BIN)/remqa-agent table --data $(DATASET) --weights out/weights
 
 test: $(INSTALLED_DEV) lint  ## lint, then all tests on two cores
 	$(BIN)/python -m pytest -n 2 --dist worksteal

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -188,10 +189,11 @@ def predict(
 
 
 @app.command()
-def table(data: Data, out: Folder = OUT, workers: Workers = None) -> None:
+def table(data: Data, out: Folder = OUT, workers: Workers = None, weights: Weights = None) -> None:
     """Replay the submissions in a folder and show them beside the paper's figures; writes tables and leaderboard.json."""
     from rich.console import Console
 
+    from remqa_data.agents.costs import costs_grid, known_costs
     from remqa_data.agents.leaderboard import leaderboard
     from remqa_data.agents.picture_tables import qa_grid, rec_grid, score_pictures
     from remqa_data.agents.ranking import orders, orders_grid
@@ -216,6 +218,8 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None) -> None:
     more = [grid_of(pictures[track]) for track, grid_of in (("rec", rec_grid), ("qa", qa_grid)) if pictures[track]]
     if found := orders(scored, pictures["rec"]):
         more.append(orders_grid(found))
+    if find_spec("safetensors"):
+        more.append(costs_grid(known_costs(weights)))
     write_tables(out, scored, more)
     with atomic_path(out / "leaderboard.json") as temporary:
         temporary.write_text(json.dumps(leaderboard(scored), indent=1) + "\n", encoding="utf-8")

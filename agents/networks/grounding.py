@@ -2,7 +2,7 @@
 
 Two networks of the paper's table. Both stand on what the trained detector makes of a picture, as theirs stand on a backbone
 that has learnt to detect, and differ in how words and picture meet; a third of what makes each of them is how it is taught
-(`remqa_data.agents.training.grounding_loss`).
+(`remqa_data.agents.training.grounding`).
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from remqa_data.agents.networks.grounding import (
 )
 from remqa_data.agents.networks.pyramid import STRIDE
 from remqa_data.agents.networks.threads import one_thread
-from remqa_data.agents.training.grounding_loss import Targets, grounding_losses, mask_loss, middles_of, shares_of
+from remqa_data.agents.training.grounding import Targets, grounding_losses, mask_loss, middles_of, shares_of
 
 FORMS = (CollaborativeGrounder, GroupedGrounder)
 SIZE = (6 * CELL_PX, 6 * CELL_PX)

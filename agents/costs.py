@@ -1,0 +1,85 @@
+"""What networks weigh and what their training took, as their files say; nothing of them is loaded."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from importlib import resources
+from math import prod
+from pathlib import Path
+from typing import NamedTuple
+
+from remqa_data.agents.training.config import networks
+from remqa_data.errors import ConfigError
+from remqa_data.evaluation.report.tables import Grid
+from remqa_data.extras import require
+
+MINUTES = "minutes"
+SHIPPED = "remqa_data.agents.weights"
+
+
+class Cost(NamedTuple):
+    """Of one network.
+
+    Attributes
+    ----------
+    title : str
+    parameters : int
+    megabytes : float
+        Of its file: numbers are stored in half precision.
+    minutes : float
+        That its training took, by the clock of the machine that did it.
+    score : dict
+        What it scored in val rooms.
+    """
+
+    title: str
+    parameters: int
+    megabytes: float
+    minutes: float
+    score: dict[str, float]
+
+
+def known_costs(folder: Path | None = None) -> list[Cost]:
+    """Of the networks of the package that are trained; those in a folder come before those of the package."""
+    shipped = Path(str(resources.files(SHIPPED)))
+    places = [place for place in (folder, shipped) if place is not None]
+    found = []
+    for name in networks():
+        paths = [path for place in places if (path := place / f"{name}.safetensors").is_file()]
+        found += [cost_of(path) for path in paths[:1]]
+    return found
+
+
+def cost_of(path: Path) -> Cost:
+    """Of the network in a file.
+
+    Raises
+    ------
+    ConfigError
+        If the file is no network that remqa-agent has trained.
+    """
+    safetensors = require("safetensors", "agents")
+    try:
+        with safetensors.safe_open(path, framework="numpy") as file:
+            about = json.loads(file.metadata()["remqa"])
+            sizes = [prod(file.get_slice(name).get_shape()) for name in file.keys()]  # noqa: SIM118 - it is no mapping
+        score = dict(about["score"])
+        return Cost(about["config"]["title"], sum(sizes), path.stat().st_size / 1e6, score.pop(MINUTES), score)
+    except (OSError, KeyError, TypeError, ValueError, safetensors.SafetensorError) as error:
+        raise ConfigError(f"{path} is no network that remqa-agent has trained: {type(error).__name__}") from None
+
+
+def costs_grid(costs: Iterable[Cost]) -> Grid:
+    """A row for each network."""
+    rows = tuple(
+        (
+            cost.title,
+            f"{cost.parameters:,}",
+            f"{cost.megabytes:.2f}",
+            f"{cost.minutes:.1f}",
+            ", ".join(f"{name.removeprefix('val_')} {value:.3f}" for name, value in cost.score.items()),
+        )
+        for cost in costs
+    )
+    return Grid("Networks", ("Network", "Parameters", "MB", "Minutes", "In val rooms"), rows)
