@@ -71,6 +71,7 @@ def chromium() -> Iterator[Any]:
     if path is None:
         pytest.skip("no Chromium")
     with playwright.sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        arguments = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]  # 3D without a GPU
+        browser = started.chromium.launch(executable_path=path, args=arguments)
         yield browser
         browser.close()

@@ -14,6 +14,7 @@ import pyarrow.compute as pc
 from remqa_data.browse.answers import AgentAnswers, given_answers
 from remqa_data.browse.dataset import BrowsedDataset, Room, RoomKey, slug, steps_of
 from remqa_data.browse.filters import CHOICES, PAGE, Filters, searched_text
+from remqa_data.browse.models import carried
 from remqa_data.browse.neighbours import neighbourhood
 from remqa_data.browse.pictures import object_color, objects_shown
 from remqa_data.browse.programs import graph_of, noun, steps_in_words
@@ -58,6 +59,14 @@ class Scope:
     rows: Sequence[int]
     rooms: Collection[RoomKey]
     is_static: bool
+
+    @cached_property
+    def models(self) -> frozenset[RoomKey]:
+        """The arrangements that are shown in 3D: of files only the first of each room, as each is some megabytes."""
+        if not self.is_static:
+            return frozenset(self.rooms)
+        first = {key.scene: key for key in sorted(self.rooms, reverse=True)}
+        return frozenset(first.values())
 
 
 class Pages:
@@ -189,7 +198,14 @@ class Pages:
             legend=plan_legend(room.plan)[:MOST_IN_LEGEND],
             configurations=configurations,
             questions=self._asked_about(key),
+            has_model=key in self.scope.models,
         )
+
+    def model(self, key: RoomKey) -> str:
+        """One arrangement of a room in 3D."""
+        room = self._dataset.room(key)
+        assert room is not None, "only rooms in scope have pages"
+        return self._render("room.html.j2", root="../", room=room, slug_=key.slug, carried=carried(room.objects))
 
     def statistics(self) -> str:
         """The dataset in numbers."""

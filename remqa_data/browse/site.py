@@ -12,15 +12,19 @@ import numpy as np
 from remqa_data.browse.answers import AgentAnswers
 from remqa_data.browse.dataset import BrowsedDataset, RoomKey
 from remqa_data.browse.filters import Filters
+from remqa_data.browse.models import model_script
 from remqa_data.browse.pages import FOLDER, Pages, Scope
 from remqa_data.browse.pictures import depth_picture, media_type, objects_picture, plan_picture
 from remqa_data.browse.walks import Walks
 from remqa_data.generators.audit.recount.report import Figure
 
 HTML = "text/html; charset=utf-8"
+SCRIPT = "text/javascript; charset=utf-8"
 STYLES = {
     "browse.css": "text/css; charset=utf-8",
-    "browse.js": "text/javascript; charset=utf-8",
+    "browse.js": SCRIPT,
+    "room.js": SCRIPT,
+    "three.js": SCRIPT,
     "icon.svg": "image/svg+xml",
 }
 QUESTION_PICTURES = ("start.jpg", "end.jpg", "start-depth.jpg", "end-depth.jpg", "start-objects.jpg", "end-objects.jpg")
@@ -84,6 +88,8 @@ class Site:
             case ["w", name]:
                 key = self._keys.get(name.removesuffix(".html"))
                 return None if key is None else _page(self._pages.walk(key))
+            case ["r", name]:
+                return self._of_model(name)
             case ["p", "q", name, picture]:
                 row = self._dataset.rows.get(name)
                 return None if row is None or picture not in QUESTION_PICTURES else self._of_question(row, picture)
@@ -108,12 +114,24 @@ class Site:
                 yield f"p/w/{key.slug}/f{number}.jpg"
                 yield f"p/w/{key.slug}/m{number}.png"
             yield f"p/w/{key.slug}/map.png"
+            if key in self.scope.models:
+                yield f"r/{key.slug}.js"
+                yield f"r/{key.slug}.html"
             yield f"w/{key.slug}.html"
         yield from ("statistics.html", "rooms.html", "index.html")
 
     @cached_property
     def _keys(self) -> dict[str, RoomKey]:
         return {key.slug: key for key in self.scope.rooms}
+
+    def _of_model(self, name: str) -> Found | None:
+        stem, _, kind = name.rpartition(".")
+        key = self._keys.get(stem)
+        if key is None or key not in self.scope.models or kind not in ("html", "js"):
+            return None
+        if kind == "html":
+            return _page(self._pages.model(key))
+        return Found(model_script(self._dataset.scene_json(key), key.slug), SCRIPT)
 
     def _of_question(self, row: int, picture: str) -> Found:
         when, _, what = picture.removesuffix(".jpg").partition("-")

@@ -60,7 +60,7 @@ def tab(chromium: Any) -> Iterator[Tab]:
     """A new page."""
     context = chromium.new_context(viewport={"width": 1280, "height": 900})
     page, events = context.new_page(), []
-    near = ("file:", "http://127.0.0.1:")
+    near = ("file:", "blob:", "http://127.0.0.1:")
     page.on("request", lambda request: events.append(request.url) if not request.url.startswith(near) else None)
     page.on("console", lambda message: events.append(message.text))
     page.on("pageerror", lambda error: events.append(str(error)))
