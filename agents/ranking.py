@@ -23,6 +23,8 @@ NAMESAKES: Mapping[str, Mapping[str, str]] = {
         "framework (semantic map, LAN, answerer)": "Ours (semantic map + Floyd)",
     },
     "REC": {
+        "MCN": "MCN",
+        "CGAN": "CGAN",
         "BiLSTM, pairs (CMN), detected boxes": "BiLSTM + detectron2",
         "LAN, detected boxes": "LAN + detectron2 (Ours)",
     },
