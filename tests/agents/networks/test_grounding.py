@@ -88,6 +88,7 @@ def test_it_learns_that_words_tell_two_things_apart(form: type[Grounder]) -> Non
             losses["loss"].backward()
             optimizer.step()
         found = grounded(network.eval()(numbers, sight, which), SIZE)
+    assert len(found) == 2
     for one, box, shown in zip(found, boxes.numpy(), masks.numpy(), strict=True):
         assert one.box == pytest.approx(box, abs=2)
         assert (one.mask == (shown > 0.5)).mean() > 0.9
