@@ -31,6 +31,8 @@ OLD_MACHINE = {
 }
 """A processor of 2004, as far as the libraries can tell."""
 
+WIDE_MACHINE = {"OPENBLAS_CORETYPE": "SkylakeX"}
+"""One with AVX-512, whose small products OpenBLAS sums up in another order; what it takes by itself where it finds one."""
 NEWER_MACHINE = {"OPENBLAS_CORETYPE": "Zen", "NUMBA_CPU_NAME": "haswell"}
 EVERYTHING = "textures meshes rooms frames"
 
@@ -119,6 +121,12 @@ def test_an_old_machine_computes_other_last_digits(kernels: Path) -> None:
     [
         pytest.param(EVERYTHING, OLD_MACHINE, id="old"),
         pytest.param("textures frames", NEWER_MACHINE, id="newer"),
+        pytest.param(
+            "meshes rooms",
+            WIDE_MACHINE,
+            id="with AVX-512",
+            marks=pytest.mark.skipif("avx512f" not in FLAGS, reason="this processor has no AVX-512"),
+        ),
         pytest.param("--shaken meshes rooms", NEWER_MACHINE, id="newer, with sines that are wrong in the last digit"),
     ],
 )

@@ -201,8 +201,8 @@ def tube(path: Sequence[Vec3] | F64, radius: float | Sequence[float], sides: int
     angle = np.arange(sides) * 2 * np.pi / sides
     rings_v, rings_n = [], []
     for point, tangent, r in zip(points, tangents, radii, strict=True):
-        normal = normal - tangent * (normal @ tangent)  # parallel transport keeps the tube from twisting
-        normal /= np.linalg.norm(normal)
+        normal = normal - tangent * arithmetic.dot(normal, tangent)  # parallel transport keeps the tube from twisting
+        normal /= arithmetic.length(normal)
         spokes = np.cos(angle)[:, None] * normal + np.sin(angle)[:, None] * np.cross(tangent, normal)
         rings_v.append(point + r * spokes)
         rings_n.append(spokes)
