@@ -226,6 +226,18 @@ def towel(rng: Rng) -> U8:
     return grey(loops * (1 - band) + woven * band, 0.87)
 
 
+def soiled(rng: Rng) -> U8:
+    """Brown stains with ragged edges, on what is dirty."""
+    stains = smoothstep(0.25, 0.75, fractal(rng, 1.5) + 0.3 * fractal(rng, 0.8))[..., None]
+    return grey(1.0 - stains * (1.0 - np.array([0.44, 0.31, 0.18])), 0.75)
+
+
+def cracked(rng: Rng) -> U8:
+    """Dark cracks between shards, on what is broken."""
+    first, second, _ = cells(rng, 40)
+    return grey(0.12 + 0.88 * smoothstep(0.002, 0.008, second - first), 0.9)
+
+
 def _grain(rng: Rng) -> F64:
     """Wood brightness around 0.9."""
     bend = fractal(rng, 2.0, (3, 1)) * 0.018
@@ -278,5 +290,7 @@ TILES: dict[str, Callable[[Rng], U8]] = {
         cardboard,
         terrazzo,
         towel,
+        soiled,
+        cracked,
     )
 }

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.assets.core.model import Surface
 from remqa_data.geometry.types import F32, F64, I32, Flags
 from remqa_data.scene import StructureKind
 from remqa_data.sim.physics.world import World
@@ -25,6 +26,10 @@ STRUCTURE = -1
 """Object index of walls, ceiling and built-in furniture."""
 _SLACK_M = 0.001
 """Vertices are rounded to float32, boxes are not."""
+
+Shapes = Mapping[str, Sequence[tuple[Surface, ...]]]
+"""What is drawn of some objects, link by link, instead of what they were built with."""
+_AS_BUILT: Shapes = {}
 
 
 @dataclass(frozen=True)
@@ -64,7 +69,16 @@ class WorldView:
     def __init__(self, world: World, *, shows_held: bool = False) -> None:
         self.world = world
         self._shows_held = shows_held
-        parts, poses = world_parts(world)
+        self._shapes: Shapes = {}
+        self._asked_to_hide: set[str] = set()
+        self._brightness: Sequence[float] | None = None
+        self.hidings = 0
+        self._build()
+
+    def _build(self) -> None:
+        """Make the renderer anew, of what the world holds and of the shapes that were asked for."""
+        world = self.world
+        parts, poses = world_parts(world, self._shapes)
         self._first_object_part = len(parts) - sum(len(asset.links) for asset in world.assets.values())
         object_of, link_of = [STRUCTURE] * self._first_object_part, [STRUCTURE] * self._first_object_part
         self._parts_of: dict[str, range] = {}
@@ -77,14 +91,26 @@ class WorldView:
         self._object_of = np.array([*object_of, STRUCTURE], dtype=np.int32)
         self._link_of = np.array([*link_of, STRUCTURE], dtype=np.int32)
         self._shown = {object_id: world.state(object_id) for object_id in world.ids}
-        self._asked_to_hide: set[str] = set()
-        self.hidings = 0
         self._out_of_room: str | None = None
         self._revision: int | None = None
         self.renderer = Renderer(parts, poses, lights=world.scene.lights)
         self._lamps = self.renderer.lights
         self._level = 1.0
         self._waits_for_light = world.scene.light == "baked"
+
+    def rebuild(self, shapes: Shapes) -> None:
+        """Draw some objects in other shapes from now on, and all others as built; and what the world has got since.
+
+        Takes some 50 ms, as everything is put together anew; but for materials all stays as it was set.
+        """
+        self._shapes = shapes
+        self._build()
+        self._asked_to_hide &= self._parts_of.keys()
+        for object_id in self._asked_to_hide:
+            self._show_or_hide(object_id)
+        if self._brightness is not None:
+            self.set_brightness(self._brightness)
+        self.hidings += 1
 
     def sync(self) -> None:
         """Follow the world's poses, and what is held; `render` does it by itself."""
@@ -128,6 +154,7 @@ class WorldView:
 
     def set_brightness(self, lamps: Sequence[float]) -> None:
         """Let each lamp shine so many times as bright as it was built; what light the room throws back changes with them."""
+        self._brightness = lamps
         self._level = float((self.lamp_shares * np.asarray(lamps)).sum())
         strength = self._lamps.strength * np.asarray(lamps, dtype=np.float32)
         self.renderer.set_lamps(strength, self._lamps.ambient * self._level)
@@ -192,14 +219,15 @@ class WorldView:
             self.renderer.set_visible(part, is_seen)
 
 
-def world_parts(world: World) -> tuple[list[RenderPart], F64]:
+def world_parts(world: World, shapes: Shapes = _AS_BUILT) -> tuple[list[RenderPart], F64]:
     """Everything there is to draw: the building's parts, then every link of every object; and their (n, 4, 4) poses.
 
-    A part's instance is its place in the list.
+    A part's instance is its place in the list; objects have the shapes that are given, or else those they were built with.
     """
     surfaces = structure_surfaces(world.scene)
     poses = [np.eye(4)] * len(surfaces)
     for object_id in world.ids:
-        surfaces += [link.surfaces for link in world.assets[object_id].links]
+        built = [link.surfaces for link in world.assets[object_id].links]
+        surfaces += shapes.get(object_id, built)
         poses += list(world.link_poses(object_id))
     return [RenderPart(shown, i) for i, shown in enumerate(surfaces)], np.stack(poses)

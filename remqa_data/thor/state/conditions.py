@@ -47,6 +47,11 @@ CONDITIONS = {
 }
 """What an action can bring about and take away, by AI2-THOR's names."""
 
+SEEN = ("isBroken", "isCooked", "isDirty", FILLED, "fillLiquid", "isToggled")
+"""What one sees of what an object is in."""
+WET = frozenset({"Faucet", "ShowerHead"})
+"""Where water runs from while they are on."""
+
 UNCHANGED: Mapping[str, Any] = {}
 LIQUIDS = ("water", "coffee", "wine")
 
@@ -64,7 +69,7 @@ class Conditions:
     changed : dict of str to dict
         See `of`; only the objects of which something has changed.
     controlled : dict of str to str
-        Which burner a knob is for, and into which basin a faucet's water runs.
+        Which burner a knob is for.
     """
 
     def __init__(self, world: World) -> None:
@@ -88,6 +93,18 @@ class Conditions:
     def is_on(self, object_id: str) -> bool:
         """Whether an object is switched on."""
         return bool(self.of(object_id).get("isToggled"))
+
+    def shown(self) -> dict[str, dict[str, Any]]:
+        """What one sees of the objects of which something has changed, by AI2-THOR's names; burners are on as their knobs."""
+        seen = {
+            object_id: values
+            for object_id, changed in self.changed.items()
+            if (values := {name: changed[name] for name in SEEN if name in changed})
+        }
+        for knob, burner in self.controlled.items():
+            if self.is_on(knob):
+                seen[burner] = {**seen.get(burner, {}), "isToggled": True}
+        return seen
 
     def change(self, object_id: str, **values: Any) -> None:
         """Say what an object is in, by AI2-THOR's names."""

@@ -99,6 +99,7 @@ def _about(simulator: SimulatorState) -> Metadata:
 def _state(simulator: SimulatorState, images: Images, files: Files) -> Metadata:
     """What the agent that acts finds; its pictures are added to the files."""
     room, distance = simulator.room, simulator.settings.visibility_distance
+    room.show_conditions()
     if images.none:
         visible = room.agent.visible_objects(distance)
     else:

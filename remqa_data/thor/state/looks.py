@@ -15,7 +15,7 @@ import numpy as np
 from remqa_data.assets.core.model import Material
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Flags, Vec3
-from remqa_data.sim.render.view import WorldView
+from remqa_data.sim.render.view import Shapes, WorldView
 
 MARK = Material("plastic", "pink", (1.0, 0.0, 1.0), glow=1.0)
 """What is masked or emphasised: every pixel of it is (255, 0, 255), whatever the light."""
@@ -76,8 +76,7 @@ class Looks:
 
     def __init__(self, view: WorldView) -> None:
         self._view = view
-        self._own = [surface.material for part in view.renderer.parts for surface in part.surfaces]
-        self._surfaces = [len(part.surfaces) for part in view.renderer.parts]
+        self._read_parts()
         self.built_of = tuple(dict.fromkeys(self._own))
         self.lamps = len(view.renderer.lights.positions)
         self.look = Look()
@@ -92,11 +91,23 @@ class Looks:
             self._view.renderer.set_materials(self._materials())
         self.only = None if look.emphasized is None else self._view.parts_of([look.emphasized])
 
+    def reshape(self, shapes: Shapes) -> None:
+        """Draw some objects in other shapes, and all else as it looks; see `WorldView.rebuild`."""
+        self._view.rebuild(shapes)
+        self._read_parts()
+        self._view.renderer.set_materials(self._materials())
+        self.only = None if self.look.emphasized is None else self._view.parts_of([self.look.emphasized])
+
+    def _read_parts(self) -> None:
+        """Note what the renderer's surfaces are made of."""
+        self._own = [surface.material for part in self._view.renderer.parts for surface in part.surfaces]
+        self._surfaces = [len(part.surfaces) for part in self._view.renderer.parts]
+
     def _materials(self) -> Sequence[Material]:
         """What each surface is shown as."""
         look, tint = self.look, self._tint()
         shown = {}
-        for own in self.built_of:
+        for own in dict.fromkeys(self._own):
             material = look.materials.get(own, own)
             rgb = look.colors.get(own, material.rgb)
             r, g, b = (value * share for value, share in zip(rgb, tint, strict=True))

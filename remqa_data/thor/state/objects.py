@@ -110,9 +110,7 @@ class ObjectRecords:
         only : collection of str, optional
             Ids of the objects to list, by default all.
         """
-        self._forget_if_changed()
-        self._follow()
-        self.conditions.spread(self._contents)
+        self.update()
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
         listed, changed = [], self.conditions.changed
         for object_id, distance in zip(self._world.ids, distances, strict=True):
@@ -129,6 +127,12 @@ class ObjectRecords:
                 self._put_into_hand(record, agent, hand)
             listed.append(record)
         return listed
+
+    def update(self) -> None:
+        """Follow the world, and let what is on or cold do what it does."""
+        self._forget_if_changed()
+        self._follow()
+        self.conditions.spread(self._contents)
 
     def _follow(self) -> None:
         """Bring the records up to the world's state; states are replaced, never changed, so identity tells."""

@@ -16,8 +16,9 @@ from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import AnyCamera, Camera, TopDownCamera
 from remqa_data.sim.render.view import WorldView
 from remqa_data.thor.state.agent import ThorAgent
+from remqa_data.thor.state.appearance import shapes_of
 from remqa_data.thor.state.cameras import ThirdPartyCamera
-from remqa_data.thor.state.conditions import Conditions
+from remqa_data.thor.state.conditions import WET, Conditions
 from remqa_data.thor.state.frames import to_thor
 from remqa_data.thor.state.images import Palette
 from remqa_data.thor.state.looks import Look, Looks
@@ -70,6 +71,7 @@ class LoadedFloorPlan:
         self.view = WorldView(self.world)
         self._hides_room = self.view.parts_of_building("ceiling") | self.view.parts_of_building("outside")
         self.looks = Looks(self.view)
+        self._conditions_shown: tuple[object, int | None] = ({}, None)
         self.palette = Palette(self.world.ids, [self.world.type_of(object_id) for object_id in self.world.ids])
         self.at_rest = self.world.save()
         self.records = ObjectRecords(self.world)
@@ -133,6 +135,16 @@ class LoadedFloorPlan:
         for object_id in {*self.records.away, *away}:
             self.view.hide(object_id, object_id in away)
         self.records.away = away
+
+    def show_conditions(self) -> None:
+        """Let pictures show what objects are in: stains, liquids, what glows, ..."""
+        self.records.update()
+        seen = self.conditions.shown()
+        is_wet = any(seen[name].get("isToggled") for name in seen if self.world.type_of(name) in WET)
+        key = (seen, self.world.revision if is_wet else None)  # water falls onto what is below
+        if key != self._conditions_shown:
+            self._conditions_shown = key
+            self.looks.reshape(shapes_of(self.world, self.conditions))
 
     def embody(self, settings: Settings) -> None:
         """Give the agents other settings, where they are; and let there be more or fewer of them."""
