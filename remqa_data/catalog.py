@@ -17,7 +17,16 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, ValidationError, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PositiveFloat,
+    PositiveInt,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
 
 from remqa_data.errors import CatalogError, UnknownNameError, one_line
 
@@ -39,6 +48,29 @@ Room = Literal["kitchen", "living_room", "bedroom", "bathroom"]
 
 SOURCE = "objects.yaml"
 TRAITS_SOURCE = "traits.yaml"
+
+
+class Slices(BaseModel):
+    """What becomes of an object that is sliced.
+
+    Attributes
+    ----------
+    type : str
+        AI2-THOR's name for each piece, such as "AppleSliced". It is no type of the catalog, as no room begins with it.
+    words : (str, str)
+        Singular and plural.
+    count : int
+        How many pieces.
+    can : frozenset of str
+        What can be done with them besides picking them up.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    type: str
+    words: tuple[str, str]
+    count: PositiveInt
+    can: frozenset[Flag] = frozenset()
 
 
 class ObjectType(BaseModel):
@@ -71,6 +103,8 @@ class ObjectType(BaseModel):
         measured (`templates/sizes.yaml`).
     hollow_m : float or None
         How deep the hollow is below one: what lies in it is covered.
+    slices : Slices or None
+        What becomes of one that is sliced.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -87,6 +121,7 @@ class ObjectType(BaseModel):
     traits: frozenset[str] = frozenset()
     size_m: tuple[PositiveFloat, PositiveFloat, PositiveFloat] | None = None
     hollow_m: PositiveFloat | None = None
+    slices: Slices | None = None
 
     @field_validator("traits")
     @classmethod
@@ -194,17 +229,20 @@ def catalog() -> Mapping[str, ObjectType]:
 
 
 def object_type(name: str) -> ObjectType:
-    """The object type of a name.
+    """The object type of a name; also of slices.
 
     Raises
     ------
     UnknownNameError
         If there is none; the error gives the nearest names.
+
+    >>> object_type("BreadSliced").cookable, "BreadSliced" in catalog()
+    (True, False)
     """
     types = catalog()
-    if name not in types:
+    if name not in types and name not in _slice_types():
         raise UnknownNameError("object type", name, types)
-    return types[name]
+    return types[name] if name in types else _slice_types()[name]
 
 
 def question_types() -> tuple[str, ...]:
@@ -258,6 +296,25 @@ def with_article(name: str) -> str:
     word = object_type(name).singular
     article = "an" if word[0] in "aeiou" else "a"  # no type's word breaks the rule, as "hour" would
     return f"{article} {word}"
+
+
+@lru_cache(maxsize=1)
+def _slice_types() -> Mapping[str, ObjectType]:
+    """The types of what things are sliced into, each as light as its share of the whole."""
+    pairs = [(kind, kind.slices) for kind in catalog().values()]
+    return MappingProxyType({slices.type: _slice_type(kind, slices) for kind, slices in pairs if slices is not None})
+
+
+def _slice_type(whole: ObjectType, slices: Slices) -> ObjectType:
+    return ObjectType(
+        name=slices.type,
+        words=slices.words,
+        can=slices.can | {"pickupable"},
+        manipulation="Pickup",
+        mass_kg=None if whole.mass_kg is None else whole.mass_kg / slices.count,
+        materials=whole.materials,
+        rooms=whole.rooms,
+    )
 
 
 def read_catalog(text: str) -> Mapping[str, ObjectType]:

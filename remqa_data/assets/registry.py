@@ -25,6 +25,7 @@ from remqa_data.assets.types.kitchen import (
     food,
     fridges,
     kitchen_supplies,
+    slices,
     stoves,
     tableware,
     utensils,
@@ -118,6 +119,7 @@ def variant_count(type_: str) -> int:
 
 
 def _kind(type_: str) -> Kind:
-    if type_ not in KINDS:
+    kind = KINDS.get(type_) or slices.SLICES.get(type_)
+    if kind is None:
         raise UnknownNameError("object type", type_, KINDS)
-    return KINDS[type_]
+    return kind

@@ -63,12 +63,6 @@ def test_what_is_not_seen_is_not_changed_unless_forced(kitchen) -> None:
         kitchen.step("DirtyObject")
 
 
-def test_nothing_is_sliced_and_that_is_said(kitchen) -> None:
-    assert not forced(kitchen, "SliceObject", "Apple")
-    assert "no slices" in kitchen.last_event.metadata["errorMessage"]
-    assert not first(kitchen, "Apple")["isSliced"]
-
-
 def test_a_fridge_cools_and_a_microwave_cooks(kitchen) -> None:
     assert first(kitchen, "Potato")["temperature"] == "RoomTemp"
     assert forced(kitchen, "OpenObject", "Fridge")

@@ -1,3 +1,4 @@
+import json
 import re
 from pathlib import Path
 
@@ -5,11 +6,17 @@ import pytest
 
 from remqa_data.thor.session import ACTIONS, ARM_ACTIONS
 
-ROWS = [
-    [cell.strip() for cell in line.split("|")[1:4]]
-    for line in (Path(__file__).parents[2] / "docs" / "AI2THOR.md").read_text().split("## Actions")[1].splitlines()
-    if line.startswith("| ")
-]
+PAGE = (Path(__file__).parents[2] / "docs" / "AI2THOR.md").read_text()
+
+
+def rows(title: str, columns: int) -> list[list[str]]:
+    """The table of a section."""
+    lines = PAGE.split(f"## {title}\n")[1].split("\n## ")[0].splitlines()
+    return [[cell.strip() for cell in line.split("|")[1 : columns + 1]] for line in lines if line.startswith("| ")]
+
+
+ROWS = rows("Actions", 3)
+SCHEMA = json.loads((Path(__file__).parent / "ai2thor_schema.json").read_text())
 
 
 def test_the_table_names_every_action() -> None:
@@ -26,3 +33,24 @@ def test_what_it_says_is_not_supported_is_not(kitchen) -> None:
         assert action not in ACTIONS | ARM_ACTIONS
         with pytest.raises(ValueError, match=f"Invalid action: {action}"):
             kitchen.step(action)
+
+
+def test_the_table_names_every_field_of_recorded_events_once() -> None:
+    named: dict[str, list[str]] = {}
+    for of, fields, here, _ in rows("Fields", 4)[1:]:
+        assert here in ("same", "differs", "constant")
+        named.setdefault(of, []).extend(fields.split(", "))
+    objects = [name for names in SCHEMA["object"].values() for name in names]
+    recorded = {"event": SCHEMA["event"], "agent": SCHEMA["agent"], "arm": SCHEMA["arm"], "object": objects}
+    assert {of: sorted(names) for of, names in named.items()} == {of: sorted(names) for of, names in recorded.items()}
+
+
+def test_what_it_calls_constant_is(kitchen) -> None:
+    seen = []
+    for action in ("MoveAhead", "RotateRight", "GetReachablePositions", "Crouch"):
+        event = kitchen.step(action)
+        seen.append({"event": [event.metadata], "agent": [event.metadata["agent"]], "object": event.metadata["objects"]})
+    for of, fields, here, _ in rows("Fields", 4):
+        if here == "constant":
+            for name in fields.split(", "):
+                assert len({repr(record[name]) for one in seen for record in one[of]}) == 1, name

@@ -1,12 +1,14 @@
-"""What AI2-THOR's agent does to an object without moving it: to break, cook, dirty, clean, fill, empty and use it up."""
+"""What AI2-THOR's agent does to an object without moving it: to break, cook, dirty, clean, fill, empty, slice and use it up."""
 
 from __future__ import annotations
 
 from remqa_data.catalog import object_type
 from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.handling import settle
 from remqa_data.thor.actions.targets import target_of
-from remqa_data.thor.state.conditions import CONDITIONS, FILLED, LIQUIDS
+from remqa_data.thor.state.conditions import BROKEN, CONDITIONS, FILLED, LIQUIDS
 from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.pieces import pieces_of
 from remqa_data.thor.state.simulator import SimulatorState
 
 
@@ -32,11 +34,34 @@ def slice_object(
     y: float | None = None,
     forceAction: bool = False,
 ) -> ActionResult:
-    """Refuse, as a room has no slices."""
+    """Slice an object; an egg is cracked. The pieces, of a type of their own, fall where they are."""
     target = target_of(simulator, "SliceObject", objectId, x, y)
     if isinstance(target, ActionResult):
         return target
-    return ActionResult(False, f"{target} is not sliced: a room has the objects here that it began with, and no slices")
+    room, agent = simulator.room, simulator.agent
+    if object_type(room.world.type_of(target)).slices is None:
+        return ActionResult(False, f"{target} is not sliceable")
+    if target == room.world.held:
+        return ActionResult(False, f"{target} is in the hand: put it down to slice it")
+    refusal = None if forceAction else agent.refusal(target) or agent.reach(target)
+    if refusal is not None:
+        return refusal
+    cut(simulator, target)
+    return ActionResult(True)
+
+
+def cut(simulator: SimulatorState, target: str) -> None:
+    """Put the pieces of an object in its place."""
+    room = simulator.room
+    room.records.update()
+    pieces = pieces_of(room.world, target)
+    room.records.sliced.add(target)
+    room.add(pieces, simulator.settings)
+    room.conditions.change(target, isSliced=True)
+    for piece in pieces:
+        room.conditions.pass_on(target, piece.id)
+    room.take_away(target)
+    settle(room.world)
 
 
 def _putting(action: str, condition: str, is_so: bool) -> Action:
@@ -68,11 +93,13 @@ def _put(
     if refusal is not None:
         return refusal
     room.conditions.put(target, name, is_so, liquid)
+    if name == BROKEN and object_type(room.world.type_of(target)).slices is not None:
+        cut(simulator, target)  # an egg is broken by being cracked
     return ActionResult(True)
 
 
 _BROUGHT_ABOUT = {
-    "BreakObject": ("isBroken", True),
+    "BreakObject": (BROKEN, True),
     "CleanObject": ("isDirty", False),
     "CookObject": ("isCooked", True),
     "DirtyObject": ("isDirty", True),

@@ -11,6 +11,7 @@ from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.handling import OVERLAP_M
 from remqa_data.sim.physics.world import World
+from remqa_data.thor.actions.conditions import cut
 from remqa_data.thor.state.conditions import CONDITIONS, FILLED
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.simulator import SimulatorState
@@ -58,10 +59,8 @@ def set_state_of_all_objects(
         world = simulator.room.world
         _switch(simulator, {name for name in world.ids if object_type(world.type_of(name)).toggleable}, forceAction)
     elif change == "CanBeSliced":
-        world = simulator.room.world
-        able = next((name for name in world.ids if object_type(world.type_of(name)).sliceable), None)
-        if forceAction and able is not None:
-            return ActionResult(False, f"{able} is not sliced here")
+        for name in _sliceable(simulator) if forceAction else ():
+            cut(simulator, name)
     elif change not in CHANGES:
         known = ", ".join(["CanOpen", "CanToggleOnOff", *sorted([*CHANGES, "CanBeSliced"])])
         return ActionResult(False, f"{change} is no state change: choose one of {known}")
@@ -115,6 +114,13 @@ def _put_all(simulator: SimulatorState, condition: str, is_so: bool) -> None:
     for name in world.ids:
         if CONDITIONS[condition].able in object_type(world.type_of(name)).can:
             simulator.room.conditions.put(name, condition, is_so)
+
+
+def _sliceable(simulator: SimulatorState) -> list[str]:
+    """What is whole and can be sliced where it is."""
+    room = simulator.room
+    whole = [name for name in room.world.ids if name != room.world.held and name not in room.records.away]
+    return [name for name in whole if object_type(room.world.type_of(name)).slices is not None]
 
 
 def _set_openness(world: World, is_open: bool) -> None:

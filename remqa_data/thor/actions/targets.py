@@ -12,8 +12,10 @@ def target_of(
 ) -> str | ActionResult:
     """The id of the object that an action is about, or why there is none."""
     if object_id is not None:
-        is_away = object_id in simulator.room.records.away
-        return ActionResult(False, f"{object_id} is not in the scene") if is_away else object_id
+        records = simulator.room.records
+        if object_id in records.sliced:
+            return ActionResult(False, f"{object_id} has been sliced")
+        return ActionResult(False, f"{object_id} is not in the scene") if object_id in records.away else object_id
     if x is None or y is None:
         raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
     seen = simulator.agent.object_at(x, y, simulator.room.frame_camera())

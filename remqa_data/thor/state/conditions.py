@@ -37,9 +37,9 @@ class Condition(NamedTuple):
     word: str
 
 
-FILLED = "isFilledWithLiquid"
+BROKEN, FILLED = "isBroken", "isFilledWithLiquid"
 CONDITIONS = {
-    "isBroken": Condition("breakable", "broken"),
+    BROKEN: Condition("breakable", "broken"),
     "isCooked": Condition("cookable", "cooked"),
     "isDirty": Condition("dirtyable", "dirty"),
     FILLED: Condition("fillable", "filled"),
@@ -47,7 +47,7 @@ CONDITIONS = {
 }
 """What an action can bring about and take away, by AI2-THOR's names."""
 
-SEEN = ("isBroken", "isCooked", "isDirty", FILLED, "fillLiquid", "isToggled")
+SEEN = (BROKEN, "isCooked", "isDirty", FILLED, "fillLiquid", "isToggled")
 """What one sees of what an object is in."""
 WET = frozenset({"Faucet", "ShowerHead"})
 """Where water runs from while they are on."""
@@ -86,6 +86,10 @@ class Conditions:
         self._brews = of_type.get("CoffeeMachine", [])
         self._cools = of_type.get("Fridge", [])
 
+    def take_over(self, before: Conditions) -> None:
+        """Let all that `before` knows of be in what it is in there."""
+        self.changed = before.changed
+
     def of(self, object_id: str) -> Mapping[str, Any]:
         """What is no longer as it was at first, by AI2-THOR's names."""
         return self.changed.get(object_id, UNCHANGED)
@@ -110,6 +114,12 @@ class Conditions:
         """Say what an object is in, by AI2-THOR's names."""
         self.changed.setdefault(object_id, {}).update(values)
         self._has_spread_in = None
+
+    def pass_on(self, whole: str, piece: str) -> None:
+        """Let a piece be as warm and as done as the whole one is."""
+        kept = {name: value for name, value in self.of(whole).items() if name in ("isCooked", "temperature")}
+        if kept:
+            self.change(piece, **kept)
 
     def put(self, object_id: str, condition: str, is_so: bool, liquid: str = "water") -> None:
         """Say that an object is in one of the `CONDITIONS`, or is not; what is filled is so with a liquid."""

@@ -24,7 +24,15 @@ from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.state.conditions import Conditions
-from remqa_data.thor.state.frames import Vector, corners_to_thor, euler_to_thor, to_thor, turn_to_room, turn_to_thor
+from remqa_data.thor.state.frames import (
+    Vector,
+    corners_to_thor,
+    euler_to_thor,
+    to_room,
+    to_thor,
+    turn_to_room,
+    turn_to_thor,
+)
 
 Metadata = dict[str, Any]
 """A part of an event's metadata: what AI2-THOR would send as JSON."""
@@ -44,11 +52,14 @@ class ObjectRecords:
         What they are in besides where they are. Nothing in the world depends on it.
     away : dict of str to ObjectState
         The objects that are out of the scene, with the state that they were in; they are not listed.
+    sliced : set of str
+        Those of them that have been sliced: they are listed all the same, where they were.
     """
 
     def __init__(self, world: World) -> None:
         self.conditions = Conditions(world)
         self.away: dict[str, ObjectState] = {}
+        self.sliced: set[str] = set()
         self._world = world
         self._frames = _frames(world.scene)
         self._static = self._statics()
@@ -62,6 +73,14 @@ class ObjectRecords:
         self._unchanged: list[list[Any]] = []
         self._contents: dict[str, list[str]] = {}
         self._positions = np.zeros((len(world.ids), 3))
+
+    def take_over(self, before: ObjectRecords) -> None:
+        """Go on from the records of the same room with fewer objects."""
+        self.conditions.take_over(before.conditions)
+        self.sliced = before.sliced
+        for object_id in self.sliced:
+            self._moving[object_id] = before._moving[object_id]
+            self._positions[self._world.ids.index(object_id)] = to_room(self._moving[object_id]["position"])
 
     def position(self, object_id: str) -> Vec3:
         """Where AI2-THOR says an object is, metres in the room: its pivot, such as a door's hinge."""
@@ -114,7 +133,8 @@ class ObjectRecords:
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
         listed, changed = [], self.conditions.changed
         for object_id, distance in zip(self._world.ids, distances, strict=True):
-            if object_id in self.away or (only is not None and object_id not in only):
+            is_away = object_id in self.away and object_id not in self.sliced
+            if is_away or (only is not None and object_id not in only):
                 continue
             record = self._records[object_id].copy()
             record["position"] = record["position"].copy()
@@ -146,8 +166,9 @@ class ObjectRecords:
         for object_id in moved:
             self._shown[object_id] = world.state(object_id)
             self._boxes[object_id] = world.box(object_id)
-            self._moving[object_id] = self._pose_and_boxes(object_id)
-            self._positions[world.ids.index(object_id)] = self.position(object_id)
+            if object_id not in self.sliced:
+                self._moving[object_id] = self._pose_and_boxes(object_id)
+                self._positions[world.ids.index(object_id)] = self.position(object_id)
         self._held = world.held
         parents, self._contents = _parents_and_contents(world, self._boxes)
         holding = _holding(world, parents, self._contents)

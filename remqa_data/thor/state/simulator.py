@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.types import F64, Flags, Vec3
+from remqa_data.scene import SceneObject
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose, pixels_per_object
 from remqa_data.sim.physics.state import ObjectState
-from remqa_data.sim.physics.world import World
+from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.camera import AnyCamera, Camera, TopDownCamera
 from remqa_data.sim.render.view import WorldView
 from remqa_data.thor.state.agent import ThorAgent
@@ -66,20 +68,29 @@ class LoadedFloorPlan:
 
     def __init__(self, scene: str, settings: Settings, frame: FrameSize) -> None:
         self.scene = scene
-        self.world = World(load_scene(scene))
-        self.world.settle()
-        self.view = WorldView(self.world)
-        self._hides_room = self.view.parts_of_building("ceiling") | self.view.parts_of_building("outside")
-        self.looks = Looks(self.view)
-        self._conditions_shown: tuple[object, int | None] = ({}, None)
-        self.palette = Palette(self.world.ids, [self.world.type_of(object_id) for object_id in self.world.ids])
-        self.at_rest = self.world.save()
-        self.records = ObjectRecords(self.world)
+        self._as_built = load_scene(scene)
+        world = World(self._as_built)
+        world.settle()
+        self.at_rest = world.save()
+        self._live_in(world)
         self._start = _start_pose(self.view, reachable_grid(self.world))
         self.restart(settings, frame)
 
+    def _live_in(self, world: World) -> None:
+        """Let this be the room from now on, and be seen."""
+        self.world = world
+        self.view = WorldView(world)
+        self._hides_room = self.view.parts_of_building("ceiling") | self.view.parts_of_building("outside")
+        self.looks = Looks(self.view)
+        self._conditions_shown: tuple[object, int | None] = ({}, None)
+        self.palette = Palette(world.ids, [world.type_of(object_id) for object_id in world.ids])
+        self.records = ObjectRecords(world)
+
     def restart(self, settings: Settings, frame: FrameSize) -> None:
         """Put everything back to where it was when the room was loaded."""
+        if len(self.world.ids) > len(self._as_built.objects):
+            self.world.close()
+            self._live_in(World(self._as_built))
         self.world.restore(self.at_rest)
         self.show_all_but({})
         self.records = ObjectRecords(self.world)
@@ -135,6 +146,18 @@ class LoadedFloorPlan:
         for object_id in {*self.records.away, *away}:
             self.view.hide(object_id, object_id in away)
         self.records.away = away
+
+    def add(self, objects: Sequence[SceneObject], settings: Settings) -> None:
+        """Let there be more objects; the room is loaded anew with them, and all else is as it was."""
+        before, records, look = self.world, self.records, self.looks.look
+        saved = before.save()
+        self._live_in(World(before.scene.with_objects((*before.scene.objects, *objects))))
+        self.world.restore(Snapshot({**self.world.save().states, **saved.states}, saved.held))
+        before.close()
+        self.records.take_over(records)
+        self.show_all_but(records.away)
+        self.looks.change(look)
+        self.embody(settings)
 
     def show_conditions(self) -> None:
         """Let pictures show what objects are in: stains, liquids, what glows, ..."""

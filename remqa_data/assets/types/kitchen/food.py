@@ -128,8 +128,7 @@ def tomato(b: Builder) -> None:
 def egg(b: Builder) -> None:
     """An egg, lying: common; pointed; roundish; speckled."""
     p = Posed(b)
-    white, brown, beige = EGGS
-    shell = b.pick(b.by_variant(((white,), (brown,), (beige,), (white, beige))))
+    shell = egg_shell(b)
     blunt = b.by_variant((0.12, 0.22, 0.05, 0.14))
     t = np.linspace(-np.pi / 2, np.pi / 2, 11)
     profile = np.column_stack([np.cos(t) * (1 - blunt * np.sin(t)), np.sin(t)])
@@ -140,6 +139,12 @@ def egg(b: Builder) -> None:
     if b.variant == 3:
         _dots(b, p, mesh, _food("brown", (0.38, 0.25, 0.16)), (0.0034, 0.0026, 0.0010), 30)
     p.rest()
+
+
+def egg_shell(b: Builder) -> Material:
+    """What the shell of an egg is like."""
+    white, brown, beige = EGGS
+    return b.pick(b.by_variant(((white,), (brown,), (beige,), (white, beige))))
 
 
 def potato(b: Builder) -> None:
@@ -170,9 +175,7 @@ def bread(b: Builder) -> None:
 def lettuce(b: Builder) -> None:
     """A head of lettuce: romaine; butterhead; frilly; iceberg with few outer leaves."""
     p = Posed(b)
-    tone = b.pick(((0.42, 0.64, 0.22), (0.34, 0.58, 0.20), (0.50, 0.68, 0.26), (0.38, 0.60, 0.28)))
-    light = b.by_variant((1.0, 1.1, 1.0, 1.35))
-    outer, middle, heart = (_green(tone, light * f) for f in (0.92, 1.12, 1.35))
+    outer, middle, heart = lettuce_greens(b)
     pale = _green((0.72, 0.80, 0.52), 1.0)
     core, ruffle, rows = b.by_variant(
         (
@@ -199,6 +202,13 @@ def lettuce(b: Builder) -> None:
     b.looks_like(middle)
 
 
+def lettuce_greens(b: Builder) -> tuple[Material, Material, Material]:
+    """What the outer leaves, the middle ones and the heart of a head of lettuce are like."""
+    tone = b.pick(((0.42, 0.64, 0.22), (0.34, 0.58, 0.20), (0.50, 0.68, 0.26), (0.38, 0.60, 0.28)))
+    light = b.by_variant((1.0, 1.1, 1.0, 1.35))
+    return _green(tone, light * 0.92), _green(tone, light * 1.12), _green(tone, light * 1.35)
+
+
 def _tin_loaf(b: Builder, p: Posed, crust: Material) -> None:
     p.add(_loaf(p, -p.d / 2, p.d / 2, soft=0.10), crust)
     split = [
@@ -219,7 +229,7 @@ def _sliced_loaf(b: Builder, p: Posed, crust: Material) -> None:
         p.add(_loaf(p, y, y + thick, soft=0.0), crust)
         faces.append(y)
     for y in faces:
-        face = _section(p)
+        face = loaf_section(p.w, p.h)
         inner = face * [0.90, 0.90] + [0, 0.05 * p.h]
         disc = primitives.prism(inner, 0.0012).pointed("-y")
         p.add(disc, CRUMB, (0, y - 0.0002, 0))
@@ -262,7 +272,7 @@ def _plaited_loaf(b: Builder, p: Posed, crust: Material) -> None:
     b.looks_like(crust)
 
 
-def _section(p: Posed) -> F64:
+def loaf_section(width: float, height: float) -> F64:
     """Outline of a tin loaf seen from the end, (n, 2) as x and z, counter-clockwise."""
     right = [
         (0.40, 0.0),
@@ -275,12 +285,12 @@ def _section(p: Posed) -> F64:
         (0.0, 1.0),
     ]
     left = [(-x, z) for x, z in right[-2::-1]]
-    return np.array([*right, *left]) * [p.w, p.h]
+    return np.array([*right, *left]) * [width, height]
 
 
 def _loaf(p: Posed, start: float, end: float, soft: float) -> Mesh:
     """A tin loaf from y = start to end; its far end, and its near end if at the box's, is rounded by `soft`."""
-    outline = _section(p)[::-1]  # seen along +y
+    outline = loaf_section(p.w, p.h)[::-1]  # seen along +y
     stops = [(0.0, 1.0), (1.0, 1.0)]
     if soft > 0:
         near = [(0.0, 0.80), (0.03, 0.92), (soft, 1.0)] if start <= -p.d / 2 + 1e-6 else [(0.0, 1.0)]
