@@ -5,6 +5,7 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote, urlsplit
 
 import pytest
@@ -85,3 +86,20 @@ def test_every_field_of_every_table_is_told(site: Path) -> None:
     paths = [doc.path for spec in TABLES.values() for doc in field_docs(spec.schema)]
     assert len(paths) > 100
     assert [path for path in paths if f"<code>{path}</code>" not in text] == []
+
+
+@pytest.mark.slow
+def test_search_works_from_a_disk(site: Path, chromium: Any) -> None:
+    page, asked = chromium.new_page(), []
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto((site / "index.html").as_uri())
+    page.get_by_role("textbox", name="Search").fill("shortest way")
+    found = page.locator(".md-search-result__link")
+    found.first.wait_for(timeout=30_000)
+    links = [one.get_attribute("href") for one in found.all()]
+    assert any("METRICS.html" in link for link in links)
+    found.first.click()
+    page.wait_for_load_state()
+    assert page.url.split("?")[0].startswith(site.as_uri())
+    assert {urlsplit(url).scheme for url in asked} <= {"file", "data", "blob"}
+    page.close()
