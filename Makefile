@@ -24,9 +24,9 @@ MORE_SCENES ?= 100
 MORE := out/sampled-$(MORE_SCENES)
 
 # All that come with the package; the others are built upon the first ones.
-FIRST := detector view_encoder
+FIRST := detector view_encoder refiner
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
-SYSTEMS := random semantic_map framework framework_memory predicted_map frontier a3c scene_priors savn eqa bc_transformer
+SYSTEMS := random semantic_map framework framework_two_stage framework_memory predicted_map frontier a3c scene_priors savn eqa bc_transformer
 
 .DEFAULT_GOAL := help
 .PHONY: help setup dataset agents test test-fast test-newest lint format build docs bench clean
@@ -44,7 +44,7 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	$(BIN)/remqa-agent train $(FIRST) --data $(DATASET) --more $(MORE) --resume
 	$(BIN)/remqa-data cache $(DATASET) --split train --configurations 0 --features remqa_data.agents.view_features:features
 	$(BIN)/remqa-agent train $(NETWORKS) --data $(DATASET) --more $(MORE) --resume
-	$(BIN)/remqa-agent predict detector language_attention plain_matcher compositional_matcher mcn cgan --data $(DATASET) --split val --weights out/weights
+	$(BIN)/remqa-agent predict detector refiner language_attention language_attention_two_stage plain_matcher compositional_matcher mcn cgan --data $(DATASET) --split val --weights out/weights
 	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --resume
 	$(BIN)/remqa-agent table --data $(DATASET) --weights out/weights

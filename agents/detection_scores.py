@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import torch
 
-from remqa_data.agents.networks.detector import Detector
-from remqa_data.agents.networks.detector_loss import LEAST_PIXELS
+from remqa_data.agents.networks.detection.detector_loss import LEAST_PIXELS
+from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.training.pictures import Picture, Pictures
 from remqa_data.agents.training.rooms import rooms_of
 from remqa_data.extras import require
@@ -23,7 +23,7 @@ AP, AP50 = 0, 1
 
 
 def score_detector(
-    detector: Detector,
+    detector: AnyDetector,
     types: tuple[str, ...],
     root: Path,
     split: str,

@@ -11,16 +11,16 @@ import torch
 
 from remqa_data.agents.detection_scores import score_detector
 from remqa_data.agents.networks.answerer import ManipulationAnswerer, likeliest
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.refiner import Refiner, TwoStageDetector
+from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.networks.grounding import Grounder, grounded
 from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.training.answering import AskedViews
 from remqa_data.agents.training.config import AnswererConfig
 from remqa_data.agents.training.grounding import asked_frames, seen_frames
-from remqa_data.agents.training.learn import DETECTOR
 from remqa_data.agents.training.matching import chosen, referred_pictures
-from remqa_data.agents.training.weights import About, load_network, weights_path
-from remqa_data.errors import ConfigError
+from remqa_data.agents.training.weights import DETECTOR, About, load_network, trained, trained_detector, weights_path
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.evaluation.submission.reader import Header, write_submission
 from remqa_data.evaluation.submission.tracks import Track
@@ -34,7 +34,7 @@ Progress = Callable[[int], None]
 
 
 def predict_expressions(
-    detector: Detector,
+    detector: AnyDetector,
     networks: Sequence[tuple[Matcher, About]],
     root: Path,
     split: str,
@@ -47,7 +47,7 @@ def predict_expressions(
     -------
     Rows of the track `rec` by title: each matcher's with the boxes that the detector finds, and with the true ones.
     """
-    pictures = referred_pictures(root, split, detector.to(device).eval(), device, None, progress)
+    pictures = referred_pictures(root, split, detector.to(device), device, None, progress)
     rows: dict[str, list[dict[str, Any]]] = {}
     for network, about in networks:
         for which in ("detected", "true"):
@@ -122,8 +122,8 @@ def predict_all(
 ) -> list[Path]:
     """Let networks say what they see in the pictures of a split, and write it.
 
-    Matchers and grounders write submissions to `<out>/rec`, answerers to `<out>/qa`, a detector its scores to
-    `<out>/detector-<split>.json`.
+    Matchers and grounders write submissions to `<out>/rec`, answerers to `<out>/qa`, a detector and its second stage
+    their scores to `<out>/detector-<split>.json` and `<out>/refiner-<split>.json`.
 
     Raises
     ------
@@ -137,27 +137,36 @@ def predict_all(
     grounders = [(network, about) for network, about in loaded if isinstance(network, Grounder)]
     written: list[Path] = []
     for network, about in loaded:
-        if isinstance(network, Detector):
-            scores = score_detector(network, about.types, root, split, device, progress=progress)
-            written.append(out / f"detector-{split}.json")
+        if isinstance(network, Detector | Refiner):
+            first = trained(DETECTOR, Detector, weights, root, force=force)
+            detector = network if isinstance(network, Detector) else TwoStageDetector(first, network)
+            scores = score_detector(detector, about.types, root, split, device, progress=progress)
+            written.append(out / f"{about.network.network.kind}-{split}.json")
             with atomic_path(written[-1]) as temporary:
                 temporary.write_text(json.dumps(scores, indent=1) + "\n", encoding="utf-8")
         elif isinstance(network, ManipulationAnswerer):
             rows = predict_answers(network, about, root, split, device, progress)
             written.append(out / "qa" / file_name(about.network.title, split))
             write_predictions(written[-1], "qa", root, split, about.network.title, rows)
-    if matchers or grounders:
-        detector, _ = load_network(weights_path(DETECTOR, weights), root, force=force)
-        if not isinstance(detector, Detector):
-            raise ConfigError(f"{DETECTOR!r} is no detector")
-        referred = predict_expressions(detector, matchers, root, split, device, progress) if matchers else {}
-        for network, about in grounders:
-            rows = predict_groundings(detector, network, about, root, split, device, progress)
-            referred[about.network.title] = rows
-        for title, rows in referred.items():
-            written.append(out / "rec" / file_name(title, split))
-            write_predictions(written[-1], "rec", root, split, title, rows)
+    referred: dict[str, list[dict[str, Any]]] = {}
+    for group in _alike(matchers):
+        seen_through = trained_detector(group[0][1].network.network, weights, root, force=force)
+        referred |= predict_expressions(seen_through, group, root, split, device, progress)
+    for network, about in grounders:
+        detector = trained(DETECTOR, Detector, weights, root, force=force)
+        referred[about.network.title] = predict_groundings(detector, network, about, root, split, device, progress)
+    for title, rows in referred.items():
+        written.append(out / "rec" / file_name(title, split))
+        write_predictions(written[-1], "rec", root, split, title, rows)
     return written
+
+
+def _alike(matchers: Sequence[tuple[Matcher, About]]) -> list[list[tuple[Matcher, About]]]:
+    """Matchers in groups that see through the same: what that sees is worked out once for all of them."""
+    groups: dict[tuple[str, ...], list[tuple[Matcher, About]]] = {}
+    for one in matchers:
+        groups.setdefault(one[1].network.network.needs, []).append(one)
+    return list(groups.values())
 
 
 def write_predictions(path: Path, track: Track, root: Path, split: str, title: str, rows: list[dict[str, Any]]) -> None:

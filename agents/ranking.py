@@ -27,6 +27,7 @@ NAMESAKES: Mapping[str, Mapping[str, str]] = {
         "CGAN": "CGAN",
         "BiLSTM, pairs (CMN), detected boxes": "BiLSTM + detectron2",
         "LAN, detected boxes": "LAN + detectron2 (Ours)",
+        "LAN, two stages, detected boxes": "LAN + MaskRCNN",
     },
     "REMQA": {
         "EQA (PACMAN), LAN": "EQA",

@@ -73,11 +73,10 @@ def _navigator(system: SystemConfig, root: Path, weights: Path | None, force: bo
 
 def _mapper(config: FrontierConfig | SemanticMapConfig, root: Path, weights: Path | None, force: bool) -> Navigator:
     require("torch", "agents")
-    from remqa_data.agents.networks.detector import Detector
+    from remqa_data.agents.networks.detection.detector import Detector
     from remqa_data.agents.parts.frontier_navigator import FrontierNavigator
     from remqa_data.agents.parts.predicted_navigator import PredictedMapNavigator
-    from remqa_data.agents.training.learn import DETECTOR
-    from remqa_data.agents.training.weights import load_network, weights_path
+    from remqa_data.agents.training.weights import DETECTOR, load_network, weights_path
 
     detector, about = load_network(weights_path(DETECTOR, weights), root, force=force)
     if not isinstance(detector, Detector):
@@ -129,22 +128,19 @@ def _localizer(config: LocalizerConfig, root: Path, weights: Path | None, force:
     if config.kind == "map":
         return MapLocalizer()
     require("torch", "agents")
-    from remqa_data.agents.networks.detector import Detector
+    from remqa_data.agents.networks.detection.detector import Detector
     from remqa_data.agents.networks.grounding import Grounder
     from remqa_data.agents.networks.matcher import Matcher
     from remqa_data.agents.parts.network_localizer import GroundingLocalizer, NetworkLocalizer
-    from remqa_data.agents.training.learn import DETECTOR
-    from remqa_data.agents.training.weights import load_network, weights_path
+    from remqa_data.agents.training.weights import load_network, trained_detector, weights_path
 
-    detector, _ = load_network(weights_path(DETECTOR, weights), root, force=force)
     matcher, about = load_network(weights_path(config.matcher, weights), root, force=force)
-    if isinstance(detector, Detector) and isinstance(matcher, Matcher):
+    detector = trained_detector(about.network.network, weights, root, force=force)
+    if isinstance(matcher, Matcher):
         return NetworkLocalizer(detector, matcher, about.vocabulary)
-    if isinstance(detector, Detector) and isinstance(matcher, Grounder):
+    if isinstance(matcher, Grounder) and isinstance(detector, Detector):
         return GroundingLocalizer(detector, matcher, about.vocabulary)
-    raise ConfigError(
-        f"localizer: {config.matcher!r} does not tell what expressions mean, or {DETECTOR!r} is no detector"
-    )
+    raise ConfigError(f"localizer: {config.matcher!r} does not tell what expressions mean")
 
 
 def _answerer(

@@ -15,8 +15,8 @@ import torch
 from remqa_data.agents.knowledge.detected import Things, seen_in
 from remqa_data.agents.knowledge.instance import Instance
 from remqa_data.agents.knowledge.memory import Look, WalkMemory
-from remqa_data.agents.networks.detector import Detector
-from remqa_data.agents.networks.pyramid import STRIDE
+from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.pyramid import STRIDE
 from remqa_data.agents.networks.threads import one_thread
 from remqa_data.geometry.types import F64, I32, Rect
 from remqa_data.mapping.semantic_map import MARGIN_M, SemanticPlan, VoxelMap
@@ -71,7 +71,8 @@ class RoomMap:
     def add(self, look: Look) -> None:
         """Look at something, and remember it."""
         with one_thread():
-            ((peaks, cells),) = self._detector.vote(torch.from_numpy(look.rgb).permute(2, 0, 1)[None])
+            seen = self._detector.vote(torch.from_numpy(look.rgb).permute(2, 0, 1)[None])
+            (peaks,), (cells,) = seen.peaks, seen.cells
         self.things.add(seen_in(peaks.boxes, peaks.votes, cells, STRIDE, look.depth, look.camera))
         labels = np.kron(cells - 1, np.ones((STRIDE, STRIDE), dtype=np.int64))
         height, width = look.depth.shape

@@ -13,7 +13,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from remqa_data.agents.networks.pyramid import CHANNELS
+from remqa_data.agents.networks.detection.pyramid import CHANNELS
 from remqa_data.agents.networks.view_encoder import PARTS, ViewEncoder
 
 Form = Literal["a3c", "scene_priors", "savn"]

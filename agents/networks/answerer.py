@@ -13,9 +13,9 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE
 from remqa_data.agents.networks.language import HIDDEN, WordReader
-from remqa_data.agents.networks.pyramid import CHANNELS, STRIDE
 
 View = Literal["start", "end"]
 VIEWS: tuple[View, ...] = ("start", "end")
@@ -53,7 +53,7 @@ class Answered(NamedTuple):
     counts : (n, views)
         How many middles of what is asked for there are.
     cells : (n, views, 1 + types, h', w')
-        Logits of what each cell shows, see `remqa_data.agents.networks.detector.Raw`.
+        Logits of what each cell shows, see `remqa_data.agents.networks.detection.detector.Raw`.
     types : (n, types)
         Logits of which type is asked for.
     """

@@ -14,10 +14,10 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE
+from remqa_data.agents.networks.detection.regions import UNSEEN_M
 from remqa_data.agents.networks.language import HIDDEN, WordReader
-from remqa_data.agents.networks.pyramid import CHANNELS, STRIDE
-from remqa_data.agents.networks.regions import UNSEEN_M
 from remqa_data.geometry.types import F32, Flags
 
 CELL_PX = 2 * STRIDE

@@ -9,7 +9,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from remqa_data.agents.networks.actor_critic import DONE, MOVES, drawn
-from remqa_data.agents.networks.pyramid import CHANNELS
+from remqa_data.agents.networks.detection.pyramid import CHANNELS
 from remqa_data.agents.networks.view_encoder import PARTS, ViewEncoder
 
 ImitatorForm = Literal["planner_controller", "transformer"]

@@ -12,9 +12,9 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from remqa_data.agents.networks.detection.pyramid import CHANNELS
+from remqa_data.agents.networks.detection.regions import ALIKE, PLACE, Regions, compared
 from remqa_data.agents.networks.language import EMBEDDED, HIDDEN, WordReader
-from remqa_data.agents.networks.pyramid import CHANNELS
-from remqa_data.agents.networks.regions import ALIKE, PLACE, Regions, compared
 
 JOINT = 128
 """Numbers of what is compared."""

@@ -12,7 +12,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from remqa_data.agents.networks.pyramid import CHANNELS, Pyramid
+from remqa_data.agents.networks.detection.pyramid import CHANNELS, Pyramid
 from remqa_data.geometry.types import U8
 
 VIEW_PX = 84

@@ -15,7 +15,7 @@ from remqa_data.agents.knowledge.instance import Instance
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.predicted_memory import RoomMap
 from remqa_data.agents.knowledge.reading import Question
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.parts.explorer import Belief, Explorer
 from remqa_data.agents.parts.interfaces import Percept
 

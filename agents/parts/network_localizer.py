@@ -9,10 +9,10 @@ import torch
 
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.reading import Question
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.regions import AnyDetector, candidates, regions_of
 from remqa_data.agents.networks.grounding import CELL_PX, Grounder, grounded, sight_of
 from remqa_data.agents.networks.matcher import Matcher
-from remqa_data.agents.networks.regions import candidates, regions_of
 from remqa_data.agents.networks.threads import one_thread
 from remqa_data.agents.parts.interfaces import Percept, Sighting
 from remqa_data.datasets.vocabulary import Vocabulary
@@ -31,7 +31,7 @@ class NetworkLocalizer:
         The matcher's.
     """
 
-    detector: Detector
+    detector: AnyDetector
     matcher: Matcher
     vocabulary: Vocabulary
 
@@ -42,11 +42,11 @@ class NetworkLocalizer:
         """See `remqa_data.agents.parts.interfaces.Localizer`; nothing is drawn."""
         with one_thread():
             rgb = torch.from_numpy(percept.rgb).permute(2, 0, 1)[None]
-            features, (found,) = self.detector.look(rgb)
+            seen, (found,) = self.detector.look(rgb)
             places = candidates(found)
             if not len(places):
                 return None
-            regions = regions_of(self.detector, features, found.boxes[places], percept.depth)
+            regions = regions_of(self.detector, seen, found.boxes[places], percept.depth)
             numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.expression])[0])
             best = places[int(self.matcher(numbers, regions).scores[0].argmax())]
         return _sighting(found.boxes[best], found.mask(best, percept.depth.shape))

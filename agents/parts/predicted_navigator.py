@@ -10,7 +10,7 @@ from remqa_data.agents.knowledge.instance import choose_instance
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.predicted_memory import RoomMap
 from remqa_data.agents.knowledge.reading import Question
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.parts.semantic_navigator import SemanticMapWalker
 
 

@@ -17,9 +17,9 @@ from torch import Tensor
 from torch.nn import functional
 
 from remqa_data.agents.networks.answerer import VIEWS, Answered, ManipulationAnswerer, View, likeliest
-from remqa_data.agents.networks.detector import Detector
-from remqa_data.agents.networks.detector_loss import heat_loss, wanted_of
-from remqa_data.agents.networks.pyramid import STRIDE
+from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.detector_loss import heat_loss, wanted_of
+from remqa_data.agents.networks.detection.pyramid import STRIDE
 from remqa_data.agents.networks.windows import cut, window
 from remqa_data.agents.training.pictures import detector_types, relit
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of

@@ -40,11 +40,27 @@ class DetectorConfig(_Network):
         return ()
 
 
+class RefinerConfig(_Network):
+    """Looks at the boxes of the detector again; learns from squares of so many pixels."""
+
+    kind: Literal["refiner"]
+    side_px: Annotated[int, Field(ge=32, le=1024)]
+
+
 class MatcherConfig(_Network):
-    """Finds what an expression means, by language attention, by pairs, or with one vector for all words."""
+    """Finds what an expression means, by language attention, by pairs, or with one vector for all words.
+
+    It chooses among what the detector finds, with a second stage of the name `refiner` if that is given.
+    """
 
     kind: Literal["matcher"]
     form: Literal["language_attention", "plain", "compositional"]
+    refiner: str | None = None
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """The stages of what it sees through."""
+        return ("detector", self.refiner) if self.refiner else ("detector",)
 
 
 class GrounderConfig(_Network):
@@ -120,6 +136,7 @@ class ScheduleConfig(_Section):
 
 Network = (
     DetectorConfig
+    | RefinerConfig
     | MatcherConfig
     | GrounderConfig
     | AnswererConfig

@@ -11,8 +11,8 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from remqa_data.agents.networks.detector import Detector, iou
-from remqa_data.agents.networks.detector_loss import box_loss
+from remqa_data.agents.networks.detection.detector import Detector, iou
+from remqa_data.agents.networks.detection.detector_loss import box_loss
 from remqa_data.agents.networks.grounding import (
     CELL_PX,
     CollaborativeGrounder,

@@ -5,13 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TypeVar
 
 import torch
-from torch import nn
 
 from remqa_data.agents.networks.actor_critic import ActorCritic
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.adapting import AdaptingTask
 from remqa_data.agents.training.answering import AnsweringTask
@@ -19,14 +17,15 @@ from remqa_data.agents.training.config import (
     AdaptiveWalkerConfig,
     AnswererConfig,
     DetectorConfig,
-    GrounderConfig,
     ImitatorConfig,
+    MatcherConfig,
     Network,
     NetworkConfig,
+    RefinerConfig,
     ViewEncoderConfig,
     WalkerConfig,
 )
-from remqa_data.agents.training.detection import DetectionTask
+from remqa_data.agents.training.detection import DetectionTask, RefinementTask
 from remqa_data.agents.training.grounding import GroundingTask
 from remqa_data.agents.training.imitating import ImitationTask
 from remqa_data.agents.training.matching import MatchingTask
@@ -35,23 +34,20 @@ from remqa_data.agents.training.reinforcing import ReinforcingTask
 from remqa_data.agents.training.trainer import Schedule, Task, train
 from remqa_data.agents.training.viewing import ViewingTask
 from remqa_data.agents.training.weights import (
+    DETECTOR,
     SUFFIX,
     About,
     halved,
     load_network,
     save_network,
+    trained,
+    trained_detector,
     weights_path,
 )
-from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.files import sha256_of
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.views import views_beside
-
-DETECTOR = "detector"
-"""The network that most others are built upon."""
-
-T = TypeVar("T", bound=nn.Module)
 
 
 def learn(
@@ -148,27 +144,16 @@ def _task(
         if isinstance(network, ImitatorConfig):
             return ImitationTask(roots, views, network.form, encoder, network.walks, device)
         return ReinforcingTask(roots, views, network.form, encoder, network.walks, device)
+    if isinstance(network, MatcherConfig):
+        seen_through = trained_detector(network, folder, roots[0])
+        torch.manual_seed(seed)
+        return MatchingTask(roots, network.form, seen_through, device, on_look)
     detector = trained(DETECTOR, Detector, folder, roots[0])
     torch.manual_seed(seed)
+    if isinstance(network, RefinerConfig):
+        return RefinementTask(roots, network.side_px, detector, device)
     if isinstance(network, ViewEncoderConfig):
         return ViewingTask(roots, detector, device)
     if isinstance(network, AnswererConfig):
         return AnsweringTask(roots, network.views, network.with_box, detector, device)
-    if isinstance(network, GrounderConfig):
-        return GroundingTask(roots, network.form, detector, device, on_look)
-    return MatchingTask(roots, network.form, detector, device, on_look)
-
-
-def trained(name: str, kind: type[T], folder: Path | None, root: Path) -> T:
-    """A trained network of a kind, which another one is built upon.
-
-    Raises
-    ------
-    ConfigError
-        If there are no such weights, or they are of another kind or another dataset.
-    """
-    path = weights_path(name, folder)
-    network, _ = load_network(path, root)
-    if not isinstance(network, kind):
-        raise ConfigError(f"{path} is no {kind.__name__}")
-    return network
+    return GroundingTask(roots, network.form, detector, device, on_look)

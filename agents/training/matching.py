@@ -12,8 +12,9 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from remqa_data.agents.networks.detector import Detector, iou
-from remqa_data.agents.networks.detector_loss import LEAST_PIXELS
+from remqa_data.agents.networks.detection.detector import iou
+from remqa_data.agents.networks.detection.detector_loss import LEAST_PIXELS
+from remqa_data.agents.networks.detection.regions import AnyDetector, Regions, candidates, regions_of
 from remqa_data.agents.networks.matcher import (
     CompositionalMatcher,
     LanguageAttentionMatcher,
@@ -22,7 +23,6 @@ from remqa_data.agents.networks.matcher import (
     PlainMatcher,
     ranking_loss,
 )
-from remqa_data.agents.networks.regions import Regions, candidates, regions_of
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.datasets.vocabulary import Vocabulary
@@ -85,7 +85,7 @@ class MatchingTask:
         self,
         roots: Sequence[Path],
         kind: str,
-        detector: Detector,
+        detector: AnyDetector,
         device: str = "cpu",
         progress: Callable[[int], None] | None = None,
     ) -> None:
@@ -191,7 +191,7 @@ def frames_with_expressions(root: Path, split: str, rooms: frozenset[str] | None
 def referred_pictures(
     root: Path,
     split: str,
-    detector: Detector,
+    detector: AnyDetector,
     device: str,
     rooms: frozenset[str] | None = None,
     progress: Callable[[int], None] | None = None,
@@ -205,11 +205,11 @@ def referred_pictures(
     return pictures
 
 
-def _referred(frame: FrameExpressions, detector: Detector, device: str) -> Referred:
+def _referred(frame: FrameExpressions, detector: AnyDetector, device: str) -> Referred:
     rgb, depth = frame.reader.images(frame.place, ["rgb", "depth"])
     rows, objects = frame.rows, frame.objects
     picture = torch.from_numpy(decode_rgb(rgb)).permute(2, 0, 1)[None].to(device)
-    features, (found,) = detector.look(picture)
+    seen, (found,) = detector.look(picture)
     metres = decode_depth(depth)
     boxes = found.boxes[candidates(found)]
     asked = {row["target_id"] for row in rows}
@@ -224,8 +224,8 @@ def _referred(frame: FrameExpressions, detector: Detector, device: str) -> Refer
         tuple(row["expression_id"] for row in rows),
         tuple(row["text"] for row in rows),
         targets,
-        regions_of(detector, features, boxes, metres),
-        regions_of(detector, features, true, metres),
+        regions_of(detector, seen, boxes, metres),
+        regions_of(detector, seen, true, metres),
         np.where(is_found, best, -1),
         np.array([numbers[row["target_id"]] for row in rows]),
     )

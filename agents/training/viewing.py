@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.view_encoder import PARTS, ViewEncoder, shrunk
 from remqa_data.agents.training.pictures import Picture, Pictures, detector_types, relit
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of

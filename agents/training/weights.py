@@ -7,14 +7,16 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import torch
 from torch import nn
 
 from remqa_data.agents.networks.actor_critic import ActorCritic
 from remqa_data.agents.networks.answerer import ManipulationAnswerer
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.refiner import Refiner, TwoStageDetector
+from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.networks.planner_controller import PlannerController
 from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.networks.view_transformer import ViewTransformer
@@ -24,7 +26,10 @@ from remqa_data.agents.training.config import (
     DetectorConfig,
     GrounderConfig,
     ImitatorConfig,
+    MatcherConfig,
+    Network,
     NetworkConfig,
+    RefinerConfig,
     ViewEncoderConfig,
     WalkerConfig,
 )
@@ -48,6 +53,10 @@ KEY = "remqa"
 FORMAT = 1
 SUFFIX = ".safetensors"
 SHIPPED = "remqa_data.agents.weights"
+DETECTOR = "detector"
+"""The network that most others are built upon."""
+
+N = TypeVar("N", bound=nn.Module)
 
 
 @dataclass(frozen=True)
@@ -159,11 +168,38 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
     return model.eval(), about
 
 
+def trained(name: str, kind: type[N], folder: Path | None, root: Path | None, *, force: bool = False) -> N:
+    """A trained network of a kind, which another one is built upon; see `load_network`.
+
+    Raises
+    ------
+    ConfigError
+        If there are no such weights, or they are of another kind or another dataset.
+    """
+    path = weights_path(name, folder)
+    network, _ = load_network(path, root, force=force)
+    if not isinstance(network, kind):
+        raise ConfigError(f"{path} is no {kind.__name__}")
+    return network
+
+
+def trained_detector(
+    network: Network | None, folder: Path | None, root: Path | None, *, force: bool = False
+) -> AnyDetector:
+    """What a network sees through: the detector, or both of its stages; see `trained`."""
+    first = trained(DETECTOR, Detector, folder, root, force=force)
+    if isinstance(network, MatcherConfig) and network.refiner:
+        return TwoStageDetector(first, trained(network.refiner, Refiner, folder, root, force=force))
+    return first
+
+
 def empty_network(about: About) -> nn.Module:
     """A network that knows nothing yet."""
     network, types, words = about.network.network, len(about.types), len(about.words)
     if isinstance(network, DetectorConfig):
         return Detector(types)
+    if isinstance(network, RefinerConfig):
+        return Refiner(types)
     if isinstance(network, WalkerConfig):
         return ActorCritic(types, network.form)
     if isinstance(network, AdaptiveWalkerConfig):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from remqa_data.agents.networks.detector import iou
+from remqa_data.agents.networks.detection.detector import iou
 from remqa_data.agents.training.config import load_network_config, networks
 from remqa_data.agents.training.weights import load_network, weights_path
 from remqa_data.files import sha256_of

@@ -10,8 +10,8 @@ import torch
 from remqa_data.agents.knowledge.memory import Look, WalkMemories, WalkMemory
 from remqa_data.agents.knowledge.predicted_memory import RoomMap
 from remqa_data.agents.knowledge.reading import read_question
-from remqa_data.agents.networks.detector import Detector, Peaks
-from remqa_data.agents.networks.pyramid import STRIDE
+from remqa_data.agents.networks.detection.detector import Detector, FeatureMaps, Peaks, Voted
+from remqa_data.agents.networks.detection.pyramid import STRIDE
 from remqa_data.agents.parts.predicted_navigator import PredictedMapNavigator
 from remqa_data.geometry.boxes import iou_3d
 from remqa_data.scene_graph.graph import SceneGraph
@@ -35,8 +35,10 @@ class Truthful(Detector):
             votes = np.eye(len(types), dtype=np.float32)[kinds[1:] - 1]
             self.known[decode_rgb(row.rgb.bytes).tobytes()] = Peaks(boxes, votes), kinds[shown]
 
-    def vote(self, rgb: torch.Tensor) -> list[tuple[Peaks, np.ndarray]]:
-        return [self.known[picture.permute(1, 2, 0).numpy().tobytes()] for picture in rgb]
+    def vote(self, rgb: torch.Tensor) -> Voted:
+        (picture,) = rgb
+        peaks, cells = self.known[picture.permute(1, 2, 0).numpy().tobytes()]
+        return Voted(FeatureMaps(rgb, torch.zeros(0), torch.zeros(0)), [peaks], cells[None])
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.pyramid import STRIDE
 from remqa_data.agents.networks.grounding import (
     CELL_PX,
     SEEN,
@@ -19,7 +20,6 @@ from remqa_data.agents.networks.grounding import (
     grouped_attention,
     sight_of,
 )
-from remqa_data.agents.networks.pyramid import STRIDE
 from remqa_data.agents.networks.threads import one_thread
 from remqa_data.agents.training.grounding import Targets, grounding_losses, mask_loss, middles_of, shares_of
 

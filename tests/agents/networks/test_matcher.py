@@ -2,7 +2,9 @@ import numpy as np
 import pytest
 import torch
 
-from remqa_data.agents.networks.detector import Detections, Detector
+from remqa_data.agents.networks.detection.detector import Detections, Detector, FeatureMaps
+from remqa_data.agents.networks.detection.pyramid import CHANNELS
+from remqa_data.agents.networks.detection.regions import Regions, candidates, compared, nearest, places_of, regions_of
 from remqa_data.agents.networks.matcher import (
     CompositionalMatcher,
     LanguageAttentionMatcher,
@@ -10,8 +12,6 @@ from remqa_data.agents.networks.matcher import (
     PlainMatcher,
     ranking_loss,
 )
-from remqa_data.agents.networks.pyramid import CHANNELS
-from remqa_data.agents.networks.regions import Regions, candidates, compared, nearest, places_of, regions_of
 
 MATCHERS = (LanguageAttentionMatcher, PlainMatcher, CompositionalMatcher)
 TYPES, WORDS = 5, 12
@@ -21,7 +21,8 @@ BOXES = np.array([[10, 10, 40, 40], [50, 10, 90, 60], [5, 60, 45, 95], [60, 70, 
 def regions(boxes: np.ndarray = BOXES) -> Regions:
     torch.manual_seed(0)
     detector, features = Detector(TYPES).eval(), torch.randn((1, CHANNELS, 25, 25))
-    return regions_of(detector, features, boxes, np.full((100, 100), 2.0, dtype=np.float32))
+    seen = FeatureMaps(torch.zeros((1, 3, 100, 100), dtype=torch.uint8), features, features)
+    return regions_of(detector, seen, boxes, np.full((100, 100), 2.0, dtype=np.float32))
 
 
 def matcher_of(kind: type[Matcher]) -> Matcher:

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from remqa_data.agents import view_features
 from remqa_data.agents.cli import app
-from remqa_data.agents.networks.detector import Detector
+from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.training import rooms as rooms_module
 from remqa_data.agents.training.config import load_network_config, networks
 from remqa_data.agents.training.pictures import Pictures, detector_types, varied
@@ -24,6 +24,7 @@ from remqa_data.views.build import Wanted, cache_views
 
 pytestmark = pytest.mark.slow
 
+WITH_MAPS = ("framework", "framework_two_stage", "framework_memory")
 WALKERS = ("a3c", "scene_priors", "savn", "eqa", "bc_transformer")
 
 
@@ -37,7 +38,7 @@ def short(name: str, folder: Path) -> Path:
     """A network that comes with the package, which learns for one epoch from small pictures."""
     config = load_network_config(name).model_dump(mode="json")
     config["schedule"]["epochs"] = 1
-    if config["network"]["kind"] == "detector":
+    if config["network"]["kind"] in ("detector", "refiner"):
         config["network"]["side_px"] = 64
     if "walks" in config["network"]:
         config["network"]["walks"] = 4
@@ -51,7 +52,7 @@ def short(name: str, folder: Path) -> Path:
 def trained(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Weights of all networks."""
     folder = tmp_path_factory.mktemp("trained")
-    first = ["detector", "view_encoder"]
+    first = ["detector", "view_encoder", "refiner"]
     then = [name for name in networks() if name not in first]
     options = ("--data", two_rooms, "--out", folder / "weights", "--threads", 1)
     asked("train", *(short(name, folder) for name in first), *options)
@@ -68,12 +69,13 @@ def trained(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path, tmp_path: Path) -> None:
     options = ("--data", two_rooms, "--out", tmp_path, "--weights", trained)
     asked("predict", *networks(), *options)
-    asked("run", "framework", "framework_memory", *WALKERS, *options, "--workers", 1)
+    asked("run", *WITH_MAPS, *WALKERS, *options, "--workers", 1)
     asked("table", "--data", two_rooms, "--out", tmp_path, "--workers", 1)
     text = (tmp_path / "table.md").read_text()
     for wanted in (
         "| framework (semantic map, LAN, answerer) |",
         "| LAN, detected boxes |",
+        "| LAN, two stages, detected boxes |",
         "| BiLSTM, no modules, true boxes |",
         "| LAN + detectron2 (Ours) (paper) |",
         "| answerer: the words alone |",
@@ -86,9 +88,10 @@ def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path,
     ):
         assert wanted in text
     board = json.loads((tmp_path / "leaderboard.json").read_text())
-    assert len(board["entries"]) == 2 + len(WALKERS)
-    scores = json.loads((tmp_path / "detector-test.json").read_text())
-    assert scores["frames"] > 0
+    assert len(board["entries"]) == len(WITH_MAPS) + len(WALKERS)
+    for stage in ("detector", "refiner"):
+        scores = json.loads((tmp_path / f"{stage}-test.json").read_text())
+        assert scores["frames"] > 0
     rows = [json.loads(line) for line in (tmp_path / "framework.jsonl").read_text().splitlines()[1:]]
     assert {row["answer"] for row in rows} <= {"0", "1", "2", "3", "yes", "no"}
 

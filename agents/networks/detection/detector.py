@@ -14,7 +14,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from remqa_data.agents.networks.pyramid import CHANNELS, STRIDE, Pyramid
+from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE, Pyramid, features_in
 from remqa_data.geometry.types import F32, Flags
 
 MOST_PEAKS = 80
@@ -74,6 +74,38 @@ class Peaks(NamedTuple):
 
     boxes: F32
     votes: F32
+
+
+class FeatureMaps(NamedTuple):
+    """What the detector keeps of n pictures that it has looked at twice.
+
+    Attributes
+    ----------
+    rgb : (n, 3, h, w) uint8
+    features, enlarged : (n, CHANNELS, h', w'), (n, CHANNELS, h", w")
+        Of the pictures, and of the same enlarged.
+    """
+
+    rgb: Tensor
+    features: Tensor
+    enlarged: Tensor
+
+
+class Voted(NamedTuple):
+    """Where objects may be in n pictures, for who looks at them again.
+
+    Attributes
+    ----------
+    seen : FeatureMaps
+    peaks : list of Peaks
+        Of each picture.
+    cells : (n, h', w') int64
+        What each cell shows; see `Detections`.
+    """
+
+    seen: FeatureMaps
+    peaks: list[Peaks]
+    cells: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,22 +174,28 @@ class Detector(nn.Module):
         return self.look(rgb)[1]
 
     @torch.no_grad()
-    def look(self, rgb: Tensor) -> tuple[Tensor, list[Detections]]:
-        """Features of (n, 3, h, w) uint8 pictures, see `Raw`, and the objects that `detect` finds in them."""
+    def look(self, rgb: Tensor) -> tuple[FeatureMaps, list[Detections]]:
+        """What it keeps of (n, 3, h, w) uint8 pictures, and the objects that `detect` finds in them."""
         (raw, size), (closely, larger) = self._twice(rgb)
         found = zip(self.read(raw, size), self.read(closely, larger), strict=True)
-        return raw.features, [_large_and_small(*both) for both in found]
+        return FeatureMaps(rgb, raw.features, closely.features), [_large_and_small(*both) for both in found]
 
     @torch.no_grad()
-    def vote(self, rgb: Tensor) -> list[tuple[Peaks, np.ndarray]]:
-        """Objects in (n, 3, h, w) uint8 pictures with all types that each may be, for who sees it in more pictures.
+    def types_of(self, seen: FeatureMaps, boxes: Tensor) -> Tensor:
+        """(m, types) how likely each of (m, 4) boxes in the one picture that was seen is of each type, by its middle."""
+        first = torch.zeros(len(boxes), dtype=torch.int64, device=boxes.device)
+        return self.types_at(features_in(seen.features, boxes, first, 1)[:, :, 0, 0]).softmax(1)
 
-        Beside them (h', w') what each cell shows; see `Detections`.
+    @torch.no_grad()
+    def vote(self, rgb: Tensor, least_votes: float = LEAST_VOTES) -> Voted:
+        """Objects in (n, 3, h, w) uint8 pictures with all types that each may be, for who looks at them again.
+
+        What is less likely than `least_votes` an object at all is left out.
         """
         (raw, size), (closely, larger) = self._twice(rgb)
-        shown = raw.cells.argmax(1).numpy(force=True)
-        both = zip(self.peaks(raw, size), self.peaks(closely, larger), shown, strict=True)
-        return [(_peaks_of_both(whole, close), cells) for whole, close, cells in both]
+        both = zip(self.peaks(raw, size), self.peaks(closely, larger), strict=True)
+        peaks = [_peaks_of_both(whole, close, least_votes) for whole, close in both]
+        return Voted(FeatureMaps(rgb, raw.features, closely.features), peaks, raw.cells.argmax(1).numpy(force=True))
 
     def _twice(self, rgb: Tensor) -> list[tuple[Raw, tuple[int, ...]]]:
         """What it says of pictures, and of the same enlarged, and how large these are."""
@@ -187,10 +225,8 @@ class Detector(nn.Module):
         shown = raw.cells.argmax(1).numpy(force=True)
         found = []
         for peaks, cells in zip(self.peaks(raw, size), shown, strict=True):
-            likely = min(TYPES_OF_A_PEAK, peaks.votes.shape[1])
-            kinds = np.argsort(-peaks.votes, axis=1, kind="stable")[:, :likely]
-            scores = np.take_along_axis(peaks.votes, kinds, axis=1)
-            found.append(_without_doubles(peaks.boxes.repeat(likely, 0), kinds.ravel(), scores.ravel(), cells))
+            places, types, scores = likeliest_types(peaks.votes)
+            found.append(_without_doubles(peaks.boxes[places], types, scores, cells))
         return found
 
 
@@ -215,14 +251,14 @@ def _large_and_small(whole: Detections, closely: Detections) -> Detections:
     )
 
 
-def _peaks_of_both(whole: Peaks, closely: Peaks) -> Peaks:
+def _peaks_of_both(whole: Peaks, closely: Peaks, least_votes: float) -> Peaks:
     """As `_large_and_small`; of two boxes that overlap the likelier one counts, whatever its type."""
     small_boxes = closely.boxes / ENLARGED
     large, small = _shorter_sides(whole.boxes) >= LARGE_PX, _shorter_sides(small_boxes) < SMALL_PX
     boxes = np.concatenate([whole.boxes[large], small_boxes[small]])
     votes = np.concatenate([whole.votes[large], closely.votes[small]])
     order = np.argsort(-votes.sum(axis=1), kind="stable")
-    order = order[votes[order].sum(axis=1) >= LEAST_VOTES]
+    order = order[votes[order].sum(axis=1) >= least_votes]
     overlaps = iou(boxes, boxes) > SAME_OBJECT_IOU
     kept: list[int] = []
     for place in order.tolist():
@@ -237,15 +273,28 @@ def _shorter_sides(boxes: F32) -> F32:
 
 def _without_doubles(boxes: F32, types: np.ndarray, scores: F32, cells: np.ndarray) -> Detections:
     """The likelier one of every two boxes of a type that are of the same object."""
+    kept = kept_objects(boxes, types, scores)
+    return Detections(boxes[kept], types[kept], scores[kept], cells)
+
+
+def likeliest_types(votes: F32) -> tuple[np.ndarray, np.ndarray, F32]:
+    """Of (m, types) votes the likeliest TYPES_OF_A_PEAK of each row: rows, types and scores."""
+    count = min(TYPES_OF_A_PEAK, votes.shape[1])
+    types = np.argsort(-votes, axis=1, kind="stable")[:, :count]
+    rows = np.arange(len(votes)).repeat(count)
+    return rows, types.ravel(), np.take_along_axis(votes, types, axis=1).ravel()
+
+
+def kept_objects(boxes: F32, types: np.ndarray, scores: F32) -> list[int]:
+    """Which of (m, 4) boxes with types and scores are reported, the likeliest first: one of several of the same object."""
     order = np.argsort(-scores, kind="stable")
     order = order[scores[order] >= LEAST_SCORE]
-    boxes, types, scores = boxes[order], types[order], scores[order]
     overlaps = iou(boxes, boxes) > SAME_OBJECT_IOU
     kept: list[int] = []
-    for place in range(len(boxes)):
+    for place in order.tolist():
         if not any(overlaps[place, other] and types[place] == types[other] for other in kept):
             kept.append(place)
-    return Detections(boxes[kept], types[kept], scores[kept], cells)
+    return kept
 
 
 def iou(first: F32, second: F32) -> F32:

@@ -10,8 +10,8 @@ from scipy import ndimage
 from torch import Tensor
 from torch.nn import functional
 
-from remqa_data.agents.networks.detector import Detector, Raw, boxes_at
-from remqa_data.agents.networks.pyramid import STRIDE
+from remqa_data.agents.networks.detection.detector import Detector, Raw, boxes_at
+from remqa_data.agents.networks.detection.pyramid import STRIDE
 from remqa_data.geometry.types import F32
 
 LEAST_PIXELS = 25

@@ -8,8 +8,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from remqa_data.agents.networks.detector import Detections, Detector, iou
-from remqa_data.agents.networks.pyramid import features_in
+from remqa_data.agents.networks.detection.detector import Detections, Detector, FeatureMaps, iou
+from remqa_data.agents.networks.detection.pyramid import features_in
+from remqa_data.agents.networks.detection.refiner import TwoStageDetector
 from remqa_data.geometry.types import F32
 
 GRID = 3
@@ -31,6 +32,8 @@ SAME_BOX_IOU = 0.9
 
 UNSEEN_M = 4.0
 """Where depth has nothing."""
+
+AnyDetector = Detector | TwoStageDetector
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +81,12 @@ def candidates(found: Detections) -> list[int]:
 
 
 @torch.no_grad()
-def regions_of(detector: Detector, features: Tensor, boxes: F32, depth: F32) -> Regions:
-    """What is known of (m, 4) boxes in a picture with (1, channels, h', w') features and (h, w) depth in metres."""
+def regions_of(detector: AnyDetector, seen: FeatureMaps, boxes: F32, depth: F32) -> Regions:
+    """What is known of (m, 4) boxes in a picture that a detector has seen, with (h, w) depth in metres."""
+    features = seen.features
     at = torch.from_numpy(np.asarray(boxes, dtype=np.float32)).to(features.device)
     looks = features_in(features, at, torch.zeros(len(at), dtype=torch.int64, device=features.device), GRID)
-    types = detector.types_at(looks[:, :, GRID // 2, GRID // 2]).softmax(1)
+    types = detector.types_of(seen, at)
     places = places_of(boxes, depth).to(features.device)
     direction = types / types.norm(dim=1, keepdim=True).clamp(min=1e-6)
     others = ~torch.eye(len(boxes), dtype=torch.bool, device=features.device)

@@ -57,9 +57,7 @@ class Pyramid(nn.Module):
         -------
         (n, CHANNELS, h / STRIDE, w / STRIDE) float32, sizes rounded up.
         """
-        mean, spread = (rgb.new_tensor(figures, dtype=torch.float32).view(1, 3, 1, 1) for figures in (MEAN, SPREAD))
-        x = (rgb.to(torch.float32) / 255 - mean) / spread
-        x = self.stem(x.contiguous(memory_format=torch.channels_last))
+        x = self.stem(normalised(rgb).contiguous(memory_format=torch.channels_last))
         found = []
         for stage in self.stages:
             x = stage(x)
@@ -92,7 +90,13 @@ def conv_block(before: int, after: int, stride: int = 1) -> nn.Sequential:
     )
 
 
-def features_in(features: Tensor, boxes: Tensor, images: Tensor, size: int) -> Tensor:
+def normalised(rgb: Tensor) -> Tensor:
+    """(n, 3, h, w) uint8 pictures as float32 around 0."""
+    mean, spread = (rgb.new_tensor(figures, dtype=torch.float32).view(1, 3, 1, 1) for figures in (MEAN, SPREAD))
+    return (rgb.to(torch.float32) / 255 - mean) / spread
+
+
+def features_in(features: Tensor, boxes: Tensor, images: Tensor, size: int, cell_px: float = STRIDE) -> Tensor:
     """Features at a grid of points in each of some boxes, by bilinear interpolation.
 
     Parameters
@@ -105,6 +109,8 @@ def features_in(features: Tensor, boxes: Tensor, images: Tensor, size: int) -> T
         Which picture each box is in.
     size : int
         Points across and down, at the middles of equal parts of the box.
+    cell_px : float
+        Pixels for each cell of the features.
 
     Returns
     -------
@@ -114,7 +120,7 @@ def features_in(features: Tensor, boxes: Tensor, images: Tensor, size: int) -> T
     steps = (torch.arange(size, device=boxes.device, dtype=boxes.dtype) + 0.5) / size
     x = boxes[:, 0, None] + steps * (boxes[:, 2] - boxes[:, 0])[:, None]
     y = boxes[:, 1, None] + steps * (boxes[:, 3] - boxes[:, 1])[:, None]
-    x, y = x / (width * STRIDE) * 2 - 1, y / (height * STRIDE) * 2 - 1
+    x, y = x / (width * cell_px) * 2 - 1, y / (height * cell_px) * 2 - 1
     grid = torch.stack([x[:, None, :].expand(-1, size, -1), y[:, :, None].expand(-1, -1, size)], dim=-1)
     found = torch.empty((len(boxes), features.shape[1], size, size), device=features.device, dtype=features.dtype)
     for image in torch.unique(images).tolist():

@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from remqa_data.agents.networks.pyramid import CHANNELS, STRIDE, Pyramid, features_in
+from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE, Pyramid, features_in
 
 
 @pytest.mark.parametrize(("height", "width"), [(300, 300), (64, 96), (65, 33)])

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 import torch
 
-from remqa_data.agents.networks.detector import Detector
-from remqa_data.agents.networks.detector_loss import (
+from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.detector_loss import (
     LEAST_PIXELS,
     NOTHING,
     batch_of,

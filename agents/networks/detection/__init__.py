@@ -1,0 +1,1 @@
+"""Finding objects in pictures: what all networks that look at views are built upon."""

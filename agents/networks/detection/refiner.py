@@ -1,0 +1,235 @@
+"""A second stage for the detector (Ren et al. 2015; He et al. 2017): each box is looked at again, by itself and from close by.
+
+The first stage says where objects may be. Of each such box, and of a margin around it, the second one sees the features and
+the pixels, and says what it is, where its sides truly are, and which parts of it are the object.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from remqa_data.agents.networks.detection.detector import (
+    ENLARGED,
+    Detections,
+    Detector,
+    FeatureMaps,
+    Peaks,
+    kept_objects,
+    likeliest_types,
+)
+from remqa_data.agents.networks.detection.pyramid import (
+    CHANNELS,
+    STRIDE,
+    Residual,
+    conv_block,
+    features_in,
+    normalised,
+)
+from remqa_data.geometry.types import F32, Flags
+
+MARGIN = 1.6
+"""What is looked at is so many times as wide and high as the box."""
+
+GRID = 12
+"""Features are taken at so many points across and down, and pixels at four times as many."""
+
+PIXELS = 4 * GRID
+
+LEAST_SIDE_PX = 8.0
+"""Boxes count as at least so wide and high when they are moved."""
+
+WIDTHS = (64, 96, 128)
+"""Channels at GRID, half of it and a quarter of it."""
+
+KNOWN = 256
+"""Numbers of what is known of a box in the end."""
+
+LEAST_VOTES = 0.02
+"""What the first stage thinks less likely an object at all is not looked at again."""
+
+AT_ONCE = 40
+"""Boxes that are looked at together."""
+
+
+class Refined(NamedTuple):
+    """What is said of m boxes.
+
+    Attributes
+    ----------
+    boxes : (m, 4)
+        x1, y1, x2, y2 in pixels.
+    kinds : (m, 1 + types)
+        Logits of what each is: 0 is nothing, or something else.
+    shapes : (m, GRID, GRID)
+        Logits that a point of the box with its margin is the object.
+    """
+
+    boxes: Tensor
+    kinds: Tensor
+    shapes: Tensor
+
+
+@dataclass(frozen=True, eq=False)
+class RefinedDetections(Detections):
+    """Objects that were found in one picture, and which parts of their boxes they are.
+
+    Attributes
+    ----------
+    looked_at : (m, 4) float32
+        Boxes with their margins, in which the shapes lie.
+    shapes : (m, GRID, GRID) float32
+        How likely each point is the object.
+    """
+
+    looked_at: F32
+    shapes: F32
+
+    def mask(self, place: int, size: tuple[int, int]) -> Flags:
+        """(h, w) pixels of the object at a place of the list, in a picture of a size; all of its box if they are none."""
+        height, width = size
+        x1, y1, x2, y2 = self.looked_at[place]
+        columns = ((np.arange(width, dtype=np.float32) + 0.5 - x1) / (x2 - x1) * GRID - 0.5)[None].repeat(height, 0)
+        rows = ((np.arange(height, dtype=np.float32) + 0.5 - y1) / (y2 - y1) * GRID - 0.5)[:, None].repeat(width, 1)
+        shown = cv2.remap(self.shapes[place], columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        x1, y1, x2, y2 = np.rint(self.boxes[place]).astype(int)
+        is_inside = np.zeros(size, dtype=bool)
+        is_inside[max(y1, 0) : max(y2, y1 + 1), max(x1, 0) : max(x2, x1 + 1)] = True
+        found = is_inside & (np.asarray(shown) > 0.5)
+        return found if found.any() else is_inside
+
+
+class Refiner(nn.Module):
+    """Looks at boxes again.
+
+    Parameters
+    ----------
+    types : int
+        How many types of objects it knows.
+    """
+
+    def __init__(self, types: int) -> None:
+        super().__init__()
+        self.types = types
+        whole, half, quarter = WIDTHS
+        self.pixels = nn.Sequential(conv_block(3, 16, stride=2), conv_block(16, 32, stride=2))
+        self.near = nn.Sequential(
+            nn.Conv2d(CHANNELS + 32, whole, 1, bias=False), nn.BatchNorm2d(whole), nn.ReLU(), Residual(whole)
+        )
+        self.all = nn.Sequential(
+            conv_block(whole, half, stride=2),
+            Residual(half),
+            conv_block(half, quarter, stride=2),
+            nn.Flatten(),
+            nn.Linear(quarter * (GRID // 4) ** 2, KNOWN),
+            nn.ReLU(),
+        )
+        self.shape = nn.Conv2d(whole, 1, 3, padding=1)
+        self.kind = nn.Linear(KNOWN, 1 + types)
+        self.sides = nn.Linear(KNOWN, 4)
+        nn.init.zeros_(self.sides.weight)
+        nn.init.zeros_(self.sides.bias)
+
+    def forward(self, rgb: Tensor, features: Tensor, boxes: Tensor, images: Tensor) -> Refined:
+        """Look at (m, 4) boxes, pixels, each in one of n pictures.
+
+        Parameters
+        ----------
+        rgb : (n, 3, h, w) uint8
+            Pictures.
+        features : (n, CHANNELS, h', w')
+            Of the backbone, of the same pictures enlarged; see `FeatureMaps.enlarged`.
+        images : (m,) int64
+            Which picture each box is in.
+        """
+        seen = with_margin(boxes)
+        pixels = features_in(normalised(rgb), seen, images, PIXELS, cell_px=1)
+        looks = features_in(features, seen, images, GRID, STRIDE / ENLARGED)
+        near = self.near(torch.cat([looks, self.pixels(pixels)], 1))
+        known = self.all(near)
+        return Refined(moved(boxes, self.sides(known)), self.kind(known), self.shape(near)[:, 0])
+
+
+class TwoStageDetector:
+    """A detector with a second stage, for who asks where objects are; see `Detector` for what its methods give.
+
+    Attributes
+    ----------
+    first, second
+        Trained networks.
+    """
+
+    def __init__(self, first: Detector, second: Refiner) -> None:
+        self.first, self.second = first.eval(), second.eval()
+
+    @property
+    def types(self) -> int:
+        """How many types of objects it knows."""
+        return self.first.types
+
+    def to(self, device: str) -> TwoStageDetector:
+        """The same, computing elsewhere."""
+        return TwoStageDetector(self.first.to(device), self.second.to(device))
+
+    def eval(self) -> TwoStageDetector:
+        """The same: it never learns."""
+        return self
+
+    @torch.no_grad()
+    def detect(self, rgb: Tensor) -> list[Detections]:
+        """Objects in (n, 3, h, w) uint8 pictures."""
+        return self.look(rgb)[1]
+
+    @torch.no_grad()
+    def look(self, rgb: Tensor) -> tuple[FeatureMaps, list[Detections]]:
+        """What the first stage keeps of pictures, and the objects that both find in them."""
+        voted = self.first.vote(rgb, LEAST_VOTES)
+        each = (FeatureMaps(*(part[image : image + 1] for part in voted.seen)) for image in range(len(rgb)))
+        return voted.seen, [self._found(*one) for one in zip(each, voted.peaks, voted.cells, strict=True)]
+
+    @torch.no_grad()
+    def types_of(self, seen: FeatureMaps, boxes: Tensor) -> Tensor:
+        """(m, types) how likely each of (m, 4) boxes in the one picture that was seen is of each type, by the second stage."""
+        return self._refined(seen, boxes).kinds.softmax(1)[:, 1:]
+
+    def _refined(self, seen: FeatureMaps, boxes: Tensor) -> Refined:
+        said = [
+            self.second(seen.rgb, seen.enlarged, some, torch.zeros(len(some), dtype=torch.int64, device=some.device))
+            for some in torch.split(boxes, AT_ONCE)  # type: ignore[no-untyped-call]
+        ]
+        return Refined(*(torch.cat(parts) for parts in zip(*said, strict=True)))
+
+    def _found(self, seen: FeatureMaps, peaks: Peaks, cells: np.ndarray) -> Detections:
+        """The objects at the peaks of one picture, as the second stage sees them."""
+        boxes = torch.from_numpy(peaks.boxes).to(seen.rgb.device)
+        found = self._refined(seen, boxes)
+        height, width = seen.rgb.shape[-2:]
+        limits = np.array([width, height, width, height], dtype=np.float32)
+        better = np.clip(found.boxes.numpy(force=True), 0, limits)
+        places, types, scores = likeliest_types(found.kinds.softmax(1)[:, 1:].numpy(force=True))
+        kept = kept_objects(better[places], types, scores)
+        of = places[kept]
+        looked_at, shapes = with_margin(boxes).numpy(force=True), found.shapes.sigmoid().numpy(force=True)
+        return RefinedDetections(better[of], types[kept], scores[kept], cells, looked_at[of], shapes[of])
+
+
+def with_margin(boxes: Tensor) -> Tensor:
+    """(m, 4) boxes, MARGIN times as wide and high."""
+    middles = (boxes[:, :2] + boxes[:, 2:]) / 2
+    halves = sizes_of(boxes) * MARGIN / 2
+    return torch.cat([middles - halves, middles + halves], 1)
+
+
+def moved(boxes: Tensor, shares: Tensor) -> Tensor:
+    """(m, 4) boxes whose sides were moved by (m, 4) shares of their width and height."""
+    return boxes + shares.clamp(-0.6, 0.6) * sizes_of(boxes).repeat(1, 2)
+
+
+def sizes_of(boxes: Tensor) -> Tensor:
+    """(m, 2) width and height of boxes, at least LEAST_SIDE_PX."""
+    return (boxes[:, 2:] - boxes[:, :2]).clamp(min=LEAST_SIDE_PX)

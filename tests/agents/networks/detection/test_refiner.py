@@ -1,0 +1,138 @@
+import numpy as np
+import pytest
+import torch
+
+from remqa_data.agents.networks.detection.detector import ENLARGED, Detector, FeatureMaps, Peaks, Voted, iou
+from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE
+from remqa_data.agents.networks.detection.refiner import (
+    GRID,
+    MARGIN,
+    RefinedDetections,
+    Refiner,
+    TwoStageDetector,
+    moved,
+    with_margin,
+)
+from remqa_data.agents.training.detection import JITTER, MOST_BOXES, Proposals, objects_of, propose
+from remqa_data.agents.training.pictures import Picture
+
+BOXES = torch.tensor([[10.0, 20.0, 30.0, 60.0], [50.0, 50.0, 52.0, 90.0]])
+THING = (40, 30, 70, 90)
+"""x1, y1, x2, y2 of a thing in the pictures here."""
+
+
+def test_a_margin_leaves_the_middle_where_it_is_and_thin_things_get_more() -> None:
+    seen = with_margin(BOXES)
+    assert torch.allclose((seen[:, :2] + seen[:, 2:]) / 2, (BOXES[:, :2] + BOXES[:, 2:]) / 2)
+    assert (seen[:, 2:] - seen[:, :2]).flatten().tolist() == pytest.approx([32.0, 64.0, 8 * MARGIN, 64.0])
+
+
+def test_sides_move_by_shares_of_the_box() -> None:
+    shares = torch.tensor([[0.5, 0.0, 0.0, 0.25], [0.0, 0.0, 0.5, 0.0]])
+    assert moved(BOXES, shares).tolist() == [[20.0, 20.0, 30.0, 70.0], [50.0, 50.0, 56.0, 90.0]]
+
+
+def test_who_has_learnt_nothing_leaves_boxes_as_they_are() -> None:
+    torch.manual_seed(0)
+    rgb = torch.randint(0, 255, (1, 3, 96, 96), dtype=torch.uint8)
+    said = Refiner(3).eval()(rgb, torch.randn((1, CHANNELS, 36, 36)), BOXES, torch.zeros(2, dtype=torch.int64))
+    assert torch.equal(said.boxes, BOXES)
+    assert said.kinds.shape == (2, 4)
+    assert said.shapes.shape == (2, GRID, GRID)
+
+
+def test_a_mask_is_the_part_of_the_box_that_was_said_to_be_the_object() -> None:
+    left = np.zeros((1, GRID, GRID), dtype=np.float32)
+    left[:, :, : GRID // 2] = 1
+    looked_at = np.array([[0, 0, 24, 24]], dtype=np.float32)
+    boxes = np.array([[4, 4, 20, 20]], dtype=np.float32)
+    none = np.zeros((1, 1), dtype=np.int64)
+    found = RefinedDetections(boxes, np.zeros(1, np.int64), np.ones(1, np.float32), none, looked_at, left)
+    expected = np.zeros((30, 40), dtype=bool)
+    expected[4:20, 4:12] = True
+    assert (found.mask(0, (30, 40)) == expected).all()
+    nothing = RefinedDetections(boxes, found.types, found.scores, none, looked_at, 0 * left)
+    expected[4:20, 4:20] = True
+    assert (nothing.mask(0, (30, 40)) == expected).all()
+
+
+def picture(x1: int, y1: int, x2: int, y2: int) -> Picture:
+    """A red thing of type 2 on grey, and a speck that is too small to be asked for."""
+    rgb, instances = np.full((96, 96, 3), 90, dtype=np.uint8), np.zeros((96, 96), dtype=np.int32)
+    rgb[y1:y2, x1:x2] = (220, 40, 40)
+    instances[y1:y2, x1:x2] = 1
+    instances[0, 0] = 2
+    return Picture(rgb, instances, np.array([2, 1]))
+
+
+def test_what_is_proposed_has_the_truth_beside_it() -> None:
+    seen = np.array([[38, 28, 72, 92], [0, 0, 20, 20], [60, 60, 61, 60.5]], dtype=np.float32)
+    asked = picture(*THING)
+    made = propose(asked, seen, np.random.default_rng(0))
+    assert objects_of(asked).boxes.tolist() == [list(THING)]
+    assert sorted(made.kinds.tolist()) == [0, 3, 3]  # beside the thing as it was seen, and moved a little
+    of_thing = made.kinds == 3
+    assert (made.true[of_thing] == np.array(THING)).all()
+    shares = (made.boxes[of_thing] - THING) / np.tile([30, 60], 2)
+    assert np.abs(shares).max() < 5 * JITTER
+    as_seen = made.shapes[made.boxes[:, 0] == 38][0]
+    steps = (np.arange(GRID) + 0.5) / GRID
+    across, down = 55 + (steps - 0.5) * 34 * MARGIN, 60 + (steps - 0.5) * 64 * MARGIN
+    inside = ((down >= 30) & (down < 90))[:, None] & ((across >= 40) & (across < 70))
+    assert (as_seen == inside).all()
+    assert 0 < inside.mean() < 1
+
+
+def test_in_an_empty_picture_nothing_is_proposed_as_an_object() -> None:
+    empty = Picture(np.zeros((50, 50, 3), np.uint8), np.zeros((50, 50), np.int32), np.zeros(0, np.int64))
+    made = propose(empty, np.array([[0, 0, 20, 20]] * 40, dtype=np.float32), np.random.default_rng(0))
+    assert len(made.boxes) == MOST_BOXES
+    assert not made.kinds.any()
+    assert not made.shapes.any()
+
+
+class Rough(Detector):
+    """Sees one thing in the middle of each picture, and not where it ends."""
+
+    def vote(self, rgb: torch.Tensor, least_votes: float = 0.0) -> Voted:
+        side = round(rgb.shape[-1] * ENLARGED / STRIDE)
+        features = torch.zeros((len(rgb), CHANNELS, side, side))
+        rough = Peaks(np.array([[26, 26, 74, 74]], np.float32), np.ones((1, self.types), np.float32) / self.types)
+        return Voted(FeatureMaps(rgb, features, features), [rough] * len(rgb), np.zeros((len(rgb), 1, 1), np.int64))
+
+
+def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
+    torch.manual_seed(0)
+    first, second, rng = Rough(3), Refiner(3), np.random.default_rng(0)
+    optimizer = torch.optim.AdamW(second.parameters(), lr=3e-3)
+
+    def shown(count: int) -> tuple[torch.Tensor, list[Picture]]:
+        made = []
+        for _ in range(count):
+            low, size = rng.integers(24, 40, 2), rng.integers(24, 40, 2)
+            made.append(picture(*low, *(low + size)))
+        return torch.stack([torch.from_numpy(one.rgb).permute(2, 0, 1) for one in made]), made
+
+    for _ in range(40):
+        rgb, pictures = shown(12)
+        voted = first.vote(rgb)
+        parts = [propose(one, p.boxes, rng) for one, p in zip(pictures, voted.peaks, strict=True)]
+        images = torch.from_numpy(np.repeat(np.arange(12), [len(one.boxes) for one in parts]))
+        made = Proposals(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+        said = second(rgb, voted.seen.enlarged, torch.from_numpy(made.boxes), images)
+        kinds, true = torch.from_numpy(made.kinds), torch.from_numpy(made.true)
+        is_object = kinds > 0
+        loss = torch.nn.functional.cross_entropy(said.kinds, kinds)
+        loss = loss + (said.boxes - true)[is_object].abs().mean() / 10
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+
+    rgb, pictures = shown(20)
+    seen, found = TwoStageDetector(first, second).look(rgb)
+    true = np.concatenate([objects_of(one).boxes for one in pictures])
+    rough = iou(true, np.array([[26, 26, 74, 74]], np.float32))[:, 0]
+    better = np.array([iou(true[i : i + 1], one.boxes[:1])[0, 0] for i, one in enumerate(found)])
+    assert better.mean() > rough.mean() + 0.15
+    assert np.mean([one.types[0] == 2 for one in found]) > 0.9
+    assert (seen.rgb == rgb).all()
