@@ -26,7 +26,7 @@ MORE := out/sampled-$(MORE_SCENES)
 # All that come with the package; the others are built upon the first ones.
 FIRST := detector view_encoder refiner
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
-SYSTEMS := random semantic_map framework framework_two_stage framework_memory predicted_map frontier a3c scene_priors savn eqa bc_transformer
+SYSTEMS := random semantic_map framework framework_two_stage framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
 
 .DEFAULT_GOAL := help
 .PHONY: help setup dataset agents test test-fast test-newest lint format build docs bench clean

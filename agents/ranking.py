@@ -31,6 +31,7 @@ NAMESAKES: Mapping[str, Mapping[str, str]] = {
     },
     "REMQA": {
         "EQA (PACMAN), LAN": "EQA",
+        "IQA (HIMN), LAN, answerer": "IQA",
         "framework (semantic map, LAN, answerer)": "Ours",
     },
 }

@@ -102,17 +102,18 @@ def _policy(config: PolicyConfig, root: Path, weights: Path | None, force: bool)
 def _imitator(config: ImitatorConfig, root: Path, weights: Path | None, force: bool) -> Navigator:
     require("torch", "agents")
     from remqa_data.agents.networks.planner_controller import PlannerController
+    from remqa_data.agents.networks.spatial_memory import MemoryPlanner
     from remqa_data.agents.networks.view_encoder import ViewEncoder
     from remqa_data.agents.networks.view_transformer import ViewTransformer
-    from remqa_data.agents.parts.imitators import EqaAgent, TransformerAgent
+    from remqa_data.agents.parts.imitators import DoingAgent, EqaAgent
     from remqa_data.agents.training.weights import load_network, weights_path
 
     network, about = load_network(weights_path(config.network, weights), root, force=force)
     encoder, _ = load_network(weights_path("view_encoder", weights), root, force=force)
     if isinstance(encoder, ViewEncoder) and isinstance(network, PlannerController):
         return EqaAgent(network, encoder, about.vocabulary)
-    if isinstance(encoder, ViewEncoder) and isinstance(network, ViewTransformer):
-        return TransformerAgent(network, encoder, about.vocabulary)
+    if isinstance(encoder, ViewEncoder) and isinstance(network, ViewTransformer | MemoryPlanner):
+        return DoingAgent(network, encoder, about.vocabulary)
     raise ConfigError(f"navigator: {config.network!r} is no imitator, or 'view_encoder' no view encoder")
 
 

@@ -11,8 +11,12 @@ from torch.nn import functional
 from remqa_data.agents.networks.actor_critic import DONE, MOVES, drawn
 from remqa_data.agents.networks.detection.pyramid import CHANNELS
 from remqa_data.agents.networks.view_encoder import PARTS, ViewEncoder
+from remqa_data.catalog import Manipulation
 
-ImitatorForm = Literal["planner_controller", "transformer"]
+ImitatorForm = Literal["planner_controller", "transformer", "spatial_memory"]
+
+DEEDS: tuple[Manipulation | None, ...] = (None, "Open", "Move", "Pickup")
+"""What is done in the end; nothing where it is not there yet."""
 
 SHARPNESS, DOUBT = 1.5, 1.0
 """Who walks alone multiplies logits by the one, so that likelier moves are preferred, and before takes the other from that of

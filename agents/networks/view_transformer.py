@@ -13,16 +13,13 @@ import torch
 from torch import Tensor, nn
 
 from remqa_data.agents.networks.actor_critic import MOVES
-from remqa_data.agents.networks.imitation import SEEN, Chosen, Eye, Lead, led
-from remqa_data.catalog import Manipulation
+from remqa_data.agents.networks.imitation import DEEDS, SEEN, Chosen, Eye, Lead, led
 
 WIDTH, HEADS, LAYERS = 96, 4, 3
 VIEWS = 12
 """A view sees so many in each layer, itself among them."""
 MOST_WORDS = 40
 """Of a question; what comes after is not read."""
-DEEDS: tuple[Manipulation | None, ...] = (None, "Open", "Move", "Pickup")
-"""What is done in the end; nothing where it is not there yet."""
 
 
 class Reading(NamedTuple):

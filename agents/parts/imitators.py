@@ -1,4 +1,4 @@
-"""Agents that have learnt to walk by imitation of shortest ways, without a map: EQA, and a transformer."""
+"""Agents that have learnt to walk by imitation of shortest ways, without a map: EQA, IQA and a transformer."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.reading import Question
 from remqa_data.agents.networks.actor_critic import DONE, MOVES, told
 from remqa_data.agents.networks.answerer import likeliest
-from remqa_data.agents.networks.imitation import DRAWS, ImitatorWalk
+from remqa_data.agents.networks.imitation import DEEDS, DRAWS, ImitatorWalk
 from remqa_data.agents.networks.planner_controller import LAST_VIEWS, PlannedWalk, PlannerController
+from remqa_data.agents.networks.spatial_memory import MemoryPlanner, RememberedWalk
 from remqa_data.agents.networks.threads import one_thread
 from remqa_data.agents.networks.view_encoder import ViewEncoder
-from remqa_data.agents.networks.view_transformer import DEEDS, AttentiveWalk, ViewTransformer
+from remqa_data.agents.networks.view_transformer import AttentiveWalk, ViewTransformer
 from remqa_data.agents.parts.interfaces import Percept, Sighting
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.geometry.types import U8
@@ -99,12 +100,12 @@ class EqaAgent:
 
 
 @dataclass(eq=False)
-class TransformerAgent:
-    """A transformer that has cloned shortest ways: a navigator that also says what to do to the target.
+class DoingAgent:
+    """A transformer, or a planner with a memory (IQA), that has cloned shortest ways: it also says what to do to the target.
 
     Attributes
     ----------
-    network : ViewTransformer
+    network : ViewTransformer or MemoryPlanner
         Trained.
     encoder : ViewEncoder
         That through which it has learnt to see.
@@ -112,14 +113,18 @@ class TransformerAgent:
         Its words.
     """
 
-    network: ViewTransformer
+    network: ViewTransformer | MemoryPlanner
     encoder: ViewEncoder
     vocabulary: Vocabulary
-    _walk: AttentiveWalk | None = field(default=None, init=False)
+    _walk: AttentiveWalk | RememberedWalk | None = field(default=None, init=False)
 
     def begin(self, asked: Question, memory: WalkMemory, rng: np.random.Generator) -> ImitatorWalker:
         """Begin an episode; each move is drawn."""
-        self._walk = AttentiveWalk(self.network, numbers_of(self.vocabulary, asked))
+        numbers, network = numbers_of(self.vocabulary, asked), self.network
+        if isinstance(network, MemoryPlanner):
+            self._walk = RememberedWalk(network, numbers)
+        else:
+            self._walk = AttentiveWalk(network, numbers)
         return ImitatorWalker(self.encoder, self._walk, rng)
 
     def actions(

@@ -114,7 +114,7 @@ class ImitatorConfig(_Network):
     """Walks as shortest ways do, and answers or says what to do in the end; an epoch is so many walks on cached views."""
 
     kind: Literal["imitator"]
-    form: Literal["planner_controller", "transformer"]
+    form: Literal["planner_controller", "transformer", "spatial_memory"]
     walks: Annotated[int, Field(ge=1)] = 6400
 
     @property

@@ -18,10 +18,11 @@ from torch.nn import functional
 
 from remqa_data.agents.networks.actor_critic import DONE, MOVES, told
 from remqa_data.agents.networks.answerer import likeliest
-from remqa_data.agents.networks.imitation import DRAWS, ImitatorForm, ImitatorWalk, Lead
+from remqa_data.agents.networks.imitation import DEEDS, DRAWS, ImitatorForm, ImitatorWalk, Lead
 from remqa_data.agents.networks.planner_controller import LAST_VIEWS, PlannedWalk, PlannerController
+from remqa_data.agents.networks.spatial_memory import MemoryPlanner, Planned, RememberedWalk
 from remqa_data.agents.networks.view_encoder import ViewEncoder
-from remqa_data.agents.networks.view_transformer import DEEDS, AttentiveWalk, ViewTransformer
+from remqa_data.agents.networks.view_transformer import Attended, AttentiveWalk, ViewTransformer
 from remqa_data.agents.training.cached_walks import Errand, Walks, check_features, learning_errands
 from remqa_data.agents.training.pictures import detector_types
 from remqa_data.agents.training.reinforcing import MOST_STEPS
@@ -37,6 +38,12 @@ FARTHEST, LONGEST = 25, 30
 val rooms 90 % begin 2 to 19 away."""
 NAME_WEIGHT = 0.5
 """Of the loss of which types a question names."""
+
+DOERS: Mapping[str, type[ViewTransformer | MemoryPlanner]] = {
+    "transformer": ViewTransformer,
+    "spatial_memory": MemoryPlanner,
+}
+"""Who says what to do in the end."""
 
 _WALKED = np.array([ACTIONS.index(name) for name in MOVES[:DONE]])
 
@@ -96,7 +103,7 @@ class ImitationTask:
         Datasets; the questions of the first one are walked to.
     views : path
         The cache of the first one, with features.
-    form : {"planner_controller", "transformer"}
+    form : {"planner_controller", "transformer", "spatial_memory"}
         Which network.
     encoder : ViewEncoder
         Trained: that of the cache's features.
@@ -124,11 +131,11 @@ class ImitationTask:
         learnt = [row for row in rows if row["scene"] in rooms]
         self.vocabulary = Vocabulary.build([row["question"] for row in learnt], [row["answer"] for row in learnt])
         words, types = len(self.vocabulary.words), len(detector_types())
-        self.model: PlannerController | ViewTransformer
+        self.model: PlannerController | ViewTransformer | MemoryPlanner
         if form == "planner_controller":
             self.model = PlannerController(words, len(self.vocabulary.answers), types)
         else:
-            self.model = ViewTransformer(words, types)
+            self.model = DOERS[form](words, types)
         self.model.eye.know(encoder)
         self.device = device
 
@@ -157,7 +164,7 @@ class ImitationTask:
         """Of the moves, of what the question names, and of what else the network says."""
         if isinstance(self.model, PlannerController):
             return planner_controller_losses(self.model, batch)
-        return transformer_losses(self.model, batch)
+        return doer_losses(self.model, batch)
 
     def score(self) -> Mapping[str, float]:
         """Success and SPL within MOST_STEPS from where the episodes of val rooms begin, and steps; shares of right answers."""
@@ -191,7 +198,9 @@ def walk_of(model: nn.Module, numbers: Tensor) -> ImitatorWalk:
     """Begin walks of a network for questions with (n, w) numbers of words."""
     if isinstance(model, PlannerController):
         return PlannedWalk(model, numbers)
-    assert isinstance(model, ViewTransformer), "there are two forms"
+    if isinstance(model, MemoryPlanner):
+        return RememberedWalk(model, numbers)
+    assert isinstance(model, ViewTransformer), "there are three forms"
     return AttentiveWalk(model, numbers)
 
 
@@ -287,11 +296,11 @@ def planner_controller_losses(model: PlannerController, batch: Sampled) -> dict[
     return {"loss": torch.stack(list(losses.values())).sum(), **losses}
 
 
-def transformer_losses(model: ViewTransformer, batch: Sampled) -> dict[str, Tensor]:
+def doer_losses(model: ViewTransformer | MemoryPlanner, batch: Sampled) -> dict[str, Tensor]:
     """Of the moves, and of what is to be done: nothing on the way, the manipulation at the target; both count alike."""
     walks, reading = batch.walks, model.read(batch.numbers)
     shown = model.eye.along(walks.features, reading.names, walks.is_going)
-    said = model(shown, walks.before, reading)
+    said: Attended | Planned = model(shown, walks.before, reading)
     is_known = walks.is_going & walks.best.any(2)
     is_there = is_known & walks.best[..., DONE]
     wanted = torch.where(is_there, batch.deeds[None], DEEDS.index(None))

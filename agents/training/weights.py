@@ -19,7 +19,6 @@ from remqa_data.agents.networks.detection.refiner import Refiner, TwoStageDetect
 from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.networks.planner_controller import PlannerController
 from remqa_data.agents.networks.view_encoder import ViewEncoder
-from remqa_data.agents.networks.view_transformer import ViewTransformer
 from remqa_data.agents.training.config import (
     AdaptiveWalkerConfig,
     AnswererConfig,
@@ -34,6 +33,7 @@ from remqa_data.agents.training.config import (
     WalkerConfig,
 )
 from remqa_data.agents.training.grounding import GROUNDERS
+from remqa_data.agents.training.imitating import DOERS
 from remqa_data.agents.training.matching import MATCHERS
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import ConfigError
@@ -207,9 +207,9 @@ def empty_network(about: About) -> nn.Module:
     if isinstance(network, ViewEncoderConfig):
         return ViewEncoder(types)
     if isinstance(network, ImitatorConfig):
-        if network.form == "transformer":
-            return ViewTransformer(words, types)
-        return PlannerController(words, len(about.answers), types)
+        if network.form == "planner_controller":
+            return PlannerController(words, len(about.answers), types)
+        return DOERS[network.form](words, types)
     if isinstance(network, AnswererConfig):
         return ManipulationAnswerer(words, len(about.answers), types, network.views)
     if isinstance(network, GrounderConfig):

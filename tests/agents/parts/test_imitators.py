@@ -11,10 +11,12 @@ from remqa_data.agents.agent import Agent
 from remqa_data.agents.config import load_system
 from remqa_data.agents.knowledge.reading import read_question
 from remqa_data.agents.networks.actor_critic import DONE, MOVES
+from remqa_data.agents.networks.imitation import DEEDS
 from remqa_data.agents.networks.planner_controller import LAST_VIEWS, Asking, PlannerController
+from remqa_data.agents.networks.spatial_memory import MemoryPlanner
 from remqa_data.agents.networks.view_encoder import ViewEncoder
-from remqa_data.agents.networks.view_transformer import DEEDS, ViewTransformer
-from remqa_data.agents.parts.imitators import EqaAgent, TransformerAgent
+from remqa_data.agents.networks.view_transformer import ViewTransformer
+from remqa_data.agents.parts.imitators import DoingAgent, EqaAgent
 from remqa_data.agents.parts.interfaces import Answerer, Manipulator, Percept, Sighting
 from remqa_data.agents.systems import make_agent
 from remqa_data.datasets.vocabulary import Vocabulary
@@ -132,10 +134,13 @@ def test_the_same_generator_walks_the_same_way_and_the_agent_goes_to_other_proce
     assert together.navigator is together.answerer  # what was seen on the walk is what is answered from
 
 
-def test_the_transformer_does_what_it_thinks_likeliest_at_the_end() -> None:
+@pytest.mark.parametrize("kind", [ViewTransformer, MemoryPlanner])
+def test_who_does_something_does_what_it_thinks_likeliest_at_the_end(
+    kind: type[ViewTransformer | MemoryPlanner],
+) -> None:
     torch.manual_seed(0)
-    network = ViewTransformer(len(VOCABULARY.words), TYPES).eval()
-    agent = TransformerAgent(network, encoder(), VOCABULARY)
+    network = kind(len(VOCABULARY.words), TYPES).eval()
+    agent = DoingAgent(network, encoder(), VOCABULARY)
     assert isinstance(agent, Manipulator)
     assert not isinstance(agent, Answerer)
     wanted = {None: [], "Open": ["OpenObject"], "Pickup": ["PickupObject"], "Move": ["PushObject", "PullObject"]}

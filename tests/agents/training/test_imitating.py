@@ -7,11 +7,11 @@ import pytest
 import torch
 
 from remqa_data.agents.networks.actor_critic import DONE, MOVES
-from remqa_data.agents.networks.imitation import ImitatorForm
+from remqa_data.agents.networks.imitation import DEEDS, ImitatorForm
 from remqa_data.agents.networks.planner_controller import LAST_VIEWS, PlannerController
-from remqa_data.agents.networks.view_transformer import DEEDS, ViewTransformer
 from remqa_data.agents.training.cached_walks import Walks
 from remqa_data.agents.training.imitating import (
+    DOERS,
     ImitationTask,
     best_moves,
     followed,
@@ -25,7 +25,7 @@ from tests.helpers.corridor import QUESTION, corridor_errand
 
 AHEAD, LEFT, RIGHT = (MOVES.index(name) for name in ("MoveAhead", "RotateLeft", "RotateRight"))
 EVERYWHERE = [(cell, yaw) for cell in range(5) for yaw in (0, 90, 180, 270)]
-FORMS: tuple[ImitatorForm, ...] = ("planner_controller", "transformer")
+FORMS: tuple[ImitatorForm, ...] = ("planner_controller", "transformer", "spatial_memory")
 
 
 def task_in_the_corridor(form: ImitatorForm) -> ImitationTask:
@@ -35,7 +35,7 @@ def task_in_the_corridor(form: ImitatorForm) -> ImitationTask:
     task._answers = {"q": "2"}
     task.vocabulary = Vocabulary.build([QUESTION], ["1", "2"])
     words = len(task.vocabulary.words)
-    task.model = PlannerController(words, 2, 3) if form == "planner_controller" else ViewTransformer(words, 3)
+    task.model = PlannerController(words, 2, 3) if form == "planner_controller" else DOERS[form](words, 3)
     task.device = "cpu"
     return task
 
@@ -55,7 +55,7 @@ def learn(task: ImitationTask, batches: int) -> None:
 def deeds_right(task: ImitationTask) -> tuple[float, float]:
     """How often it is known that the fridge is to be opened where it is found, and how often that nothing is elsewhere."""
     batch = task.batch(np.arange(16), generators(9, 16))
-    assert isinstance(task.model, ViewTransformer)
+    assert not isinstance(task.model, PlannerController)
     with torch.no_grad():
         reading = task.model.read(batch.numbers)
         shown = task.model.eye.along(batch.walks.features, reading.names, batch.walks.is_going)

@@ -25,7 +25,7 @@ from remqa_data.views.build import Wanted, cache_views
 pytestmark = pytest.mark.slow
 
 WITH_MAPS = ("framework", "framework_two_stage", "framework_memory")
-WALKERS = ("a3c", "scene_priors", "savn", "eqa", "bc_transformer")
+WALKERS = ("a3c", "scene_priors", "savn", "eqa", "iqa", "bc_transformer")
 
 
 def asked(*arguments: object) -> str:
