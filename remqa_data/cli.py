@@ -147,7 +147,12 @@ def export(
     ],
     file: Annotated[
         Path,
-        typer.Option("-o", "--output", metavar="FILE", help="The file to write: .glb, .xml (MJCF, MuJoCo) or .urdf."),
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="The file to write: .glb, .xml (MJCF, MuJoCo), .urdf or .usd (extra: usd).",
+        ),
     ] = Path("scene.glb"),
     data: Annotated[Path | None, typer.Option(metavar="DIR", help="A dataset whose room is meant.")] = None,
     configuration: Annotated[int, typer.Option(min=0, metavar="N", help="Which arrangement of that room.")] = 0,
@@ -156,10 +161,10 @@ def export(
         typer.Option("--open", metavar="ID", help="Open this object, or all; give it as often as needed."),
     ] = None,
     form: Annotated[
-        Literal["glb", "mjcf", "urdf"] | None, typer.Option("--format", help="Whatever the file is called.")
+        Literal["glb", "mjcf", "urdf", "usd"] | None, typer.Option("--format", help="Whatever the file is called.")
     ] = None,
 ) -> None:
-    """Write a room for other programs: a GLB with textures and names, or MJCF and URDF with joints, masses and meshes."""
+    """Write a room for other programs: a GLB with textures and names, or MJCF, URDF and USD with joints, masses and meshes."""
     from remqa_data.export.rooms import find_scene, write_room
 
     files = write_room(find_scene(scene, data, configuration), file, form, opened or ())

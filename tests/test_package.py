@@ -65,6 +65,7 @@ def test_the_extras_are_the_promised_ones():
         "ray",
         "report",
         "rerun",
+        "usd",
     }
 
 

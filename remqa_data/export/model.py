@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -84,10 +84,11 @@ class ModelObject:
 
 @dataclass(frozen=True)
 class RoomModel:
-    """A room; its meshes and textures are `files` in one folder, beside the file that it is written to."""
+    """A room; its meshes, `surfaces` by name, and textures are `files` in one folder, beside the file that it is written to."""
 
     name: str
     files: tuple[Path, ...]
+    surfaces: dict[str, Surface]
     lights: tuple[Vec3, ...]
     materials: dict[str, Material]
     visuals: tuple[Visual, ...]
@@ -118,6 +119,7 @@ def room_model(world: World, folder: Path) -> RoomModel:
     return RoomModel(
         name=world.scene.name,
         files=tuple(files.written.values()),
+        surfaces=files.surfaces,
         lights=world.scene.lights,
         materials=files.materials,
         visuals=tuple(building),
@@ -162,12 +164,15 @@ class _MeshFiles:
     ----------
     materials : dict
         By name.
+    surfaces : dict
+        Meshes by name, their points counted from where they are in the file.
     written : dict
         Paths by file name.
     """
 
     def __init__(self, folder: Path) -> None:
         self.materials: dict[str, Material] = {}
+        self.surfaces: dict[str, Surface] = {}
         self.written: dict[str, Path] = {}
         self._folder = folder
         self._names: dict[Material, str] = {}
@@ -183,8 +188,9 @@ class _MeshFiles:
         if surface.material not in self._names:
             self._name(surface.material)
         material = self._names[surface.material]
-        if f"{mesh}.obj" not in self.written:
+        if mesh not in self.surfaces:
             points = surface.vertices if origin is None else surface.vertices - origin
+            self.surfaces[mesh] = replace(surface, vertices=np.asarray(points, dtype=np.float32))
             self._write(f"{mesh}.obj", _text(_obj_lines(surface, points, material)))
         return Visual(mesh, material)
 

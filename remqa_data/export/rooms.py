@@ -11,6 +11,7 @@ from remqa_data.export.glb import glb_bytes, room_scene
 from remqa_data.export.mjcf import mjcf
 from remqa_data.export.model import room_model
 from remqa_data.export.urdf import urdf
+from remqa_data.extras import require
 from remqa_data.files import atomic_path
 from remqa_data.floorplans.load import load_scene
 from remqa_data.scene import Scene
@@ -19,8 +20,9 @@ from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_rows, read_table
 from remqa_data.tables.rows import SceneRow
 
-FORMATS = {".glb": "glb", ".xml": "mjcf", ".urdf": "urdf"}
+FORMATS = {".glb": "glb", ".xml": "mjcf", ".urdf": "urdf", ".usd": "usd", ".usda": "usd", ".usdc": "usd"}
 """By the suffix of a file."""
+USD = tuple(suffix for suffix, form in FORMATS.items() if form == "usd")
 ALL = "all"
 
 
@@ -66,7 +68,7 @@ def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterab
         The room.
     path : Path
         The file; its suffix tells the format.
-    form : {"glb", "mjcf", "urdf"}, optional
+    form : {"glb", "mjcf", "urdf", "usd"}, optional
         The format of a file with another suffix.
     opened : iterable of str
         Ids of objects to open as far as they go, with what lies in them; "all" for all that open.
@@ -77,12 +79,18 @@ def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterab
         If the suffix is not known, or the file cannot be written there.
     ConfigError
         If something is to be open in URDF, which cannot say so.
+    MissingExtraError
+        If it is to be USD, and the extra `usd` is not installed.
     UnknownNameError, ActionError
         If an object is not there, or does not open.
     """
     form = form or FORMATS.get(path.suffix)
     if form not in FORMATS.values():
         raise OutputError(f"{path}: give a name that ends with {', '.join(FORMATS)}, or --format")
+    if form == "usd":
+        require("pxr", "usd")  # before a room is made
+        if path.suffix not in USD:
+            raise OutputError(f"{path}: give a name that ends with {', '.join(USD)}")
     opened = list(opened)
     if opened and form == "urdf":
         raise ConfigError(
@@ -96,6 +104,11 @@ def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterab
                 temporary.write_bytes(glb_bytes(room_scene(world)))
             return [path]
         room = room_model(world, path.with_name(f"{path.stem}-meshes"))
+    if form == "usd":
+        from remqa_data.export.usd import write_usd
+
+        write_usd(room, path)
+        return [*room.files, path]
     _write_xml(mjcf(room) if form == "mjcf" else urdf(room), path)
     return [*room.files, path]
 

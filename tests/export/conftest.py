@@ -1,5 +1,6 @@
 """A kitchen that many tests write and none changes."""
 
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -17,8 +18,8 @@ def kitchen() -> Scene:
 
 @pytest.fixture(scope="session")
 def kitchen_files(kitchen: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the closed kitchen as room.glb, room.xml and room.urdf."""
+    """A folder with the closed kitchen as room.glb, room.xml and room.urdf, and as room.usda where USD is installed."""
     folder = tmp_path_factory.mktemp("kitchen")
-    for suffix in (".glb", ".xml", ".urdf"):
+    for suffix in (".glb", ".xml", ".urdf", *([".usda"] if find_spec("pxr") else [])):
         write_room(kitchen, folder / f"room{suffix}")
     return folder

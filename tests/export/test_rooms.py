@@ -58,7 +58,10 @@ def test_meshes_lie_in_a_folder_beside_the_file(small_rooms, tmp_path, name, opt
         ),
         (("Small3", "--data", "DATA"), "unknown room 'Small3'; did you mean"),
         (("Small1", "--data", "DATA", "--configuration", "7"), "Small1 has no configuration 7; it has: 0, 1"),
-        (("Small1", "--data", "DATA", "-o", "room.obj"), "room.obj: give a name that ends with .glb, .xml, .urdf"),
+        (
+            ("Small1", "--data", "DATA", "-o", "room.obj"),
+            "room.obj: give a name that ends with .glb, .xml, .urdf, .usd",
+        ),
         (("Small1", "--data", "DATA", "--open", "Stool|1"), "Stool|1 is not openable"),
         (("Small1", "--data", "DATA", "--open", "Fridge|2"), "unknown object 'Fridge|2'; did you mean 'Fridge|1'?"),
         (("Small1", "--data", "DATA", "-o", "r.urdf", "--open", "all"), "--open: URDF holds no joint positions"),
