@@ -98,6 +98,7 @@ def test_rotations_are_those_that_ai2thor_recorded_whichever_side_is_the_front(n
     """Cabinets, drawers and windows were made with their front on any side of their own frame."""
     with World(load_scene(name)) as world:
         records = ObjectRecords(world)
+        records.update()
         told = {r["objectId"]: r for r in records.listing((0, 0, 0), (), (0, 0, 0), None)}
         for row in recorded_objects(name):
             assert yaw_off(told[row.id], row) < 0.05, row.id
@@ -108,6 +109,7 @@ def test_rotations_are_those_that_ai2thor_recorded_whichever_side_is_the_front(n
         world.move(
             drawer, world.state(drawer).position, (half * (x + y), half * (y - x), half * (z + w), half * (w - z))
         )
+        records.update()
         turned = records.listing((0, 0, 0), (), (0, 0, 0), {drawer})[0]["rotation"]["y"]
         assert (before - turned) % 360 == pytest.approx(90, abs=0.01)
 

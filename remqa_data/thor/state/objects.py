@@ -116,7 +116,7 @@ class ObjectRecords:
     def listing(
         self, agent: Vec3, visible: Collection[str], hand: Vec3, only: Collection[str] | None
     ) -> list[Metadata]:
-        """The metadata of all objects now.
+        """The metadata of all objects as they were at the last `update`.
 
         Parameters
         ----------
@@ -129,7 +129,6 @@ class ObjectRecords:
         only : collection of str, optional
             Ids of the objects to list, by default all.
         """
-        self.update()
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
         listed, changed = [], self.conditions.changed
         for object_id, distance in zip(self._world.ids, distances, strict=True):
