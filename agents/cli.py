@@ -6,13 +6,16 @@ import json
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, output
 from remqa_data.processes.cores import worker_count
 from remqa_data.processes.interrupts import ends_the_process
+
+if TYPE_CHECKING:
+    from remqa_data.agents.table import Scored
 
 app = typer.Typer(
     name="remqa-agent",
@@ -66,10 +69,15 @@ def run(
     weights: Weights = None,
     force: Force = False,
     seed: Seed = None,
+    seen: Annotated[
+        int | None,
+        typer.Option(min=1, help="Play so many train questions about rooms that networks learn from; goes to DIR/seen."),
+    ] = None,
 ) -> None:
     """Let systems play all questions of a split; write a submission of each, which remqa-eval replays."""
     from remqa_data.agents.config import load_system
     from remqa_data.agents.runner import play_split
+    from remqa_data.agents.seen import SEEN, SEEN_SPLIT, seen_questions
     from remqa_data.agents.systems import make_agent
     from remqa_data.agents.training.config import seeded_name
     from remqa_data.storage.manifest import load_manifest
@@ -77,7 +85,10 @@ def run(
     configs = [(Path(name).stem, load_system(name)) for name in systems]
     if seed is not None:
         configs = [(seeded_name(name, seed), config.seeded(seed)) for name, config in configs]
-    asked = sum(load_manifest(data).questions.get(split, {}).values())
+    only = None if seen is None else seen_questions(data, seen)
+    if only is not None:
+        split, out = SEEN_SPLIT, out / SEEN
+    asked = sum(load_manifest(data).questions.get(split, {}).values()) if only is None else len(only)
     count = worker_count(workers)
     announce_compiling(count)
     written = {}
@@ -92,6 +103,7 @@ def run(
                 title=config.title,
                 seed=config.seed,
                 fingerprint=config.sha256,
+                only=only,
                 workers=count,
                 resume=resume,
                 progress=on_played,
@@ -190,19 +202,21 @@ def predict(
 
 @app.command()
 def table(data: Data, out: Folder = OUT, workers: Workers = None, weights: Weights = None) -> None:
-    """Replay the submissions in a folder and show them beside the paper's figures; writes tables and leaderboard.json."""
+    """Replay the submissions in a folder and show them beside the paper's figures; writes tables, a page, leaderboard.json."""
     from rich.console import Console
 
-    from remqa_data.agents.costs import costs_grid, known_costs
+    from remqa_data.agents.costs import costs_grid, known_costs, pace_grid
     from remqa_data.agents.leaderboard import leaderboard
     from remqa_data.agents.picture_tables import qa_grid, rec_grid, score_pictures
     from remqa_data.agents.ranking import orders, orders_grid
+    from remqa_data.agents.seen import SEEN, seen_grid
     from remqa_data.agents.table import (
         as_json,
         failures_grid,
         navigation_grid,
         remqa_grid,
         score_systems,
+        seeds_grid,
         submissions_in,
         write_tables,
     )
@@ -210,24 +224,37 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None, weights: Weigh
     from remqa_data.files import atomic_path
 
     count = worker_count(workers)
-    submissions_in(out)  # before anything is compiled
+    submissions = submissions_in(out)  # before anything is compiled
     announce_compiling(count)
+    seen: list[Scored] = []
     with Counting(None, "replaying") as on_replayed:
         scored = score_systems(out, data, count, on_replayed)
+        if (out / SEEN).is_dir():
+            submissions += submissions_in(out / SEEN)
+            seen = score_systems(out / SEEN, data, count, on_replayed, partial=True)
     pictures = {track: score_pictures(out, data, track) for track in ("rec", "qa")}
-    more = [grid_of(pictures[track]) for track, grid_of in (("rec", rec_grid), ("qa", qa_grid)) if pictures[track]]
+    grids = [
+        navigation_grid(scored),
+        seeds_grid(scored),
+        remqa_grid(scored),
+        failures_grid(scored),
+        seen_grid(scored, seen) if seen else None,
+        *(grid_of(pictures[track]) for track, grid_of in (("rec", rec_grid), ("qa", qa_grid)) if pictures[track]),
+    ]
     if found := orders(scored, pictures["rec"]):
-        more.append(orders_grid(found))
+        grids.append(orders_grid(found))
     if find_spec("safetensors"):
-        more.append(costs_grid(known_costs(weights)))
-    write_tables(out, scored, more)
+        grids.append(costs_grid(known_costs(weights)))
+    grids.append(pace_grid(submissions))
+    shown = [grid for grid in grids if grid is not None]
+    write_tables(out, scored, shown)
     with atomic_path(out / "leaderboard.json") as temporary:
         temporary.write_text(json.dumps(leaderboard(scored), indent=1) + "\n", encoding="utf-8")
     say = output()
     if not (say.is_quiet or say.is_json):
-        for grid in (navigation_grid(scored), remqa_grid(scored), failures_grid(scored), *more):
+        for grid in shown:
             print_grid(Console(), grid)
-    say.say(f"{out}: table.md, table.json, leaderboard.json")
+    say.say(f"{out}: table.md, table.json, {'table.html, ' * bool(find_spec('jinja2'))}leaderboard.json")
     say.result(**as_json(scored))
 
 

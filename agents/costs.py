@@ -9,9 +9,11 @@ from math import prod
 from pathlib import Path
 from typing import NamedTuple
 
+from remqa_data.agents.runner import pace_path
 from remqa_data.agents.training.config import networks
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.report.tables import Grid
+from remqa_data.evaluation.submission.reader import open_submission
 from remqa_data.extras import require
 
 MINUTES = "minutes"
@@ -83,3 +85,15 @@ def costs_grid(costs: Iterable[Cost]) -> Grid:
         for cost in costs
     )
     return Grid("Networks", ("Network", "Parameters", "MB", "Minutes", "In val rooms"), rows)
+
+
+def pace_grid(submissions: Iterable[Path]) -> Grid | None:
+    """Actions a second of those whose playing was timed: drawing, thinking and loading of rooms. None if there are none."""
+    rows = []
+    for path in submissions:
+        if pace_path(path).is_file():
+            pace = json.loads(pace_path(path).read_text(encoding="utf-8"))
+            rate = pace["steps"] / pace["seconds"]
+            rows.append((open_submission(path).header.agent, f"{pace['steps']:,}", f"{pace['seconds']:,.0f}", f"{rate:.1f}"))
+    headings = ("System", "Actions", "Seconds of a core", "Actions a second")
+    return Grid("What playing takes", headings, tuple(rows)) if rows else None

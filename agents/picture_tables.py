@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from remqa_data.agents.paper import paper_results
+from remqa_data.agents.seen import SEEN_SPLIT
 from remqa_data.errors import ResultsError, SubmissionError
 from remqa_data.evaluation.report.tables import Grid, cell, rounded
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
@@ -48,15 +49,17 @@ def score_pictures(folder: Path, root: Path, track: Track) -> list[Results]:
 
 
 def rec_grid(results: Sequence[Results]) -> Grid:
-    """prec@0.5 on both splits that have expressions."""
+    """prec@0.5 on both splits of the paper, and where it was measured on rooms that networks have learnt in."""
+    seen = tuple({SEEN_SPLIT for found in results if found.split == SEEN_SPLIT})
     rows = [
-        (name + PAPER, *(rounded(figures[f"{PRECISION} {split}"] / PERCENT) for split in SPLITS))
+        (name + PAPER, *(rounded(figures[f"{PRECISION} {split}"] / PERCENT) for split in SPLITS), *("" for _ in seen))
         for name, figures in paper_results()["REC"].items()
     ]
     by_key = {(found.submission.agent, found.split): cell(found.metric(PRECISION)) for found in results}
     for title in dict.fromkeys(title for title, _ in by_key):
-        rows.append((title, *(by_key.get((title, split), "") for split in SPLITS)))
-    return Grid("Referring expressions", ("System", *(f"{PRECISION} {split}" for split in SPLITS)), tuple(rows))
+        rows.append((title, *(by_key.get((title, split), "") for split in (*SPLITS, *seen))))
+    headings = ("System", *(f"{PRECISION} {split}" for split in SPLITS), *(f"{PRECISION} seen rooms" for _ in seen))
+    return Grid("Referring expressions", headings, tuple(rows))
 
 
 def qa_grid(results: Sequence[Results]) -> Grid:

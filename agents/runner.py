@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -78,11 +79,12 @@ def play_split(
     title: str = "unnamed",
     seed: int = 0,
     fingerprint: str = "",
+    only: Sequence[str] | None = None,
     workers: int = 1,
     resume: bool = False,
     progress: Callable[[int], None] | None = None,
 ) -> int:
-    """Play all questions of a split and write the submission.
+    """Play all questions of a split and write the submission, and beside it (`pace_path`) how long that took.
 
     Parameters
     ----------
@@ -98,6 +100,8 @@ def play_split(
         Of what the agent draws.
     fingerprint : str
         What else the rows depend on, such as the hash of a configuration: only a run with the same goes on with another.
+    only : sequence of str, optional
+        Ids of the questions to play; all of the split by default.
     workers : int
         Processes.
     resume : bool
@@ -118,8 +122,11 @@ def play_split(
     """
     dataset = dataset_sha256(load_manifest(root))
     asked = read_table(root, "questions", split, ["question_id", "scene", "configuration"]).to_pylist()
+    if only is not None:
+        asked = [row for row in asked if row["question_id"] in set(only)]
     parts = path.with_name(f"{path.name}.parts")
     about = {"dataset": dataset, "split": split, "title": title, "seed": seed, "system": fingerprint}
+    about["questions"] = crc32(" ".join(row["question_id"] for row in asked).encode())
     _prepare(parts, about | {"version": __version__}, resume)
     jobs = _jobs(agent, root, split, asked, title, seed, parts)
     waiting = []
@@ -134,6 +141,7 @@ def play_split(
     rows = {row["question_id"]: row for job in jobs for row in _rows(job.part)}
     header = Header(track="remqa", split=split, dataset=dataset, agent=title)
     write_submission(path, header, [rows[row["question_id"]] for row in asked])
+    _write_pace(path, rows.values(), jobs)
     shutil.rmtree(parts)
     return len(rows)
 
@@ -143,13 +151,20 @@ def play_room(job: PlayJob) -> None:
     env, memories = _stage(job.root, job.split)
     memory = memories.memory(*job.room)
     recorder = Recorder(env, job.part, job.title)
+    began = time.process_time()
     try:
         for question_id in job.question_ids:
             rng = np.random.default_rng([job.seed, crc32(question_id.encode())])
             play_question(recorder, question_id, job.agent, memory, rng)
+        _seconds_path(job.part).write_text(str(time.process_time() - began), encoding="utf-8")
         recorder.save()
     finally:
         env.close()  # the room; the environment itself plays on
+
+
+def pace_path(submission: Path) -> Path:
+    """Where `play_split` writes how many actions a submission has, and how many seconds of a core it took to play them."""
+    return submission.with_suffix(".pace.json")
 
 
 @lru_cache(maxsize=1)
@@ -184,6 +199,17 @@ def _prepare(parts: Path, about: dict[str, Any], resume: bool) -> None:
     shutil.rmtree(parts, ignore_errors=True)
     with atomic_path(note) as temporary:
         temporary.write_text(json.dumps(about), encoding="utf-8")
+
+
+def _seconds_path(part: Path) -> Path:
+    return part.with_suffix(".seconds")
+
+
+def _write_pace(path: Path, rows: Iterable[dict[str, Any]], jobs: Iterable[PlayJob]) -> None:
+    steps = sum(len(row["actions"]) + (row["manipulation"] is not None) for row in rows)
+    seconds = sum(float(_seconds_path(job.part).read_text(encoding="utf-8")) for job in jobs)
+    with atomic_path(pace_path(path)) as temporary:
+        temporary.write_text(json.dumps({"steps": steps, "seconds": round(seconds, 2)}) + "\n", encoding="utf-8")
 
 
 def _rows(part: Path) -> list[dict[str, Any]]:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+from remqa_data.agents.config import SEED as OF_SEED
 from remqa_data.agents.paper import paper_results
 from remqa_data.errors import ResultsError, SubmissionError
+from remqa_data.evaluation.report.html import write_tables_page
 from remqa_data.evaluation.report.tables import STAGES as FAILS_AT
 from remqa_data.evaluation.report.tables import Grid, cell, failed_at, markdown_rows, notes, rounded
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth, dataset_sha256, load_ground_truth
@@ -25,9 +30,10 @@ from remqa_data.evaluation.scoring.results import (
     write_results,
 )
 from remqa_data.evaluation.scoring.scoring import score
-from remqa_data.evaluation.scoring.statistics import estimate
+from remqa_data.evaluation.scoring.statistics import Estimate, estimate, estimate_over_runs
 from remqa_data.evaluation.submission.reader import Submission, open_submission
 from remqa_data.files import atomic_path
+from remqa_data.geometry.types import F64
 from remqa_data.metrics import spl
 from remqa_data.version import __version__
 
@@ -36,6 +42,7 @@ BESIDE = ("S_M", "S_MQA", "answer_accuracy")
 """What the paper does not tell."""
 PAPER = " (paper)"
 SUCCEEDED = "succeeded"
+PAGE_TITLE = "REMQA: what agents score beside the paper"
 SEED = 0
 """Of the resampling."""
 
@@ -48,12 +55,20 @@ class Scored:
     ----------
     results : Results
         Of the track `remqa`.
-    navigation : tuple of Metric
-        Success and SPL within the limits of steps, of the same walks.
+    walks : dict of (n,) array
+        Success and SPL of each question within the limits of steps, by names such as "SPL@50".
+    scenes : (n,) int
+        Which scene each question is of.
     """
 
     results: Results
-    navigation: tuple[Metric, ...]
+    walks: Mapping[str, F64]
+    scenes: npt.NDArray[np.int64]
+
+    @cached_property
+    def navigation(self) -> tuple[Metric, ...]:
+        """The means of the walks."""
+        return tuple(_overall(name, estimate(values, self.scenes, _rng())) for name, values in self.walks.items())
 
     @property
     def title(self) -> str:
@@ -62,7 +77,12 @@ class Scored:
 
 
 def score_systems(
-    folder: Path, root: Path, workers: int = 1, progress: Callable[[int], None] | None = None
+    folder: Path,
+    root: Path,
+    workers: int = 1,
+    progress: Callable[[int], None] | None = None,
+    *,
+    partial: bool = False,
 ) -> list[Scored]:
     """Replay the submissions in a folder, in the order of their names; what was replayed before is read again.
 
@@ -76,6 +96,8 @@ def score_systems(
         Processes.
     progress : callable, optional
         Called with the number of rows that were replayed since the last call.
+    partial : bool
+        Of each submission only the questions count that it has rows for; otherwise what is missing has failed.
 
     Raises
     ------
@@ -85,7 +107,7 @@ def score_systems(
     paths = submissions_in(folder)
     split = open_submission(paths[0]).header.split
     truth = load_ground_truth(root, "remqa", split)
-    return [_scored(path, truth, workers, progress) for path in paths]
+    return [_scored(path, _played_of(path, truth) if partial else truth, workers, progress) for path in paths]
 
 
 def submissions_in(folder: Path) -> list[Path]:
@@ -102,15 +124,18 @@ def submissions_in(folder: Path) -> list[Path]:
     return paths
 
 
-def write_tables(folder: Path, systems: Sequence[Scored], more: Sequence[Grid] = ()) -> None:
-    """Write table.md, with more tables if there are any, and table.json."""
+def write_tables(folder: Path, systems: Sequence[Scored], grids: Sequence[Grid]) -> None:
+    """Write table.md, table.json and, where the extra `report` is installed, table.html."""
     lines: list[str] = []
-    for grid in (navigation_grid(systems), remqa_grid(systems), failures_grid(systems), *more):
+    for grid in grids:
         lines += [f"**{grid.title}**", "", *markdown_rows(grid), ""]
-    for system in systems:
-        lines += [f"{system.title}: {' '.join(notes(system.results))}", ""]
+    remarks = [f"{system.title}: {' '.join(notes(system.results))}" for system in systems]
+    for remark in remarks:
+        lines += [remark, ""]
     with atomic_path(folder / "table.md") as temporary:
         temporary.write_text("\n".join(lines), encoding="utf-8")
+    if find_spec("jinja2"):
+        write_tables_page(folder / "table.html", PAGE_TITLE, grids, remarks)
     with atomic_path(folder / "table.json") as temporary:
         temporary.write_text(json.dumps(as_json(systems), indent=1) + "\n", encoding="utf-8")
 
@@ -171,21 +196,42 @@ def failures_grid(systems: Sequence[Scored]) -> Grid:
     return Grid(f"Where they fail first, split {_split(systems)}", ("System", *outcomes), tuple(rows))
 
 
-def navigation_metrics(results: Results, truth: GroundTruth) -> tuple[Metric, ...]:
-    """Success and SPL within the limits of steps, of the walks of a submission to the track `remqa`."""
+def seeds_grid(systems: Sequence[Scored]) -> Grid | None:
+    """Success and SPL of systems that have several seeds: means with intervals over seeds and rooms. None if there are none."""
+    by_system: dict[str, list[Scored]] = {}
+    for system in systems:
+        by_system.setdefault(system.title.partition(OF_SEED)[0], []).append(system)
+    rows = []
+    for title, runs in by_system.items():
+        if len(runs) > 1:
+            found = {name: np.stack([run.walks[name] for run in runs]) for name in runs[0].walks}
+            means = (_overall(name, estimate_over_runs(of, runs[0].scenes, _rng())) for name, of in found.items())
+            rows.append((title, str(len(runs)), *map(cell, means)))
+    headings = ("System", "Seeds", *systems[0].walks)
+    return Grid(f"Means over seeds, split {_split(systems)}", headings, tuple(rows)) if rows else None
+
+
+def walks_within(results: Results, truth: GroundTruth) -> dict[str, F64]:
+    """Success and SPL of each question within the limits of steps, of a submission to the track `remqa`."""
     samples = results.samples
     navigated = np.array(samples["S_N"], dtype=bool)
     # Rows that are missing have neither steps nor a path, and have failed.
     steps = np.array([np.inf if count is None else count for count in samples["steps"]], dtype=np.float64)
     walked_m = np.array([0.0 if metres is None else metres for metres in samples["path_m"]], dtype=np.float64)
-    scenes = np.unique(np.array(samples["scene"]), return_inverse=True)[1]
-    found = []
+    found: dict[str, F64] = {}
     for limit in STEP_LIMITS:
         success = navigated & (steps <= limit)
-        for name, values in (("success", success), ("SPL", spl(success, truth.path_lengths_m, walked_m))):
-            known = estimate(values, scenes, np.random.default_rng(SEED))
-            found.append(Metric(name=f"{name}@{limit}", breakdown=OVERALL, group="all", **vars(known)))
-    return tuple(found)
+        found[f"success@{limit}"] = success.astype(np.float64)
+        found[f"SPL@{limit}"] = spl(success, truth.path_lengths_m, walked_m)
+    return found
+
+
+def _overall(name: str, known: Estimate) -> Metric:
+    return Metric(name=name, breakdown=OVERALL, group="all", **vars(known))
+
+
+def _rng() -> np.random.Generator:
+    return np.random.default_rng(SEED)
 
 
 def _remqa(system: Scored) -> list[Metric]:
@@ -213,7 +259,13 @@ def _scored(path: Path, truth: GroundTruth, workers: int, progress: Callable[[in
         scores = score(submission, truth, workers=workers, progress=progress)
         results = make_results(submission, truth, scores, replay=True)
         write_results(known, results)
-    return Scored(results, navigation_metrics(results, truth))
+    scenes = np.unique(np.array(results.samples["scene"]), return_inverse=True)[1]
+    return Scored(results, walks_within(results, truth), scenes)
+
+
+def _played_of(path: Path, truth: GroundTruth) -> GroundTruth:
+    batches = open_submission(path).batches(replay=True, max_rows=len(truth.ids))
+    return truth.only([question_id for batch in batches for question_id in batch.rows["question_id"].to_pylist()])
 
 
 def _known_results(path: Path, submission: Submission, dataset: str) -> Results | None:

@@ -1,4 +1,4 @@
-"""report.html: one file with tables, plots and failures, which loads nothing and believes nothing it shows.
+"""Pages that load nothing and believe nothing they show: report.html with tables, plots and failures, and tables alone.
 
 Every text is escaped by the template, and a content security policy lets run only this report's own script, by its
 checksum. Nothing is fetched: pictures are data: URIs.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,7 +34,8 @@ from remqa_data.files import atomic_path
 from remqa_data.published import SOURCE
 from remqa_data.storage.shards import read_table
 
-TEMPLATE, SCRIPT, STYLE = (Path(__file__).with_name(name) for name in ("report.html.j2", "report.js", "report.css"))
+HERE = Path(__file__).parent
+SCRIPT, STYLE = HERE / "report.js", HERE / "report.css"
 MOST_PLOTTED_GROUPS = 12
 """A breakdown with more groups is a table only."""
 MAX_SAMPLES = 5000
@@ -65,13 +67,9 @@ def write_report(path: Path, results: Results, submission: Submission, truth: Gr
     MissingExtraError
         If jinja2 is not installed.
     """
-    jinja2 = require("jinja2", "report")
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    environment.filters["rounded"] = rounded
-    template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
-    script = SCRIPT.read_text(encoding="utf-8")
     main_measure = results.main_measure
-    page = template.render(
+    page = _page(
+        "report.html.j2",
         results=results,
         title=TRACKS[results.track].title,
         notes=notes(results),
@@ -88,12 +86,38 @@ def write_report(path: Path, results: Results, submission: Submission, truth: Gr
         main_measure=in_words(main_measure),
         samples=_sample_rows(results),
         max_samples=MAX_SAMPLES,
-        script=jinja2.utils.markupsafe.Markup(script),
-        script_sha256=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
-        style=jinja2.utils.markupsafe.Markup(STYLE.read_text(encoding="utf-8")),
     )
     with atomic_path(path) as temporary:
         temporary.write_text(page, encoding="utf-8")
+
+
+def write_tables_page(path: Path, title: str, grids: Sequence[Grid], remarks: Sequence[str] = ()) -> None:
+    """Write tables as a page, whole or not at all; remarks stand before them.
+
+    Raises
+    ------
+    MissingExtraError
+        If jinja2 is not installed.
+    """
+    page = _page("tables.html.j2", title=title, grids=grids, notes=remarks)
+    with atomic_path(path) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+
+
+def _page(name: str, **values: object) -> str:
+    """A template with its values, and what all pages share: a script with its checksum, and a style."""
+    jinja2 = require("jinja2", "report")
+    loader = jinja2.FileSystemLoader(HERE)
+    environment = jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    environment.filters["rounded"] = rounded
+    script = SCRIPT.read_text(encoding="utf-8")
+    page = environment.get_template(name).render(
+        script=jinja2.utils.markupsafe.Markup(script),
+        script_sha256=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+        style=jinja2.utils.markupsafe.Markup(STYLE.read_text(encoding="utf-8")),
+        **values,
+    )
+    return str(page)
 
 
 def _breakdowns(results: Results) -> list[str]:

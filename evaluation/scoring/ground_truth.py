@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -75,6 +76,11 @@ class GroundTruth:
         row_of = np.full(len(encoded.dictionary), -1, dtype=np.int64)
         row_of[found.drop_null().to_numpy()] = rows
         return np.asarray(row_of[encoded.indices.to_numpy()])
+
+    def only(self, ids: Collection[str]) -> GroundTruth:
+        """The same of some of the rows, in the same order."""
+        kept = pc.is_in(self.ids, value_set=pa.array(ids, self.ids.type))
+        return replace(self, table=self.table.filter(kept).combine_chunks())
 
     def texts(self, name: str) -> list[str]:
         """A column of texts."""

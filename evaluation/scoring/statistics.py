@@ -106,6 +106,34 @@ def estimate(values: npt.ArrayLike, scenes: npt.ArrayLike, rng: np.random.Genera
     return Estimate(value, low, high, kind, questions, len(sums))  # type: ignore[arg-type]
 
 
+def estimate_over_runs(runs: npt.ArrayLike, scenes: npt.ArrayLike, rng: np.random.Generator) -> Estimate:
+    """The mean of a measure over several runs of one system, such as those of different seeds, and its interval.
+
+    Parameters
+    ----------
+    runs : (k, n) bool or float
+        One row for each run.
+    scenes : (n,) int
+        Which scene each question is of.
+    rng : numpy.random.Generator
+        For the resampling.
+
+    Notes
+    -----
+    Percentile bootstrap in which runs and scenes are both drawn anew, as both were sampled. Three runs say little about
+    how much runs differ: such an interval is rather too narrow.
+    """
+    measure = np.asarray(runs, dtype=np.float64)
+    places = np.asarray(scenes, dtype=np.int64)
+    sums = np.stack([_by_scene(run, places)[0] for run in measure])
+    counts = _by_scene(measure[0], places)[1]
+    run = rng.integers(len(sums), size=(RESAMPLES, len(sums), 1))
+    scene = rng.integers(len(counts), size=(RESAMPLES, 1, len(counts)))
+    draws = sums[run, scene].sum((1, 2)) / (len(sums) * counts[scene].sum((1, 2)))
+    low, high = np.quantile(draws, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
+    return Estimate(float(measure.mean()), float(low), float(high), "bootstrap", measure.shape[1], len(counts))
+
+
 def not_measured(scenes: npt.ArrayLike) -> Estimate:
     """What is said of questions of these (n,) scenes whose measure nobody knows."""
     return Estimate(None, None, None, "none", len(np.asarray(scenes)), len(np.unique(scenes)))

@@ -54,10 +54,11 @@ def test_the_oracle_stands_beside_the_paper_with_what_its_steps_allow(two_rooms:
     assert [kind[0] for kind in kinds] == ["EXISTENCE", "COUNTING", "SPATIAL"]
     assert all(text.startswith("1.000") for kind in kinds for text in kind[1:])
     assert failures_grid([system]).rows == (("oracle", *5 * ["0.000"], "1.000"),)
-    write_tables(tmp_path, [system])
+    write_tables(tmp_path, [system], [navigation_grid([system]), remqa_grid([system])])
     told = json.loads((tmp_path / "table.json").read_text())
     assert told["systems"][0]["title"] == "oracle"
     assert "| oracle |" in (tmp_path / "table.md").read_text()
+    assert "<td>oracle</td>" in (tmp_path / "table.html").read_text()
 
 
 @pytest.mark.slow

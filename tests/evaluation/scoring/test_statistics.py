@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from remqa_data.evaluation.scoring.statistics import difference, estimate
+from remqa_data.evaluation.scoring.statistics import difference, estimate, estimate_over_runs
 
 
 def rng() -> np.random.Generator:
@@ -34,6 +34,28 @@ def test_scenes_that_are_alike_inside_widen_the_interval() -> None:
     by_scene = estimate(values, np.arange(20).repeat(30), rng())
     by_question = estimate(values, np.arange(600), rng())
     assert by_scene.high - by_scene.low > 3 * (by_question.high - by_question.low)
+
+
+def test_the_interval_over_runs_covers_the_truth_where_runs_and_scenes_differ() -> None:
+    draws = np.random.default_rng(3)
+    hits = 0
+    for _ in range(60):
+        of_scene, of_run = draws.normal(0, 0.1, 20), draws.normal(0, 0.05, 10)
+        chance = np.clip(0.5 + of_run[:, None] + of_scene.repeat(30), 0, 1)
+        found = estimate_over_runs(draws.random((10, 600)) < chance, np.arange(20).repeat(30), draws)
+        hits += found.low <= 0.5 <= found.high
+    assert 50 <= hits <= 60
+
+
+def test_runs_that_are_alike_say_what_one_says_and_unlike_ones_less() -> None:
+    scenes = np.arange(20).repeat(30)
+    one = np.random.default_rng(4).random(600) < 0.5
+    same, alone = estimate_over_runs([one, one, one], scenes, rng()), estimate(one, scenes, rng())
+    assert same.value == pytest.approx(alone.value)
+    assert (same.low, same.high) == pytest.approx((alone.low, alone.high), abs=0.01)
+    unlike = estimate_over_runs([one, one | True, one & False], scenes, rng())
+    assert unlike.value == pytest.approx((alone.value + 1) / 3)
+    assert unlike.high - unlike.low > 4 * (same.high - same.low)
 
 
 def test_one_scene_has_no_interval() -> None:
