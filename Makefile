@@ -28,6 +28,10 @@ FIRST := detector view_encoder refiner
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
 SYSTEMS := random semantic_map framework framework_two_stage framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
 
+# By reward it depends much on the draws what is learnt; these are trained and played with other seeds than 0, too.
+REINFORCED := a3c savn scene_priors
+SEEDS := 1 2
+
 .DEFAULT_GOAL := help
 .PHONY: help setup dataset agents test test-fast test-newest lint format build docs bench clean
 
@@ -47,6 +51,12 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	$(BIN)/remqa-agent predict detector refiner language_attention language_attention_two_stage plain_matcher compositional_matcher mcn cgan --data $(DATASET) --split val --weights out/weights
 	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --resume
+	for seed in $(SEEDS); do \
+		$(BIN)/remqa-agent train $(REINFORCED) --data $(DATASET) --seed $$seed --resume && \
+		$(BIN)/remqa-agent run $(REINFORCED) --data $(DATASET) --weights out/weights --seed $$seed --resume || exit; \
+	done
+	$(BIN)/remqa-agent predict language_attention language_attention_two_stage plain_matcher compositional_matcher mcn cgan --data $(DATASET) --split train --weights out/weights
+	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --seen 690 --resume
 	$(BIN)/remqa-agent table --data $(DATASET) --weights out/weights
 
 test: $(INSTALLED_DEV) lint  ## lint, then all tests on two cores

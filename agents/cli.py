@@ -71,7 +71,9 @@ def run(
     seed: Seed = None,
     seen: Annotated[
         int | None,
-        typer.Option(min=1, help="Play so many train questions about rooms that networks learn from; goes to DIR/seen."),
+        typer.Option(
+            min=1, help="Play so many train questions about rooms that networks learn from; goes to DIR/seen."
+        ),
     ] = None,
 ) -> None:
     """Let systems play all questions of a split; write a submission of each, which remqa-eval replays."""

@@ -94,6 +94,8 @@ def pace_grid(submissions: Iterable[Path]) -> Grid | None:
         if pace_path(path).is_file():
             pace = json.loads(pace_path(path).read_text(encoding="utf-8"))
             rate = pace["steps"] / pace["seconds"]
-            rows.append((open_submission(path).header.agent, f"{pace['steps']:,}", f"{pace['seconds']:,.0f}", f"{rate:.1f}"))
+            rows.append(
+                (open_submission(path).header.agent, f"{pace['steps']:,}", f"{pace['seconds']:,.0f}", f"{rate:.1f}")
+            )
     headings = ("System", "Actions", "Seconds of a core", "Actions a second")
     return Grid("What playing takes", headings, tuple(rows)) if rows else None

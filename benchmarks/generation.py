@@ -39,7 +39,7 @@ STEPS: tuple[tuple[str, Any, str], ...] = (
     ("find hiding places", room_plan, "hiding_places"),
     ("plan questions", room_plan, "plan_groups"),
     ("arrange", room_plan, "arrange"),
-    ("walk, graph, map", room, "tour"),
+    ("walk, graph, map", room, "walk_through"),
     ("make and audit questions", room, "make_sample"),
     ("write", Parts, "write"),
     ("referring expressions", Expressions, "__init__"),

@@ -7,6 +7,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 
+import generation
 import machine
 import measure
 import run
@@ -79,3 +80,8 @@ def test_the_document_asks_for_all_tables_and_no_others() -> None:
     asked = set(run.BLOCK.findall(Path(run.__file__).parents[1].joinpath(run.DOCUMENT).read_text()))
     names = {name for _, name, _ in asked}
     assert names == {script.BENCHMARK.name for script in run.SCRIPTS} | {"headlines", "machine"}
+
+
+def test_every_step_of_generation_that_is_timed_is_there() -> None:
+    assert len(generation.STEPS) > 10
+    assert all(callable(getattr(owner, name)) for _, owner, name in generation.STEPS)

@@ -128,6 +128,7 @@ def _send(faces: Faces, points: Points, voxels: Voxels, direct: F32, volume: Vol
     Where the volume has no light yet, `guess` is taken.
     """
     voxels.sent[:] = 0.0
+    is_dark = not volume.is_valid.any()
     received = np.zeros(3, dtype=np.float32)
     for k in range(len(points.face)):
         i, j, m = cube_of(points.position[k], voxels.origin, voxels.size_m, voxels.number)
@@ -135,7 +136,7 @@ def _send(faces: Faces, points: Points, voxels: Voxels, direct: F32, volume: Vol
         if i < 0 or looks_back(faces, f):
             continue
         cube, p, normal = voxels.number[i, j, m], points.position[k], faces.normals[f]
-        if not light_at(volume, p[0], p[1], p[2], normal[0], normal[1], normal[2], received):
+        if is_dark or not light_at(volume, p[0], p[1], p[2], normal[0], normal[1], normal[2], received):
             received[0], received[1], received[2] = guess[0], guess[1], guess[2]
         for axis in range(3):
             n = normal[axis]

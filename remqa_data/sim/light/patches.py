@@ -47,9 +47,14 @@ def patches(vertices: F32, faces: I32) -> Patches:
 
 
 @exact
-def sample_of(steps: int, i: int, j: int) -> int:
-    """Number of a face's sample that is i steps from its third corner to the first, and j to the second."""
-    return i * (steps + 1) - i * (i - 1) // 2 + j
+def sample_of(steps: np.int32, i: np.int32, j: np.int32) -> np.int32:
+    """Number of a face's sample that is i steps from its third corner to the first, and j to the second.
+
+    The row i + 1 has one sample less than the row i. All in 32 bits, so that loops that ask for it can be vectorised.
+    """
+    one = np.int32(1)
+    before = np.int32(np.int32(i * np.int32(i - one)) >> one)
+    return np.int32(np.int32(np.int32(i * np.int32(steps + one)) - before) + j)
 
 
 @exact

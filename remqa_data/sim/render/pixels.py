@@ -14,6 +14,8 @@ TEXTURE, U, V, STRETCH, RED, GREEN, BLUE, GLOSS, GLOW = (row * BLOCK_PX for row 
 NORMAL_X, NORMAL_Y, NORMAL_Z, X, Y, Z, DEPTH = (row * BLOCK_PX for row in range(9, 16))
 LIT, LIMIT, SHIFT_X, SHIFT_Y = (row * BLOCK_PX for row in range(16, 20))
 LIGHT_RED, LIGHT_GREEN, LIGHT_BLUE, FLOATS = (row * BLOCK_PX for row in range(20, 24))
+STEPS, WEIGHT_CORNER, WEIGHT_ACROSS, WEIGHT_ALONG = LIT, LIMIT, SHIFT_X, SHIFT_Y
+"""Of the samples of baked light; done with before shadows are looked up."""
 
 # int32: addresses in the atlas or the shadow maps, and weights in 1 / 256.
 ADDRESS, ACROSS, ALONG, COARSE, INTS = (row * BLOCK_PX for row in (0, 8, 10, 12, 13))

@@ -103,8 +103,22 @@ def shade(
         for start in range(0, width, px.BLOCK_PX):
             count = min(px.BLOCK_PX, width - start)
             shows_mirror = _fetch(
-                geometry, placed, view, buffers, materials, lights.background, patches, mirrors, y, start, count, sheet
+                geometry,
+                placed,
+                view,
+                buffers,
+                materials,
+                lights.background,
+                patches,
+                mirrors,
+                y,
+                start,
+                count,
+                sheet,
+                fetches,
             )
+            if len(patches.light) > 0:
+                _mix_samples(patches.light.ravel(), sheet, fetches, count)
             _place(view, y + 0.5 - 0.5 * height, start + 0.5 - 0.5 * width, sheet, count)
             apply_textures(texels, sheet, fetches, count)
             find_shadows(shadows, sheet, fetches, count)
@@ -135,9 +149,11 @@ def _fetch(
     start: int,
     count: int,
     sheet: F32,
+    fetches: I32,
 ) -> bool:
     """Write material, texture coordinates, normal, depth and baked light, one run of the same triangle at a time.
 
+    Of faces with many samples of that, where a pixel lies among them, how many there are along a side, and the first one.
     Returns whether any pixel shows a mirror that there is a map of.
     """
     height, width = buffers.slot.shape
@@ -159,6 +175,8 @@ def _fetch(
                 sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i] = 0.0, 0.0, one
                 sheet[px.DEPTH + i] = one
                 sheet[px.LIGHT_RED + i], sheet[px.LIGHT_GREEN + i], sheet[px.LIGHT_BLUE + i] = 0.0, 0.0, 0.0
+                sheet[px.STEPS + i] = one
+                fetches[px.ADDRESS + i] = 0
             continue
         record = buffers.records[slot]
         ax, ay, ac, bx, by, bc = record[0], record[1], record[2], record[3], record[4], record[5]
@@ -208,8 +226,11 @@ def _fetch(
             run[px.LIGHT_RED + i] = lrc + lra * at_a + lrb * at_b
             run[px.LIGHT_GREEN + i] = lgc + lga * at_a + lgb * at_b
             run[px.LIGHT_BLUE + i] = lbc + lba * at_a + lbb * at_b
-        if len(patches.light) > 0 and patches.steps[face] > 1:
-            _mix_samples(patches, face, run, stop - first)
+        if len(patches.light) > 0:
+            steps, base = np.float32(patches.steps[face]), patches.start[face]
+            for i in range(first, stop):
+                sheet[px.STEPS + i] = steps
+                fetches[px.ADDRESS + i] = base
     return shows_mirror
 
 
@@ -231,28 +252,35 @@ def _corner_light(patches: Patches, face: int) -> tuple[_F, _F, _F, _F, _F, _F, 
 
 
 @exact
-def _mix_samples(patches: Patches, face: int, run: F32, count: int) -> None:
-    """Write the baked light of a run of pixels of a face with many samples: of the three around each pixel."""
+def _mix_samples(light: F32, sheet: F32, fetches: I32, count: int) -> None:
+    """Write the baked light of pixels of faces with many samples: of the three around each pixel."""
     one, zero = np.float32(1.0), np.float32(0.0)
-    steps, base = patches.steps[face], patches.start[face]
-    most = np.float32(steps) - np.float32(1e-3)
-    for i in range(count):
-        s = min(max(run[px.LIGHT_RED + i], zero), most)
-        t = min(max(run[px.LIGHT_GREEN + i], zero), most - s)
-        row, step = int(s), int(t)
+    for i in range(min(count, px.BLOCK_PX)):
+        steps = sheet[px.STEPS + i]
+        most = steps - np.float32(1e-3)
+        s = min(max(sheet[px.LIGHT_RED + i], zero), most)
+        t = min(max(sheet[px.LIGHT_GREEN + i], zero), most - s)
+        row, step = np.int32(s), np.int32(t)
         u, v = s - np.float32(row), t - np.float32(step)
-        first = base + sample_of(steps, row, step)
-        across = base + sample_of(steps, row + 1, step)
+        first = np.int32(fetches[px.ADDRESS + i] + sample_of(np.int32(steps), row, step))
+        across = np.int32(np.int32(first + np.int32(np.int32(steps) + np.int32(1))) - row)
         is_upper = u + v > one
-        corner = across + 1 if is_upper else first
-        wu, wv = (one - v, one - u) if is_upper else (u, v)
-        wc = one - wu - wv
-        for channel in range(3):
-            run[px.LIGHT_RED + channel * px.BLOCK_PX + i] = (
-                wc * patches.light[corner, channel]
-                + wu * patches.light[across, channel]
-                + wv * patches.light[first + 1, channel]
-            )
+        wa = one - v if is_upper else u
+        wb = one - u if is_upper else v
+        corner = np.int32(across + np.int32(1)) if is_upper else first
+        fetches[px.ADDRESS + i] = np.int32(np.int32(corner) * np.int32(3))
+        fetches[px.ADDRESS + px.BLOCK_PX + i] = np.int32(across * np.int32(3))
+        fetches[px.ADDRESS + 2 * px.BLOCK_PX + i] = np.int32(np.int32(first + np.int32(1)) * np.int32(3))
+        sheet[px.WEIGHT_CORNER + i], sheet[px.WEIGHT_ACROSS + i], sheet[px.WEIGHT_ALONG + i] = one - wa - wb, wa, wb
+    for i in range(min(count, px.BLOCK_PX)):
+        if sheet[px.STEPS + i] > one:
+            wc, wa, wb = sheet[px.WEIGHT_CORNER + i], sheet[px.WEIGHT_ACROSS + i], sheet[px.WEIGHT_ALONG + i]
+            c = np.uint32(fetches[px.ADDRESS + i])
+            a = np.uint32(fetches[px.ADDRESS + px.BLOCK_PX + i])
+            b = np.uint32(fetches[px.ADDRESS + 2 * px.BLOCK_PX + i])
+            sheet[px.LIGHT_RED + i] = wc * light[c] + wa * light[a] + wb * light[b]
+            sheet[px.LIGHT_GREEN + i] = wc * light[c + 1] + wa * light[a + 1] + wb * light[b + 1]
+            sheet[px.LIGHT_BLUE + i] = wc * light[c + 2] + wa * light[a + 2] + wb * light[b + 2]
 
 
 @exact

@@ -121,7 +121,7 @@ def test_baking_twice_gives_the_same_bits() -> None:
 
 
 def test_samples_of_a_face_lie_in_rows_from_its_third_corner() -> None:
-    assert [sample_of(2, i, j) for i in range(3) for j in range(3 - i)] == [0, 1, 2, 3, 4, 5]
+    assert [sample_of(*np.int32([2, i, j])) for i in range(3) for j in range(3 - i)] == [0, 1, 2, 3, 4, 5]
     vertices = np.array([(0, 0, 0), (1, 0, 0), (0, 0.1, 0)], np.float32).T
     made = patches(np.ascontiguousarray(vertices), np.array([[0, 1, 2]], np.int32))
     assert made.steps.tolist() == [6]
