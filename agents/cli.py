@@ -203,6 +203,28 @@ def predict(
 
 
 @app.command()
+def attend(
+    expressions: Annotated[list[str], typer.Argument(metavar="EXPRESSION...", help="Ids of referring expressions.")],
+    data: Data,
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="The picture, .png.")] = Path(
+        "out/attention.png"
+    ),
+    network: Annotated[str, typer.Option(help="A language attention network.")] = "language_attention",
+    weights: Weights = None,
+    force: Force = False,
+) -> None:
+    """Draw which words a language attention network looks at, and which object it means."""
+    from remqa_data.extras import require
+
+    require("torch", "agents")
+    from remqa_data.agents.figures.attention import write_attention_picture
+
+    write_attention_picture(data, expressions, out, network, weights, force=force)
+    output().say(f"{out}: {len(expressions)} expressions")
+    output().result(files=[str(out)])
+
+
+@app.command()
 def table(data: Data, out: Folder = OUT, workers: Workers = None, weights: Weights = None) -> None:
     """Replay the submissions in a folder and show them beside the paper's figures; writes tables, a page, leaderboard.json."""
     from rich.console import Console

@@ -30,6 +30,7 @@ READ_ONLY = (
     "remqa-agent train",
     "remqa-agent run framework",  # its weights are refused on another dataset
     "remqa-agent predict",
+    "remqa-agent attend",
     "remqa-data assets --sheet sheets",
     "remqa-data cache",  # features and all rooms: tests/views
     "remqa-data verify s3://",

@@ -199,13 +199,14 @@ def referred_pictures(
     """The pictures that expressions of a split are about, as the detector sees them; only those of some rooms, if given."""
     pictures = []
     for frame in frames_with_expressions(root, split, rooms):
-        pictures.append(_referred(frame, detector, device))
+        pictures.append(referred(frame, detector, device))
         if progress is not None:
             progress(1)
     return pictures
 
 
-def _referred(frame: FrameExpressions, detector: AnyDetector, device: str) -> Referred:
+def referred(frame: FrameExpressions, detector: AnyDetector, device: str) -> Referred:
+    """A frame as the detector sees it."""
     rgb, depth = frame.reader.images(frame.place, ["rgb", "depth"])
     rows, objects = frame.rows, frame.objects
     picture = torch.from_numpy(decode_rgb(rgb)).permute(2, 0, 1)[None].to(device)

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from remqa_data.agents import view_features
 from remqa_data.agents.cli import app
+from remqa_data.agents.figures.attention import write_attention_picture
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.training import rooms as rooms_module
 from remqa_data.agents.training.config import load_network_config, networks
@@ -19,7 +20,9 @@ from remqa_data.agents.training.pictures import Pictures, detector_types, varied
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.agents.training.weights import About, halved, load_network, save_network, weights_path
 from remqa_data.agents.view_features import WEIGHTS
-from remqa_data.errors import ConfigError, DatasetError
+from remqa_data.errors import ConfigError, DatasetError, UnknownNameError
+from remqa_data.opencv import cv2
+from remqa_data.storage.shards import read_table
 from remqa_data.views.build import Wanted, cache_views
 
 pytestmark = pytest.mark.slow
@@ -94,6 +97,20 @@ def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path,
         assert scores["frames"] > 0
     rows = [json.loads(line) for line in (tmp_path / "framework.jsonl").read_text().splitlines()[1:]]
     assert {row["answer"] for row in rows} <= {"0", "1", "2", "3", "yes", "no"}
+
+
+def test_attention_is_drawn_below_the_words(two_rooms: Path, trained: Path, tmp_path: Path) -> None:
+    ids = read_table(two_rooms, "expressions", "test", ["expression_id"])["expression_id"].to_pylist()[:2]
+    options = ("--data", two_rooms, "--out", tmp_path / "attention.png", "--weights", trained)
+    asked("attend", *ids, *options)
+    picture = cv2.imread(str(tmp_path / "attention.png"))
+    assert picture.shape[0] == 2 * 306
+    table = picture[60:250, 300:]
+    assert len(np.unique(table.reshape(-1, 3), axis=0)) > 20  # shades, by how much words count
+    with pytest.raises(UnknownNameError, match="unknown expression 'nothing'"):
+        write_attention_picture(two_rooms, ["nothing"], tmp_path / "no.png", weights=trained)
+    with pytest.raises(ConfigError, match="plain_matcher has no attention over words"):
+        write_attention_picture(two_rooms, ids, tmp_path / "no.png", "plain_matcher", trained)
 
 
 def test_weights_say_what_made_them_and_do_the_same_when_read_again(trained: Path, two_rooms: Path) -> None:
