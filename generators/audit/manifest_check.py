@@ -61,10 +61,8 @@ def manifest_failures(root: str | os.PathLike[str], manifest: Manifest) -> Itera
         yield Failure(MANIFEST, "complete", f"questions are {told}; the stored configuration asks for {asked}")
     if any(count <= 0 for count in manifest.refused.values()):
         yield Failure(MANIFEST, "consistent", "refused counts are not positive")
-    told, makes = (
-        sum(manifest.rows("scenes", split) for split in SPLITS),
-        len(config.scene_names) * config.configurations,
-    )
+    rows = sum(manifest.rows("scenes", split) for split in SPLITS)
+    makes = len(config.scene_names) * config.configurations
     if rows != makes:  # what follows takes long for a configuration of very many rooms
         yield Failure(MANIFEST, "complete", f"files have {rows} rows of scenes; the stored configuration makes {makes}")
         return
