@@ -69,6 +69,7 @@ def test_a_wrong_argument_is_one_line_and_nothing_is_written(what: str, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_with_stderr_closed_a_command_ends_as_it_should(tmp_path: Path) -> None:
     command = f"{sys.executable} -m remqa_data.generators.cli --config nobody.yaml 2>&-"
     environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])}
@@ -98,6 +99,7 @@ STRANGER = "4001797"
 """A user without processes, so that limits of their number are exact."""
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.getuid() != 0 or shutil.which("setpriv") is None, reason="only root can be a stranger")
 @pytest.mark.parametrize(("most", "who", "left"), [(1, "", "0"), (12, "", "11"), (36, "a worker: ", r"\d+")])
 def test_too_few_threads_are_one_line(tmp_path: Path, most: int, who: str, left: str) -> None:

@@ -20,6 +20,7 @@ def test_every_command_helps_without_kernels(module: str, option: str) -> None:
     assert "Usage: command" in done.stdout
 
 
+@pytest.mark.slow
 def test_datasets_and_vocabularies_are_read_without_kernels(tmp_path) -> None:
     from tests.helpers.dataset_rows import write_dataset
 

@@ -55,6 +55,7 @@ def test_unknown_name_is_refused_with_the_nearest_one():
         texture("marbel")
 
 
+@pytest.mark.slow
 def test_another_process_draws_the_same_pixels():
     code = (
         "import hashlib; from remqa_data.assets.looks.textures import *;"

@@ -7,6 +7,8 @@ import pytest
 from remqa_data.browse.dataset import slug
 from tests.helpers.hostile_dataset import HOSTILE, HOSTILE_ID, QUESTIONS, Tab
 
+pytestmark = pytest.mark.slow
+
 PAGES = (
     "index.html",
     "rooms.html",

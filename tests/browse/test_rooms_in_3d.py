@@ -15,6 +15,8 @@ from remqa_data.opencv import cv2
 from tests.helpers.hostile_dataset import Tab
 from tests.helpers.room_records import thing
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def rooms(small_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> str:

@@ -225,6 +225,7 @@ def test_a_batch_stacks_what_has_one_shape_and_lists_the_rest(root) -> None:
     assert [boxes.shape for boxes in collate([frames[0], frames[1]])["boxes_2d"]] == [(0, 4), (2, 4)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "start"),
     [

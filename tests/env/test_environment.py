@@ -37,6 +37,7 @@ def env() -> Iterator[RemqaEnv]:
     made.close()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("mode", ["discrete", "parametrised"])
 @pytest.mark.parametrize("privileged", [False, True])
@@ -324,6 +325,7 @@ def test_the_strict_chain_is_that_of_the_evaluator_whatever_follows_the_first_ma
         assert [info[name] for info in ended] == values[scores.answered].tolist()
 
 
+@pytest.mark.slow
 def test_an_environment_that_is_dropped_gives_its_simulator_back() -> None:
     clients = set()
     for _ in range(3):

@@ -16,6 +16,8 @@ from remqa_data.storage.shards import read_rows
 from remqa_data.tables.images import decode_instances
 from remqa_data.tables.rows import ExpressionRow, FrameRow
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def written(one_room, tmp_path_factory) -> tuple[Path, Written]:

@@ -13,6 +13,8 @@ from remqa_data.storage.shards import read_rows
 from remqa_data.tables.images import decode_rgb
 from remqa_data.tables.rows import FrameRow, SceneRow
 
+pytestmark = pytest.mark.slow
+
 INSIDE_M = 0.05
 
 

@@ -73,6 +73,7 @@ def test_in_thirty_rooms_of_a_type_each_recorded_room_is_a_model_once(room_type:
     assert len({model_of(room_type, 0, turn) for turn in range(30)}) == 30, "one that does not do is not tried again"
 
 
+@pytest.mark.slow
 def test_every_room_has_what_makes_it_one(scene: Scene) -> None:
     needed = {
         "kitchen": {"Fridge", "Sink", "StoveBurner", "CounterTop", "Cabinet"},
@@ -84,6 +85,7 @@ def test_every_room_has_what_makes_it_one(scene: Scene) -> None:
     assert len({o.id for o in scene.objects}) == len(scene.objects)
 
 
+@pytest.mark.slow
 def test_everything_that_opens_is_in_reach(scene: Scene) -> None:
     assert any(object_type(o.type).is_container for o in scene.objects)
     assert out_of_reach(scene) == []

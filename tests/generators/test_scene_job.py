@@ -21,6 +21,7 @@ CONFIG = load_config(Path(__file__).parents[2] / "configs" / "tiny.yaml")
 (QUOTA,) = allot(capacities([ROOM]), {"train": {"EXISTENCE": 4}})
 
 
+@pytest.mark.slow
 def test_one_configuration_is_arranged_anew_where_a_sample_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     rows, report = make_room(Job(QUOTA, CONFIG))
     assert report["questions"] == 4

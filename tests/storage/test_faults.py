@@ -27,13 +27,11 @@ from tests.helpers.s3_server import BUCKET, s3_server
 
 CONFIG = Path(__file__).parents[2] / "configs" / "tiny.yaml"
 
-FAST = [
+FAULTS = [
     Fault("complete", "lost", 1, MANIFEST),
     Fault("part", "cut body", 1, "frames"),
     Fault("complete", "500", key=MANIFEST),
     Fault("get", "short answer", 1, "part.json"),
-]
-SLOW = [
     Fault("initiate", "500"),
     Fault("initiate", "reset", 1),
     Fault("part", "500", 1),
@@ -178,9 +176,8 @@ def check(
     return error
 
 
-@pytest.mark.parametrize(
-    "fault", [*FAST, *(pytest.param(fault, marks=pytest.mark.slow) for fault in SLOW)], ids=name_of
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS, ids=name_of)
 def test_a_fault_ends_in_the_same_bytes_or_an_error(
     fault: Fault, servers: tuple[FaultyS3, str], config: Config, expected: dict[str, str], tmp_path: Path
 ) -> None:
@@ -205,6 +202,7 @@ def test_missing_credentials_are_called_so(
     proxy.faults = []
 
 
+@pytest.mark.slow
 def test_of_three_starts_at_the_same_moment_one_wins(
     servers: tuple[FaultyS3, str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

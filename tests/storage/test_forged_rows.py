@@ -89,6 +89,7 @@ def test_a_missing_row_is_no_stack_trace(finished: tuple[Path, Manifest]) -> Non
         list(read_rows(finished[0], QuestionRow, "nobody"))
 
 
+@pytest.mark.slow
 def test_what_reads_is_measured_stopped_and_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hostile_reading, "WALL_S", 3)
     reading = ReadingProcess()

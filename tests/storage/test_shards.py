@@ -203,6 +203,7 @@ def test_every_flipped_byte_is_found(dataset) -> None:
     assert find_damage(dataset, file) is None
 
 
+@pytest.mark.slow
 def test_no_flipped_bit_of_a_footer_ends_the_process(dataset) -> None:
     """pyarrow does, when it is asked what a row group says of a column whose sizes do not fit the schema."""
     arguments = dataset, "scenes", 250

@@ -1,6 +1,8 @@
 import subprocess
 import sys
 
+import pytest
+
 THEIRS = """
 import ai2thor.controller
 from ai2thor.controller import Controller
@@ -14,6 +16,7 @@ print(Controller.__module__)
 """
 
 
+@pytest.mark.slow
 def test_code_that_cannot_be_edited_gets_our_controller(tmp_path) -> None:
     script = tmp_path / "theirs.py"
     script.write_text(THEIRS)
@@ -22,6 +25,7 @@ def test_code_that_cannot_be_edited_gets_our_controller(tmp_path) -> None:
     assert done.stdout.split() == ["remqa_data.thor.controller"]
 
 
+@pytest.mark.slow
 def test_without_it_ai2thor_is_as_it_was() -> None:
     start = "import remqa_data.thor, ai2thor.controller; print(ai2thor.controller.Controller.__module__)"
     done = subprocess.run([sys.executable, "-c", start], capture_output=True, text=True, check=True)

@@ -84,6 +84,7 @@ def test_depth_is_in_metres_along_the_camera(kitchen) -> None:
     assert event.depth_frame.max() <= 20.0
 
 
+@pytest.mark.slow
 def test_depth_formats() -> None:
     with Controller(scene="FloorPlan401", renderDepthImage=True, width=32, height=32) as metres:
         expected = metres.last_event.depth_frame

@@ -82,6 +82,7 @@ def test_acts_on_what_a_point_of_the_frame_shows(before_fridge) -> None:
         assert before_fridge.step("CloseObject", objectId=FRIDGE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(300, 300), (640, 240), (120, 120)])
 def test_what_is_visible_can_be_picked_up(kitchen, size) -> None:
     """Whatever the frame: `visible` in the metadata is what decides."""

@@ -7,6 +7,8 @@ from remqa_data.assets import AssetSpec, build
 from remqa_data.catalog import catalog, object_type
 from remqa_data.thor import Controller
 
+pytestmark = pytest.mark.slow
+
 SLICEABLE = ("Apple", "Bread", "Egg", "Lettuce", "Potato", "Tomato")
 BOXES = ("axisAlignedBoundingBox", "objectOrientedBoundingBox")
 SPREAD_M = 0.15

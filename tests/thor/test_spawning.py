@@ -60,6 +60,7 @@ def test_the_seed_decides(kitchen) -> None:
     assert kitchen.step("InitialRandomSpawn", randomSeed=-6)
 
 
+@pytest.mark.slow
 def test_things_come_out_of_what_is_closed_and_go_into_it(kitchen) -> None:
     before, came_out, went_in = things(kitchen.last_event), False, False
     closed = {o["objectId"] for o in kitchen.last_event.metadata["objects"] if o["openable"] and o["receptacle"]}

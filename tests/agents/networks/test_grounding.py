@@ -68,6 +68,7 @@ def test_each_expression_is_about_its_own_picture_and_padding_is_not_read(form: 
     assert said.boxes.shape == (3, 4, 6, 6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_it_learns_that_words_tell_two_things_apart(form: type[Grounder]) -> None:
     sight = empty_sight()

@@ -92,6 +92,7 @@ def test_who_is_led_walks_a_shortest_way_and_who_is_not_may_stop_anywhere(form: 
     assert (free.is_over & ~free.succeeded).sum() >= 15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_the_way_through_the_corridor_is_learnt(form: ImitatorForm) -> None:
     task = task_in_the_corridor(form)

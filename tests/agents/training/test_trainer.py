@@ -52,6 +52,7 @@ def test_a_run_that_was_stopped_goes_on_where_it_was_to_the_same_weights(tmp_pat
     assert curves == whole_curves
 
 
+@pytest.mark.slow
 def test_a_killed_run_ends_with_the_same_weights(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tests.helpers.small_training"]
     killed = subprocess.Popen([*command, str(tmp_path / "killed"), "0.2"], stdout=subprocess.DEVNULL)

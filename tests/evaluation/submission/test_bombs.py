@@ -84,6 +84,7 @@ def test_an_encoding_whose_size_nobody_knows_is_refused(tmp_path: Path) -> None:
     assert "DELTA_BYTE_ARRAY" in refusal(path)
 
 
+@pytest.mark.slow
 def test_no_flipped_bit_of_a_footer_ends_the_process(tmp_path: Path) -> None:
     """pyarrow does, when it is asked what a row group says of a column whose sizes do not fit the schema."""
     path = tmp_path / "lists.parquet"

@@ -51,6 +51,7 @@ def arranged(room: str, number: int) -> Configuration:
 CASES = [(room, number) for room in ROOMS for number in (0, 1)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("room", "number"), CASES)
 def test_things_are_where_they_were_wished_and_nothing_else_of_their_type_is(room: str, number: int) -> None:
     made = arranged(room, number)
@@ -72,6 +73,7 @@ def test_things_are_where_they_were_wished_and_nothing_else_of_their_type_is(roo
                     assert above[0] <= (below[0] + below[3]) / 2 <= above[3]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("room", "number"), CASES)
 def test_hidden_things_show_no_pixel_before_and_enough_after(room: str, number: int) -> None:
     made = arranged(room, number)
@@ -206,6 +208,7 @@ def inner_wishes(room: str, holds: bool) -> list[Hidden]:
     return wishes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("holds", [True, False])
 def test_things_lie_to_one_another_as_wished_when_all_is_at_rest(holds) -> None:
     wishes = inner_wishes("FloorPlan7", holds)

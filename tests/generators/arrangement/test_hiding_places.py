@@ -84,6 +84,7 @@ def test_the_largest_rectangle_is_the_largest(rows: list[list[bool]]) -> None:
 # ---- places in rooms
 
 
+@pytest.mark.slow
 def test_rooms_have_places_of_each_manipulation() -> None:
     kitchen = [place.manipulation for place in places_of("FloorPlan7")]
     assert kitchen.count("Open") >= 4

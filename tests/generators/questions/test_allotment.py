@@ -84,6 +84,7 @@ def test_a_room_without_anything_to_open_owes_only_spatial_questions() -> None:
     assert quota.total("SPATIAL") > 0
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.integers(1, 120), st.data())
 def test_exact_and_balanced_for_any_rooms_and_totals(count, data) -> None:

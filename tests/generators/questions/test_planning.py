@@ -73,6 +73,7 @@ def quotas():
     return allot(rooms, {split: {k: n - n // 4 for k, n in by_kind.items()} for split, by_kind in totals.items()})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("index", range(12))
 def test_groups_meet_the_quota_and_leave_no_doubt(index) -> None:
     quota = quotas()[index]
@@ -105,6 +106,7 @@ def types_by_place(groups) -> dict[tuple[str, str], set[str]]:
     return found
 
 
+@pytest.mark.slow
 def test_what_clashes_is_not_asked_for_in_one_place() -> None:
     clashes: dict[tuple[str, str], set[frozenset[str]]] = {}
     for _ in range(6):  # whatever comes together is ruled out, again and again
@@ -244,6 +246,7 @@ def test_selection_keeps_what_was_asked_unless_something_was_refused() -> None:
     assert select(groups, everything, quota) == {g.name: g.asked for g in groups if g.asked}
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.data())
 def test_selection_is_exact_whatever_is_refused_or_says_why_not(data) -> None:

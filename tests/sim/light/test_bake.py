@@ -52,6 +52,7 @@ def test_points_cover_each_face_by_its_area() -> None:
     assert len(points.face) >= areas.sum() / 0.025**2
 
 
+@pytest.mark.slow
 def test_in_an_evenly_glowing_room_every_surface_receives_the_same() -> None:
     volume = bake(room(albedo=0.5, glow=1.0), NO_LAMPS, (-2, -1.5, -1.25), (2, 1.5, 1.25), 0.4)
     for at, normal in (((0, 0, -1.25), (0, 0, 1)), ((1.9, 1.4, -1.2), (-1, 0, 0)), ((0, 1.5, 0), (0, -1, 0))):

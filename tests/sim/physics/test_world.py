@@ -148,6 +148,7 @@ def test_a_stored_scene_gives_the_same_world_bit_for_bit(kitchen: Scene) -> None
             assert states(later) == states(world)
 
 
+@pytest.mark.slow
 def test_another_process_gets_the_same_bits() -> None:
     code = (
         "import hashlib\n"

@@ -278,6 +278,7 @@ def digest():
     return hashlib.sha256(frame.rgb.tobytes() + frame.depth.tobytes() + frame.instances.tobytes()).hexdigest()
 
 
+@pytest.mark.slow
 def test_another_process_draws_the_same_bytes():
     command = [sys.executable, "-c", DIGEST]
     other = subprocess.run(command, capture_output=True, text=True, check=True, cwd=Path(__file__).parents[3])

@@ -15,6 +15,7 @@ ROOMS = ("FloorPlan1", "FloorPlan201", "FloorPlan301", "FloorPlan401")
 POSES = 50
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ROOMS)
 def test_ids_and_depths_are_those_of_embree(name: str) -> None:
     scene = load_scene(name)

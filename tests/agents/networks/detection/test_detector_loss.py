@@ -61,6 +61,7 @@ def test_a_heatmap_that_is_right_costs_nothing_and_one_that_is_sure_and_wrong_mu
     assert float(heat_loss(-sure, heat)) > 100
 
 
+@pytest.mark.slow
 def test_a_detector_learns_a_picture_by_heart() -> None:
     torch.manual_seed(0)
     detector = Detector(9)

@@ -101,6 +101,7 @@ class Rough(Detector):
         return Voted(FeatureMaps(rgb, features, features), [rough] * len(rgb), np.zeros((len(rgb), 1, 1), np.int64))
 
 
+@pytest.mark.slow
 def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
     torch.manual_seed(0)
     first, second, rng = Rough(3), Refiner(3), np.random.default_rng(0)
