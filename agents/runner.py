@@ -123,7 +123,8 @@ def play_split(
     dataset = dataset_sha256(load_manifest(root))
     asked = read_table(root, "questions", split, ["question_id", "scene", "configuration"]).to_pylist()
     if only is not None:
-        asked = [row for row in asked if row["question_id"] in set(only)]
+        wanted = frozenset(only)
+        asked = [row for row in asked if row["question_id"] in wanted]
     parts = path.with_name(f"{path.name}.parts")
     about = {"dataset": dataset, "split": split, "title": title, "seed": seed, "system": fingerprint}
     about["questions"] = crc32(" ".join(row["question_id"] for row in asked).encode())
