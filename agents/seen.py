@@ -22,7 +22,9 @@ SEEN_SPLIT = "train"
 
 
 def seen_questions(root: Path, count: int) -> list[str]:
-    """Ids of train questions about rooms that are learnt from, spread evenly over all of them.
+    """Ids of train questions about the first configuration of rooms that are learnt from, spread evenly over all of them.
+
+    Who walks has learnt from views of that configuration, and a room is loaded but once.
 
     Parameters
     ----------
@@ -39,8 +41,8 @@ def seen_questions(root: Path, count: int) -> list[str]:
         If nothing is asked about them.
     """
     rooms = learning_rooms([root])
-    rows = read_table(root, "questions", SEEN_SPLIT, ["question_id", "scene"]).to_pylist()
-    ids = [str(row["question_id"]) for row in rows if row["scene"] in rooms]
+    rows = read_table(root, "questions", SEEN_SPLIT, ["question_id", "scene", "configuration"]).to_pylist()
+    ids = [str(row["question_id"]) for row in rows if row["scene"] in rooms and row["configuration"] == 0]
     if not ids:
         raise ConfigError(f"{root}: nothing is asked about the rooms that networks learn from")
     return [ids[place] for place in np.unique(np.linspace(0, len(ids) - 1, count).astype(int))]
