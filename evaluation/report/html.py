@@ -92,7 +92,7 @@ def write_report(path: Path, results: Results, submission: Submission, truth: Gr
 
 
 def write_tables_page(path: Path, title: str, grids: Sequence[Grid], remarks: Sequence[str] = ()) -> None:
-    """Write tables as a page, whole or not at all; remarks stand before them.
+    """Write tables as a page, whole or not at all; remarks stand after them.
 
     Raises
     ------

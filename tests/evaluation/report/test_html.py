@@ -10,6 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 from remqa_data.evaluation.cli import app
+from remqa_data.evaluation.report.html import write_tables_page
+from remqa_data.evaluation.report.tables import Grid
 from remqa_data.evaluation.submission.reference import reference_rows
 from tests.helpers.submissions import written
 
@@ -153,3 +155,19 @@ def test_a_failed_manipulation_is_named_and_shown(two_rooms: Path, tmp_path: Pat
     assert text.count("<dd>manipulation</dd>") == 1
     assert text.count("<dd>nothing was submitted</dd>") == 11
     assert text.count("<figcaption>agent&#39;s view after its manipulation</figcaption>") == 1
+
+
+def test_tables_alone_sort_and_their_texts_are_texts(chromium: Any, tmp_path: Path) -> None:
+    grids = [Grid("Scores", ("System", "success"), ((HOSTILE, "0.9"), ("a3c", "0.25"), ("random", "0.01")))]
+    write_tables_page(tmp_path / "table.html", "Agents", grids, [HOSTILE])
+    opened, events = chromium.new_page(), []
+    opened.on("request", lambda r: events.append(r.url) if not r.url.startswith(("file:", "data:")) else None)
+    opened.on("console", lambda message: events.append(message.text))
+    opened.goto((tmp_path / "table.html").as_uri())
+    assert opened.locator("td").first.text_content() == HOSTILE
+    assert opened.locator("p").last.text_content() == HOSTILE
+    assert opened.evaluate("window.hacked") is None
+    opened.locator("th", has_text="success").click()
+    assert opened.locator("td:last-child").all_text_contents() == ["0.01", "0.25", "0.9"]
+    assert events == []
+    opened.close()
