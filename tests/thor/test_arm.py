@@ -1,6 +1,8 @@
 import math
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 APPLE = "Apple|-00.47|+01.15|+00.48"
 BEFORE_APPLE = {"x": -1.0, "y": 0.9, "z": 0.5, "rotation": 90, "horizon": 30, "standing": True}
@@ -134,10 +136,84 @@ def test_the_arm_belongs_to_arm_mode(kitchen) -> None:
     assert kitchen.last_event.metadata["arm"] is None
 
 
-def test_wrist_and_elbow_say_why_they_cannot_be_turned(armed) -> None:
+def palm(event) -> np.ndarray:
+    """The hand's rotation, (3, 3), whose columns are its right, up and ahead, as the metadata say it."""
+    x, y, z, degrees = event.metadata["arm"]["joints"][3]["rotation"].values()
+    return Rotation.from_rotvec(degrees * np.array([x, y, z]), degrees=True).as_matrix()
+
+
+@pytest.mark.parametrize("turn", [{"roll": 25}, {"yaw": -20}, {"pitch": 15, "yaw": 10, "roll": -30}, {"roll": "90"}])
+def test_the_wrist_turns_about_the_hands_own_axes(before_apple, turn) -> None:
+    before_apple.step("RotateAgent", degrees=180)
+    before = before_apple.step("MoveArm", position={"x": 0.1, "y": 0.05, "z": 0.4})
+    after = before_apple.step("RotateWristRelative", **turn)
+    assert after, after.metadata["errorMessage"]
+    assert hand(after) == pytest.approx(hand(before), abs=1e-5)
+    pitch, yaw, roll = (float(turn.get(axis, 0)) for axis in ("pitch", "yaw", "roll"))
+    # Unity turns about z, then x, then y, and a roll is a turn the other way about z.
+    local = Rotation.from_euler("YXZ", [yaw, pitch, -roll], degrees=True).as_matrix()
+    assert np.allclose(palm(before).T @ palm(after), local, atol=1e-4)
+    wrist, tip = (after.metadata["arm"]["joints"][k]["position"] for k in (2, 3))
+    assert palm(after)[:, 2] @ [tip[axis] - wrist[axis] for axis in "xyz"] > 0.9 * math.dist(
+        wrist.values(), tip.values()
+    )
+
+
+@pytest.mark.parametrize("action", ["MoveArm", "MoveArmRelative"])
+def test_from_the_wrist_the_hand_moves_along_its_own_axes(before_apple, action) -> None:
+    before_apple.step("RotateAgent", degrees=180)
+    assert before_apple.step("MoveArm", position={"x": 0.1, "y": 0.05, "z": 0.4})
+    before = before_apple.step("RotateWristRelative", yaw=-20)
+    argument = "position" if action == "MoveArm" else "offset"
+    for offset in ([0.0, 0.0, 0.0], [0.02, 0.03, -0.05]):
+        after = before_apple.step(action, coordinateSpace="wrist", **{argument: dict(zip("xyz", offset, strict=True))})
+        assert after, after.metadata["errorMessage"]
+        moved = [hand(after)[axis] - hand(before)[axis] for axis in "xyz"]
+        assert moved == pytest.approx((palm(before) @ offset).tolist(), abs=1e-3)
+
+
+def test_what_is_held_turns_with_the_wrist(before_apple) -> None:
+    assert before_apple.step("MoveArmBase", y=0.6)
+    apple = before_apple.last_event.get_object(APPLE)["position"]
+    above = {**apple, "y": apple["y"] + 0.06}
+    before_apple.step("MoveArm", position=above, coordinateSpace="world", returnToStart=False)
+    assert before_apple.step("PickupObject", objectIdCandidates=[APPLE])
+    before_apple.step("RotateAgent", degrees=180)
+    before = before_apple.step("MoveArm", position={"x": 0.1, "y": 0.05, "z": 0.4})
+    assert before, before.metadata["errorMessage"]
+    turned = before_apple.step("RotateWristRelative", pitch=20)
+    assert turned, turned.metadata["errorMessage"]
+    turn = palm(turned) @ palm(before).T
+    was, now = (
+        {axis: event.get_object(APPLE)["position"][axis] - hand(event)[axis] for axis in "xyz"}
+        for event in (before, turned)
+    )
+    assert list(now.values()) == pytest.approx((turn @ list(was.values())).tolist(), abs=2e-3)
+    assert list(now.values()) != pytest.approx(list(was.values()), abs=2e-3)
+    rotations = [
+        Rotation.from_euler("YXZ", [event.get_object(APPLE)["rotation"][axis] for axis in "yxz"], degrees=True)
+        for event in (before, turned)
+    ]
+    assert np.allclose((rotations[1] * rotations[0].inv()).as_matrix(), turn, atol=1e-3)
+    back = before_apple.step("RotateWristRelative", pitch=-20)
+    assert back.get_object(APPLE)["position"] == pytest.approx(before.get_object(APPLE)["position"], abs=1e-4)
+
+
+def test_a_hand_that_cannot_be_turned_stays_as_it_is(before_apple) -> None:
+    before_apple.step("RotateAgent", degrees=180)
+    assert before_apple.step("MoveArmBase", y=0.5)
+    event = before_apple.step("MoveArm", position={"x": 0.0, "y": 0.0, "z": 0.62})
+    assert event, event.metadata["errorMessage"]
+    before = event.metadata["arm"]
+    event = before_apple.step("RotateWristRelative", yaw=180)  # the wrist would be beyond the stretched arm
+    assert not event
+    assert "not within reach" in event.metadata["errorMessage"]
+    assert event.metadata["arm"] == before
+
+
+def test_the_elbow_says_why_it_cannot_be_turned(armed) -> None:
     before = armed.last_event.metadata["arm"]
-    for action, arguments in (("RotateWristRelative", {"yaw": 20.0}), ("RotateElbowRelative", {"degrees": 20.0})):
-        event = armed.step(action, **arguments)
-        assert not event
-        assert "cannot be turned: " in event.metadata["errorMessage"]
-        assert event.metadata["arm"] == before
+    event = armed.step("RotateElbowRelative", degrees=20.0)
+    assert not event
+    assert "cannot be turned: " in event.metadata["errorMessage"]
+    assert event.metadata["arm"] == before

@@ -143,10 +143,48 @@ def test_third_party_cameras(kitchen) -> None:
     assert camera["position"] == own.metadata["cameraPosition"]
     assert not np.array_equal(event.third_party_camera_frames[0], own.frame)
     assert not kitchen.step("UpdateThirdPartyCamera", thirdPartyCameraId=1)
-    assert not kitchen.step(
-        "AddThirdPartyCamera", position={"x": 0, "y": 1, "z": 0}, rotation={"x": 0, "y": 0, "z": 50}
-    )
     assert kitchen.reset().metadata["thirdPartyCameras"] == []
+
+
+def test_a_rolled_camera_turns_its_picture(kitchen) -> None:
+    """A quarter counter-clockwise, as Unity's positive z is, turns what is seen clockwise; two quarters are upside down."""
+    event = kitchen.reset(renderInstanceSegmentation=True)
+    own = event.instance_segmentation_frame
+    place, rotation = event.metadata["cameraPosition"], event.metadata["agent"]["rotation"]
+    for turns, x in ((1, 0), (2, 0), (-1, 360)):
+        kitchen.step("AddThirdPartyCamera", position=place, rotation={**rotation, "x": x, "z": 90 * turns})
+    over_its_back = {"x": 180, "y": rotation["y"] + 180, "z": 0}  # that it looks over its own back is half a roll
+    event = kitchen.step("AddThirdPartyCamera", position=place, rotation=over_its_back)
+    seen = event.third_party_instance_segmentation_frames
+    for frame, turns in zip(seen, (1, 2, -1, 2), strict=True):
+        assert (frame == np.rot90(own, -turns)).all(axis=2).mean() > 0.99
+        assert (frame == own).all(axis=2).mean() < 0.8
+    assert event.metadata["thirdPartyCameras"][0]["rotation"]["z"] == 90.0
+
+
+def test_an_orthographic_camera_looks_anywhere(kitchen) -> None:
+    """From the side a mug is as many pixels high as its box, however far away the camera is."""
+    kitchen.reset(renderInstanceSegmentation=True)
+    box = next(o for o in kitchen.last_event.metadata["objects"] if o["objectType"] == "Fridge")
+    name, middle, size = box["objectId"], *(box["axisAlignedBoundingBox"][key] for key in ("center", "size"))
+    for away in (1.0, 1.5):
+        place = {**middle, "x": middle["x"] + size["x"] / 2 + away}
+        kitchen.step(
+            "AddThirdPartyCamera",
+            position=place,
+            rotation={"x": 0, "y": 270, "z": 0},
+            orthographic=True,
+            orthographicSize=2.0,
+        )
+    seen = [masks[name] for masks in kitchen.last_event.third_party_instance_masks]
+    for mask in seen:
+        rows, columns = np.nonzero(mask)
+        assert np.ptp(rows) + 1 == pytest.approx(size["y"] * 300 / 4, abs=2)
+        assert np.ptp(columns) + 1 == pytest.approx(size["z"] * 300 / 4, abs=2)
+    flat = {"position": middle, "rotation": {"x": 0}, "orthographic": True, "orthographicSize": 0}
+    assert "not positive" in kitchen.step("AddThirdPartyCamera", **flat).metadata["errorMessage"]
+    assert not kitchen.step("AddThirdPartyCamera", position=middle, rotation={}, fieldOfView=180)
+    kitchen.reset()
 
 
 def test_map_camera_sees_every_piece_of_furniture_on_the_floor(kitchen) -> None:

@@ -17,7 +17,7 @@ from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.body import robot_poses, robot_surfaces
 from remqa_data.sim.arm.obstacles import Obstacles
-from remqa_data.sim.arm.postures import HOME, ArmBase, ArmState, link_poses
+from remqa_data.sim.arm.postures import HOME, ArmBase, ArmState, link_poses, postures_at
 from remqa_data.sim.arm.search import HandGoals, Search, Way
 from remqa_data.sim.arm.targets import Targets
 from remqa_data.sim.navigation.embodiment import AGENT
@@ -118,6 +118,12 @@ class Arm:
         away = point - np.array(self.shoulder(base))
         goals = HandGoals(point[None], away[None] / max(float(arithmetic.length(away)), 1e-9))
         return self._after(self._search(base, ignore).to(goals, free_column=free_height))
+
+    def turn_hand(self, base: ArmBase, rotation: F64) -> ArmMove:
+        """Turn the hand by a (3, 3) rotation about axes of the room; its middle and the column stay where they are."""
+        pose = self.link_poses(base)[jaco.HAND]
+        pose[:3, :3] = arithmetic.product(rotation, pose[:3, :3])
+        return self._after(self._search(base).to_one_of(postures_at(base, pose, self.state.posture())))
 
     def set_base_height(self, base: ArmBase, height_m: float) -> ArmMove:
         """Slide the shoulder to a height above the floor, metres, as far as it is free; the joints stay as they are."""

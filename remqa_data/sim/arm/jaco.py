@@ -133,6 +133,17 @@ def postures(points: F64, axes: F64, roll: float = 0.0) -> F64:
     return within_limits(joints.reshape(-1, 8, JOINTS))
 
 
+def postures_at(pose: F64) -> F64:
+    """All postures that bring the hand's frame to a (4, 4) pose in the frame of the foot; (8, 6), as `postures`."""
+    found = postures(pose[None, :3, 3], pose[None, :3, 2])[0]
+    sideways = link_poses(found)[:, HAND, :3, 0]
+    angle = arithmetic.arctan2(
+        arithmetic.dot(np.cross(sideways, pose[:3, 0]), pose[:3, 2]), arithmetic.dot(sideways, pose[:3, 0])
+    )
+    found[:, 5] += _ORIGINS[JOINTS][2, 2] * angle  # the last joint's axis points into the palm, the hand's out of it
+    return within_limits(found)
+
+
 def within_limits(joints: F64) -> F64:
     """The same postures (..., 6) with angles near the middle of their limits; NaN where one is beyond them."""
     middle = LIMITS.mean(axis=1)

@@ -129,7 +129,22 @@ def postures_to(base: ArmBase, point: F64, columns: F64, axes: F64, near: F64) -
     points, directions = arithmetic.moved_back(point, feet), arithmetic.turned_back(axes, feet[:, :3, :3])
     joints = jaco.postures(points, directions, float(near[7]))
     pair, branch = np.nonzero(np.isfinite(joints).all(axis=2))
-    found = np.column_stack([columns[pair], _unwound(joints[pair, branch], near[2:])])
+    return _nearest_first(columns[pair], joints[pair, branch], near)
+
+
+def postures_at(base: ArmBase, pose: F64, near: F64) -> F64:
+    """(m, 8) postures with the same column as `near` that bring the hand's frame to a (4, 4) pose in the room."""
+    foot = foot_poses(base, near[None])[0]
+    local = np.eye(4)
+    local[:3, :3] = arithmetic.product(foot[:3, :3].T, pose[:3, :3])
+    local[:3, 3] = arithmetic.moved_back(pose[:3, 3], foot)
+    joints = jaco.postures_at(local)
+    joints = joints[np.isfinite(joints).all(axis=1)]
+    return _nearest_first(np.tile(near[:2], (len(joints), 1)), joints, near)
+
+
+def _nearest_first(columns: F64, joints: F64, near: F64) -> F64:
+    found = np.column_stack([columns, _unwound(joints, near[2:])])
     travel = np.abs(found - near).max(axis=1, initial=0.0)
     return found[np.argsort(travel, kind="stable")]
 

@@ -133,13 +133,25 @@ class Search:
         batches = [self._free_batches(point, axis, free_column=free_column) for point, axis in hopeful]
         for point, columns, axes in _in_turns(batches):
             postures = postures_to(self.base, point, columns, axes, self.start)
-            for posture in postures[self._touches_nothing(postures)][:tries]:
-                for waypoints in ways(self.base, self.start, posture):
-                    if self._first_push(path([self.start, *waypoints])[::COARSE])[1] < 0:
-                        way = self.along(*waypoints)
-                        if way.is_free:
-                            return way
+            if (way := self._free_way(postures, tries)) is not None:
+                return way
         return self._as_near_as_possible(goals, free_column=free_column)
+
+    def to_one_of(self, postures: F64) -> Way | None:
+        """Go to one of (n, 8) postures, or as far as it is free towards the first; None if there are none."""
+        if not len(postures):
+            return None
+        return self._free_way(postures) or self.along(postures[0])
+
+    def _free_way(self, postures: F64, tries: int | None = None) -> Way | None:
+        """A way to one of the first few postures that touch nothing."""
+        for posture in postures[self._touches_nothing(postures)][:tries]:
+            for waypoints in ways(self.base, self.start, posture):
+                if self._first_push(path([self.start, *waypoints])[::COARSE])[1] < 0:
+                    way = self.along(*waypoints)
+                    if way.is_free:
+                        return way
+        return None
 
     def _as_near_as_possible(self, goals: HandGoals, *, free_column: bool) -> Way | None:
         for goal, axis in zip(*goals, strict=True):

@@ -68,6 +68,8 @@ class Camera:
         Vertical field of view.
     width, height : int
         Pixels.
+    roll_deg : float
+        How far it is turned about where it looks, counter-clockwise as seen from behind it.
     """
 
     position: Vec3
@@ -76,6 +78,7 @@ class Camera:
     fov_deg: float = 90.0
     width: int = 300
     height: int = 300
+    roll_deg: float = 0.0
 
     @classmethod
     def look_at(cls, eye: Vec3, target: Vec3, *, fov_deg: float = 90.0, width: int = 300, height: int = 300) -> Camera:
@@ -98,15 +101,7 @@ class Camera:
 
     def rotation(self) -> F64:
         """(3, 3) unit rows: right, up, forward, in the world frame."""
-        sin_yaw, cos_yaw = (float(v) for v in arithmetic.sin_cos_deg(self.yaw_deg))
-        sin_pitch, cos_pitch = (float(v) for v in arithmetic.sin_cos_deg(self.horizon_deg))
-        return np.array(
-            [
-                [sin_yaw, -cos_yaw, 0.0],
-                [sin_pitch * cos_yaw, sin_pitch * sin_yaw, cos_pitch],
-                [cos_pitch * cos_yaw, cos_pitch * sin_yaw, -sin_pitch],
-            ]
-        )
+        return _looking(self.yaw_deg, self.horizon_deg, self.roll_deg)
 
     def project(self, points: npt.ArrayLike) -> F64:
         """Image position of world points.
@@ -129,6 +124,47 @@ class Camera:
     def view(self) -> View:
         """The camera as the rasteriser reads it."""
         return _pinhole_view(self)
+
+
+@dataclass(frozen=True)
+class OrthographicCamera:
+    """A camera with a parallel projection. What is behind it is cut off.
+
+    Attributes
+    ----------
+    position : tuple of float
+        Metres, world frame.
+    half_height_m : float
+        Metres from the middle of the image to its upper side.
+    yaw_deg, horizon_deg, roll_deg : float
+        As of `Camera`.
+    width, height : int
+        Pixels.
+    """
+
+    position: Vec3
+    half_height_m: float
+    yaw_deg: float = 90.0
+    horizon_deg: float = 90.0
+    roll_deg: float = 0.0
+    width: int = 300
+    height: int = 300
+
+    def rotation(self) -> F64:
+        """(3, 3) unit rows: right, up, forward, in the world frame."""
+        return _looking(self.yaw_deg, self.horizon_deg, self.roll_deg)
+
+    def project(self, points: npt.ArrayLike) -> F64:
+        """Image position of world points: (n, 3) pixel x, pixel y, depth before the camera."""
+        return _project(self.view(), points)
+
+    def unproject(self, depth: npt.ArrayLike) -> F64:
+        """World point that each pixel of a (h, w) depth image shows, (h, w, 3) float64; inverse of `project`."""
+        return _unproject(self.view(), depth)
+
+    def view(self) -> View:
+        """The camera as the rasteriser reads it."""
+        return _parallel_view(self.position, self.rotation(), self.height / (2.0 * self.half_height_m), self)
 
 
 @dataclass(frozen=True)
@@ -172,11 +208,25 @@ class TopDownCamera:
 
     def view(self) -> View:
         """The camera as the rasteriser reads it."""
-        right, up, forward = self.rotation()
-        scale = self.pixels_per_m
-        axes = np.stack([right * scale, -up * scale, forward])
-        eye = (*self.centre_xy, self.height_m)
-        return View.of(eye, axes, pinhole=False, width=self.width, height=self.height)
+        return _parallel_view((*self.centre_xy, self.height_m), self.rotation(), self.pixels_per_m, self)
+
+
+def _looking(yaw_deg: float, horizon_deg: float, roll_deg: float) -> F64:
+    """(3, 3) unit rows, right, up and forward, of a camera that looks somewhere."""
+    sin_yaw, cos_yaw = (float(v) for v in arithmetic.sin_cos_deg(yaw_deg))
+    sin_pitch, cos_pitch = (float(v) for v in arithmetic.sin_cos_deg(horizon_deg))
+    level = np.array(
+        [
+            [sin_yaw, -cos_yaw, 0.0],
+            [sin_pitch * cos_yaw, sin_pitch * sin_yaw, cos_pitch],
+            [cos_pitch * cos_yaw, cos_pitch * sin_yaw, -sin_pitch],
+        ]
+    )
+    if roll_deg == 0.0:
+        return level
+    sin_roll, cos_roll = (float(v) for v in arithmetic.sin_cos_deg(roll_deg))
+    right, up, forward = level
+    return np.stack([cos_roll * right + sin_roll * up, cos_roll * up - sin_roll * right, forward])
 
 
 @lru_cache(maxsize=1024)  # one camera looks, and then points are looked up in its image
@@ -185,6 +235,12 @@ def _pinhole_view(camera: Camera) -> View:
     focal = camera.focal_px
     axes = np.stack([right * focal, -up * focal, forward])
     return View.of(camera.position, axes, pinhole=True, width=camera.width, height=camera.height)
+
+
+def _parallel_view(eye: Vec3, rotation: F64, pixels_per_m: float, image: OrthographicCamera | TopDownCamera) -> View:
+    right, up, forward = rotation
+    axes = np.stack([right * pixels_per_m, -up * pixels_per_m, forward])
+    return View.of(eye, axes, pinhole=False, width=image.width, height=image.height)
 
 
 def _project(view: View, points: npt.ArrayLike) -> F64:

@@ -13,18 +13,21 @@ from typing import Literal
 import numpy as np
 
 from remqa_data.catalog import object_type
-from remqa_data.geometry.types import Vec3
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.actions import objects as actions_objects
 from remqa_data.thor.state.agent import ThorAgent
-from remqa_data.thor.state.arm_metadata import facing, touched_objects
+from remqa_data.thor.state.arm_metadata import facing, hand_facing, touched_objects
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import PartialVector, Vector, to_room, whole
+from remqa_data.thor.state.frames import SWAP, PartialVector, Vector, to_room, turn_of_euler, whole
 from remqa_data.thor.state.simulator import SimulatorState
 
-Space = Literal["armBase", "world"]
-"""Where a position is given: in the room, or from the shoulder, with x to the agent's right and z ahead of it."""
+Space = Literal["armBase", "world", "wrist"]
+"""Where a position is given: in the room; from the shoulder, with x to the agent's right and z ahead of it; or from the
+hand, with x to its right and z out of the palm."""
 
 LEAST_RADIUS_M, MOST_RADIUS_M = 0.04, 0.5
 IS_THERE_M = 1e-4
@@ -35,7 +38,8 @@ def move_arm(
     simulator: SimulatorState, position: PartialVector, coordinateSpace: Space = "armBase", returnToStart: bool = True
 ) -> ActionResult:
     """Bring the hand to a position, metres."""
-    origin = simulator.agent.arm.shoulder(simulator.agent.base)
+    arm, base = simulator.agent.arm, simulator.agent.base
+    origin = arm.hand(base) if coordinateSpace == "wrist" else arm.shoulder(base)
     return _reach(simulator, _in_room(simulator, whole(position), coordinateSpace, origin), returnToStart)
 
 
@@ -114,8 +118,12 @@ def rotate_agent(simulator: SimulatorState, degrees: float) -> ActionResult:
 def rotate_wrist_relative(
     simulator: SimulatorState, pitch: float = 0.0, yaw: float = 0.0, roll: float = 0.0, returnToStart: bool = True
 ) -> ActionResult:
-    """Refuse to turn the hand: the search for movements points it as it likes, and what it holds does not turn with it."""
-    return ActionResult(False, "the wrist cannot be turned: each movement of the arm points the hand where it must")
+    """Turn the hand about its own axes, degrees, and what it holds with it; its middle stays where it is."""
+    agent = simulator.agent
+    hand = _hand_axes(agent)
+    local = arithmetic.product(arithmetic.product(SWAP, turn_of_euler({"x": pitch, "y": yaw, "z": -roll})), SWAP)
+    rotation = arithmetic.product(arithmetic.product(hand, local), hand.T)
+    return _or_back(simulator, returnToStart, lambda: agent.turn_hand(rotation))
 
 
 def rotate_elbow_relative(simulator: SimulatorState, degrees: float, returnToStart: bool = True) -> ActionResult:
@@ -145,9 +153,16 @@ def _in_room(simulator: SimulatorState, position: Vector, space: Space, origin: 
     """A position of AI2-THOR in the room, metres."""
     if space == "world":
         return to_room(position)
-    away = facing(simulator.agent.yaw_deg) @ np.array([position["x"], position["z"], position["y"]])
+    agent = simulator.agent
+    axes = _hand_axes(agent) if space == "wrist" else facing(agent.yaw_deg)
+    away = axes @ np.array([position["x"], position["z"], position["y"]])
     x, y, z = (np.asarray(origin) + away).tolist()
     return x, y, z
+
+
+def _hand_axes(agent: ThorAgent) -> F64:
+    """(3, 3) the hand's right, ahead and up in the room, as columns."""
+    return hand_facing(agent.arm.link_poses(agent.base)[jaco.HAND])
 
 
 def _reach(simulator: SimulatorState, point: Vec3, return_to_start: bool) -> ActionResult:

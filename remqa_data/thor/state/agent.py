@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, I32, Vec3
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
 from remqa_data.sim.metadata import scaled_min_pixels
@@ -120,6 +121,18 @@ class ThorAgent(Agent):
             self.hand_offset = HAND
             self._grasp = middle - np.asarray(self.hand_at()) if self.hands == "arm" else np.zeros(3)
         return result
+
+    def turn_hand(self, rotation: F64) -> ActionResult:
+        """Turn the arm's hand, and what it holds with it, by a (3, 3) rotation about axes of the room."""
+        turned = self.arm.turn_hand(self.base, rotation)
+        if turned.success and self.held is not None:
+            world, held = self.world, self.held
+            state = world.state(held)
+            from_hand = self._grasp + state.position - world.box(held).mean(axis=0)
+            quaternion = snapped_quaternion(quaternion_of(arithmetic.product(rotation, rotation_of(state.quaternion))))
+            world.move_alone(held, state.position, quaternion)
+            self._grasp = arithmetic.turned(from_hand, rotation) - state.position + world.box(held).mean(axis=0)
+        return ActionResult(turned.success, turned.error)
 
     def held_at(self) -> Vec3:
         """Where the middle of the box of what it holds is, metres in the room."""

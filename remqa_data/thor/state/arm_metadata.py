@@ -14,15 +14,20 @@ from remqa_data.thor.state.frames import SWAP, to_thor
 from remqa_data.thor.state.objects import Metadata
 from remqa_data.thor.state.simulator import LoadedFloorPlan
 
-JOINTS = {"robot_arm_2_jnt": 3, "robot_arm_3_jnt": 5, "robot_arm_4_jnt": jaco.HAND}
-"""AI2-THOR's names of elbow, wrist and hand, and the links of our six-joint arm that begin there. The first joint is the
-shoulder, which faces where the agent does, as in AI2-THOR."""
+JOINTS = {"robot_arm_2_jnt": 3, "robot_arm_3_jnt": 5}
+"""AI2-THOR's names of elbow and wrist, and the links of our six-joint arm that begin there. The first joint is the
+shoulder, which faces where the agent does, as in AI2-THOR; the fourth is the hand, which faces where the palm does."""
 
 
 def facing(yaw_deg: float) -> F64:
     """(3, 3) rotation whose columns are an agent's right, ahead and up in the room."""
     sine, cosine = arithmetic.sin_cos_deg(yaw_deg)
     return np.array([[sine, cosine, 0.0], [-cosine, sine, 0.0], [0.0, 0.0, 1.0]])
+
+
+def hand_facing(pose: F64) -> F64:
+    """(3, 3) rotation whose columns are the hand's right, ahead (out of the palm) and up in the room, of its (4, 4) pose."""
+    return np.column_stack([pose[:3, 0], pose[:3, 2], -pose[:3, 1]])
 
 
 def arm_metadata(room: LoadedFloorPlan) -> Metadata:
@@ -33,7 +38,13 @@ def arm_metadata(room: LoadedFloorPlan) -> Metadata:
     touched = touched_objects(room.world, hand, arm.hand_radius_m)
     root = np.eye(4)
     root[:3, :3], root[:3, 3] = facing(agent.yaw_deg), arm.shoulder(base)
-    poses = {"robot_arm_1_jnt": root, **{name: links[link] for name, link in JOINTS.items()}}
+    palm = np.eye(4)
+    palm[:3, :3], palm[:3, 3] = hand_facing(links[jaco.HAND]), hand
+    poses = {
+        "robot_arm_1_jnt": root,
+        **{name: links[link] for name, link in JOINTS.items()},
+        "robot_arm_4_jnt": palm,
+    }
     parent, joints = root, []
     for name, pose in poses.items():
         joints.append(

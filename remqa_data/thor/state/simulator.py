@@ -15,7 +15,7 @@ from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose, pixels_per_object
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import Snapshot, World
-from remqa_data.sim.render.camera import AnyCamera, Camera, TopDownCamera
+from remqa_data.sim.render.camera import AnyCamera, Camera, OrthographicCamera
 from remqa_data.sim.render.view import WorldView
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.appearance import shapes_of
@@ -204,7 +204,7 @@ class LoadedFloorPlan:
         eye = to_thor((*(low + high)[:2] / 2, high[2] - BELOW_CEILING_M))
         return ThirdPartyCamera(eye, {"x": 90.0, "y": 0.0, "z": 0.0}, 90.0, float((high - low)[:2].max()) / 2)
 
-    def frame_camera(self) -> Camera | TopDownCamera:
+    def frame_camera(self) -> Camera | OrthographicCamera:
         """The camera that takes the agent's pictures: its eye, or that of the map."""
         return self.map_camera().camera(self.agent.frame) if self.shows_map else self.agent.camera()
 

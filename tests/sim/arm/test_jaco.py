@@ -73,6 +73,15 @@ def test_every_posture_brings_the_hand_there_and_the_one_it_came_from_is_among_t
     assert np.abs(elbows[:-1] - elbows[-1]).max(axis=(1, 2)).min() < 1e-5
 
 
+@given(angles)
+def test_postures_at_a_pose_bring_the_hand_there_turned_as_it_is(joints) -> None:
+    pose = jaco.link_poses(np.array([joints]))[0, jaco.HAND]
+    found = jaco.postures_at(pose)
+    found = found[np.isfinite(found).all(axis=1)]
+    assert len(found)
+    assert np.allclose(jaco.link_poses(found)[:, jaco.HAND], pose, atol=1e-5)
+
+
 def test_there_is_no_posture_beyond_the_stretched_arm() -> None:
     # 0.41 + 0.31105 + 0.26375 m from the shoulder, less what the sideways offset of the wrist takes
     directions = np.array([[1.0, 0.0, 0.0], [0.0, 0.6, 0.8], [-0.6, 0.0, 0.8]])

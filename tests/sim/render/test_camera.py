@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from remqa_data.sim.render.camera import Camera, TopDownCamera
+from remqa_data.sim.render.camera import Camera, OrthographicCamera, TopDownCamera
+from remqa_data.thor.state.frames import turn_of_euler
 
 
 def test_point_straight_ahead_is_in_the_middle_at_its_distance():
@@ -49,9 +52,11 @@ def test_look_at_puts_the_target_in_the_middle():
     "camera",
     [
         Camera((0.3, -1.0, 1.5), 210, 30, 75, width=64, height=48),
+        Camera((0.3, -1.0, 1.5), 210, 30, 75, width=64, height=48, roll_deg=-50),
         TopDownCamera((1.0, 2.0), 2.5, 4.0, width=64, height=48),
+        OrthographicCamera((1.0, 2.0, 0.5), 1.5, 30, 20, 70, width=64, height=48),
     ],
-    ids=["pinhole", "map"],
+    ids=["pinhole", "rolled", "map", "orthographic"],
 )
 def test_unproject_undoes_project(camera):
     depth = np.random.default_rng(0).uniform(0.5, 4.0, (48, 64))
@@ -65,3 +70,22 @@ def test_map_has_x_to_the_right_and_y_up():
     camera = TopDownCamera((2.0, 1.0), height_m=2.4, extent_m=6.0)
     # 300 pixels over 6 metres: 50 pixels a metre.
     np.testing.assert_allclose(camera.project([(3.0, 2.0, 0.4)]), [(200, 100, 2.0)], atol=1e-9)
+
+
+def test_a_roll_turns_the_picture_the_other_way():
+    camera = Camera((0.0, 0.0, 0.0), yaw_deg=0, roll_deg=90)
+    # Its right is up now: what is above is at the right side, and what is to the right is below.
+    np.testing.assert_allclose(camera.project([(2.0, 0.0, 1.0), (2.0, -1.0, 0.0)]), [(225, 150, 2), (150, 225, 2)])
+
+
+def test_an_orthographic_camera_from_above_is_the_map():
+    camera = OrthographicCamera((2.0, 1.0, 2.4), half_height_m=3.0)
+    np.testing.assert_allclose(camera.project([(3.0, 2.0, 0.4)]), [(200, 100, 2.0)], atol=1e-9)
+
+
+@given(*[st.floats(-400, 400)] * 3)
+def test_rotations_are_unitys(x, y, z):
+    """AI2-THOR's columns are right, up and ahead; its y and z are our z and y, and its 0 degrees look along our +y."""
+    right, up, ahead = turn_of_euler({"x": x, "y": y, "z": z}).T[:, [0, 2, 1]]
+    for camera in (Camera((0, 0, 0), 90 - y, x, roll_deg=z), OrthographicCamera((0, 0, 0), 1.0, 90 - y, x, z)):
+        np.testing.assert_allclose(camera.rotation(), [right, up, ahead], atol=1e-9)
