@@ -144,7 +144,9 @@ class WorldView:
         if self._waits_for_light:
             self._bake()
         frame: Frame = self.renderer.render(camera, shadows=shadows, antialias=antialias, only=only)
-        return Observation(frame.rgb, frame.depth, self._object_of[frame.instances], self._link_of[frame.instances])
+        return Observation(
+            frame.rgb, frame.depth, self._object_of.take(frame.instances), self._link_of.take(frame.instances)
+        )
 
     @property
     def lamp_shares(self) -> F64:
@@ -185,7 +187,7 @@ class WorldView:
         """
         self.sync()
         depth, parts = self.renderer.render_instances(camera, only)
-        return depth, np.asarray(self._object_of[parts])
+        return depth, self._object_of.take(parts)
 
     def pixels_of(self, camera: AnyCamera, object_ids: Iterable[str]) -> npt.NDArray[np.int64]:
         """(objects,) how many pixels show each of some objects; those of all others mean nothing.
