@@ -17,8 +17,8 @@ from scipy import ndimage
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.geometry.types import F64, Box
 from remqa_data.language.referring import Program, candidates, resolve
-from remqa_data.relations import relation_rules
 from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.scene_graph.relations import relation_rules
 
 FoundBy = Literal["graph", "graph, roughly", "type", "map"]
 

@@ -18,8 +18,7 @@ from remqa_data.generators.arrangement.packing import Outline, Put, free_put, ou
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import Vec3
-from remqa_data.language.inner import clearly_related
-from remqa_data.relations import InnerRelation, Partner
+from remqa_data.language.inner import InnerRelation, Partner, clearly_related
 from remqa_data.sim.metadata import ObjectMetadata
 from remqa_data.sim.navigation.embodiment import AGENT
 

@@ -32,12 +32,12 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
-from remqa_data.language.inner import inner_of, is_sure, needed
+from remqa_data.language.inner import InnerRelation, Partner, inner_of, is_sure, needed
 from remqa_data.language.referring import Program, program_of, resolve
 from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M, distance_to_goal_m
-from remqa_data.relations import InnerRelation, Partner, Relation
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.scene_graph.relations import Relation
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, MOVE, OPEN, PICK_UP, parse_actions, walk_and_rest
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import (

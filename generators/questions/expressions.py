@@ -17,8 +17,8 @@ from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry.boxes import centre_distance
 from remqa_data.language.referring import Program, Step, candidates, resolve
 from remqa_data.language.rules import SEEN_AS_ONE, expression_rules, may_be_called
-from remqa_data.relations import Relation, relation_rules
 from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.scene_graph.relations import Relation, relation_rules
 from remqa_data.sim.metadata import ObjectMetadata
 
 ExpressionKind = Literal["bare", "relation", "attribute", "superlative"]

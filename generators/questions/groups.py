@@ -13,7 +13,7 @@ from typing import Generic
 
 from remqa_data.errors import QuotaError
 from remqa_data.generators.questions.questions import NO, YES, Candidate, P
-from remqa_data.relations import Partner
+from remqa_data.language.inner import Partner
 from remqa_data.tables.rows import QuestionKind
 
 

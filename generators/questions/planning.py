@@ -38,7 +38,7 @@ from remqa_data.generators.questions.sites import (
 )
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
-from remqa_data.relations import InnerRelation, Partner
+from remqa_data.language.inner import InnerRelation, Partner
 from remqa_data.tables.rows import QuestionKind
 
 Clashes = Mapping[SiteKey, Collection[frozenset[str]]]

@@ -17,9 +17,10 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveFloat
 
 from remqa_data.catalog import Manipulation, object_type, plural, with_article
 from remqa_data.generators.questions.expressions import Expression, ExpressionKind
+from remqa_data.language.inner import InnerRelation, Partner
 from remqa_data.language.referring import AnyProgram, Program
 from remqa_data.language.rules import may_be_called
-from remqa_data.relations import InnerRelation, Partner, Relation, relation_rules
+from remqa_data.scene_graph.relations import Relation, relation_rules
 from remqa_data.tables.rows import QuestionKind
 
 SOURCE = "questions.yaml"

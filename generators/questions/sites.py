@@ -18,7 +18,7 @@ from remqa_data.generators.questions.questions import (
     question_rules,
     usable_expressions,
 )
-from remqa_data.relations import Partner
+from remqa_data.language.inner import Partner
 from remqa_data.tables.rows import QuestionKind
 
 FittingTypes = Callable[[P, int], Sequence[tuple[str, float]]]

@@ -18,7 +18,7 @@ import pyarrow as pa
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.geometry.types import I16
 from remqa_data.mapping.semantic_map import UNKNOWN, SemanticPlan
-from remqa_data.scene_graph.pair_relations import Edge
+from remqa_data.scene_graph.relations import Edge
 from remqa_data.sim.metadata import ObjectMetadata
 from remqa_data.storage.manifest import Manifest, load_manifest
 from remqa_data.tables.images import StoredImage

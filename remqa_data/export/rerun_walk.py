@@ -16,7 +16,7 @@ from remqa_data.files import atomic_path
 from remqa_data.geometry.types import F64
 from remqa_data.mapping.map_picture import type_color
 from remqa_data.mapping.semantic_map import FLOOR_SLACK_M, STRUCTURE, VoxelMap
-from remqa_data.scene_graph.pair_relations import Edge
+from remqa_data.scene_graph.relations import Edge
 from remqa_data.sim.metadata import VisibleObject
 from remqa_data.sim.render.camera import Camera
 from remqa_data.storage.manifest import load_manifest

@@ -9,13 +9,37 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import get_args
+from typing import Literal, get_args
 
 from remqa_data.language.referring import AnyProgram, resolve
 from remqa_data.language.semantics import Exactly
-from remqa_data.relations import InnerRelation, Partner, RelationRules, relation_rules
 from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.scene_graph.relations import RelationRules, relation_rules
 from remqa_data.sim.metadata import ObjectMetadata
+
+InnerRelation = Literal["on", "next to", "behind", "between"]
+"""What a question may ask of two things that lie in the same closed thing."""
+
+
+@dataclass(frozen=True)
+class Partner:
+    """What a thing is asked to lie on, next to, behind or between, in the same place.
+
+    Attributes
+    ----------
+    relation : {"on", "next to", "behind", "between"}
+        What the thing is to it.
+    type : str
+        Its type: there is one of it in the place, or two, for what lies between.
+    """
+
+    relation: InnerRelation
+    type: str
+
+    @property
+    def count(self) -> int:
+        """How many there are of it."""
+        return 2 if self.relation == "between" else 1
 
 
 @dataclass(frozen=True)

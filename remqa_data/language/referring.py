@@ -27,8 +27,8 @@ from remqa_data.catalog import catalog
 from remqa_data.errors import ProgramError, nearest_names
 from remqa_data.language.rules import RowPlace, StackPlace, expression_rules
 from remqa_data.language.semantics import Exactly, Roughly
-from remqa_data.relations import OrderRelation, Relation, relation_rules
 from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.scene_graph.relations import OrderRelation, Relation, relation_rules
 
 Step = tuple[Any, ...]
 Program = tuple[Step, ...]

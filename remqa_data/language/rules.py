@@ -11,7 +11,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict
 
 from remqa_data.catalog import catalog, types_with
-from remqa_data.relations import Relation
+from remqa_data.scene_graph.relations import Relation
 
 SOURCE = "expressions.yaml"
 SEEN_AS_ONE = types_with("seen_as_one")

@@ -10,9 +10,9 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.language.rules import RowPlace, StackPlace, expression_rules, may_be_called, similar_words
-from remqa_data.relations import OrderRelation, Relation
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.scene_graph.order import is_ordered
+from remqa_data.scene_graph.relations import OrderRelation, Relation
 from remqa_data.sim.metadata import ObjectMetadata
 
 

@@ -13,8 +13,7 @@ import networkx as nx
 from pydantic import TypeAdapter, ValidationError
 
 from remqa_data.errors import SceneGraphError, UnknownNameError
-from remqa_data.relations import Relation, RelationRules, relation_rules
-from remqa_data.scene_graph.pair_relations import Edge, edges_between
+from remqa_data.scene_graph.relations import Edge, Relation, RelationRules, edges_between, relation_rules
 from remqa_data.sim.metadata import FrameMetadata, ObjectMetadata
 
 

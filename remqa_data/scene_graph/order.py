@@ -10,8 +10,8 @@ from itertools import combinations
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
-from remqa_data.relations import OrderRelation, OrderRules
 from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.scene_graph.relations import OrderRelation, OrderRules
 from remqa_data.sim.metadata import ObjectMetadata
 
 

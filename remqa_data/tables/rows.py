@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from remqa_data.geometry.types import Vec3
 from remqa_data.limits import MOST_OBJECTS, MOST_SCENE_JSON_BYTES, MOST_VOXELS
-from remqa_data.scene_graph.pair_relations import Edge
+from remqa_data.scene_graph.relations import Edge
 from remqa_data.sim.metadata import AgentState, Box2D, ObjectMetadata, VisibleObject
 from remqa_data.tables.fields import Column
 from remqa_data.tables.images import StoredImage

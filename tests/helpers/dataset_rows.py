@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from remqa_data.scene_graph.pair_relations import Edge
+from remqa_data.scene_graph.relations import Edge
 from remqa_data.sim.metadata import AgentState, ObjectMetadata, VisibleObject
 from remqa_data.storage.card import write_card
 from remqa_data.storage.manifest import Manifest, make_manifest

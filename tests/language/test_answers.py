@@ -4,8 +4,8 @@ import pytest
 
 from remqa_data.errors import ProgramError
 from remqa_data.language.answers import execute, is_clear
-from remqa_data.relations import relation_rules
 from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.scene_graph.relations import relation_rules
 from remqa_data.sim.metadata import ObjectMetadata
 from tests.helpers.room_records import kitchen, thing
 

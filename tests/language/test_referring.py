@@ -6,8 +6,8 @@ import pytest
 from remqa_data.errors import ProgramError
 from remqa_data.language.referring import candidates, program_of, resolve
 from remqa_data.language.rules import may_be_called, similar_words
-from remqa_data.relations import relation_rules
 from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.scene_graph.relations import relation_rules
 from tests.helpers.room_records import kitchen, kitchen_graph, thing
 
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from remqa_data.errors import SceneGraphError, UnknownNameError
 from remqa_data.floorplans.ithor.scenes import load_scene
-from remqa_data.relations import relation_rules
 from remqa_data.scene_graph.graph import GraphUpdate, SceneGraph
+from remqa_data.scene_graph.relations import relation_rules
 from remqa_data.sim.metadata import AgentState, FrameMetadata, ObjectMetadata, VisibleObject, object_metadata
 from remqa_data.sim.physics.world import World
 from tests.helpers.room_records import kitchen, kitchen_graph, thing

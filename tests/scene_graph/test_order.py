@@ -2,9 +2,9 @@
 
 import pytest
 
-from remqa_data.relations import relation_rules
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.scene_graph.order import is_ordered
+from remqa_data.scene_graph.relations import relation_rules
 from tests.helpers.room_records import kitchen, thing
 
 

@@ -10,20 +10,50 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
+import yaml
+from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
-from remqa_data.relations import relation_rules
 
 if TYPE_CHECKING:
     from remqa_data.sim.physics.world import World
 
 SupportKind = Literal["in", "on"]
+SOURCE = "support.yaml"
+
+
+class SupportRules(BaseModel):
+    """When an object is held by a space of another, metres. The file says what each number means.
+
+    Attributes
+    ----------
+    vessels : mapping of str to tuple of str
+        By type, the first words of the names of its spaces that have walls around them but are not closed.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    side_margin_m: float = Field(ge=0)
+    sunk_m: float = Field(ge=0)
+    overhang_m: float = Field(ge=0)
+    contact_m: float = Field(ge=0)
+    pile_m: float = Field(ge=0)
+    vessels: dict[str, tuple[str, ...]]
+
+
+@lru_cache(maxsize=1)
+def support_rules() -> SupportRules:
+    """The rules of `templates/support.yaml`, read once."""
+    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
+    return SupportRules.model_validate(yaml.safe_load(text))
 
 
 @dataclass(frozen=True)
@@ -48,7 +78,7 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
     -------
     Support by object id; no entry for what rests on nothing known.
     """
-    rules = relation_rules().support
+    rules = support_rules()
     spaces = _all_spaces(world)
     floor = next((object_id for object_id in world.ids if world.type_of(object_id) == "Floor"), None)
     # The space of what things hang on reaches below it.
@@ -98,7 +128,7 @@ class _Spaces:
 
 
 def _all_spaces(world: World) -> _Spaces:
-    vessels = relation_rules().vessels
+    vessels = support_rules().vessels
     owners, is_floor, enclosed, surrounds, poses, low, high = [], [], [], [], [], [], []
     for object_id in world.ids:
         if object_id == world.held or not world.assets[object_id].spaces:

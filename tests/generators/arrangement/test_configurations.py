@@ -18,7 +18,7 @@ from remqa_data.generators.arrangement.inner_packing import inner_fits
 from remqa_data.generators.arrangement.packing import packed
 from remqa_data.generators.arrangement.wished_things import WishedThings
 from remqa_data.generators.questions.questions import confusable
-from remqa_data.relations import Partner
+from remqa_data.language.inner import Partner
 from remqa_data.sim.metadata import object_metadata
 from remqa_data.sim.navigation.viewpoints import pixels_per_object
 from remqa_data.sim.physics.world import World

@@ -8,7 +8,7 @@ import pytest
 from remqa_data.generators.arrangement.areas import Area
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.arrangement.inner_packing import Link, inner_fits, packed_with_link
-from remqa_data.relations import Partner
+from remqa_data.language.inner import Partner
 from remqa_data.sim.navigation.viewpoints import AgentPose
 
 AREA = Area((0.0, 0.0, 0.5), 0.0, (0.3, 0.22), 0.3)

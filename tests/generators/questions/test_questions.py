@@ -16,8 +16,8 @@ from remqa_data.generators.questions.questions import (
     usable_expressions,
 )
 from remqa_data.language.answers import execute
+from remqa_data.language.inner import Partner
 from remqa_data.language.referring import resolve
-from remqa_data.relations import Partner
 from tests.helpers.room_records import kitchen_graph
 from tests.helpers.stand_in_places import StandIn
 

@@ -1,4 +1,4 @@
-"""What one object is to another: the rules that turn two boxes and what holds them into a relation.
+"""What one object is to another: the words, the thresholds of `templates/relations.yaml`, and how they decide.
 
 Two measures decide, together with what holds what: the distance between the centres and the 3D IoU of the boxes. They
 bound which pairs can be related at all; gaps and shares of the same boxes then tell above from below from beside.
@@ -8,18 +8,179 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
+import yaml
+from annotated_types import Le
+from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.geometry.types import F64
-from remqa_data.relations import Relation, RelationRules, StackedRules
 from remqa_data.sim.metadata import ObjectMetadata
 
+Relation = Literal["in", "on", "under", "above", "below", "next to"]
+"""What one object is to another, by their boxes and by what holds them: the edges of the scene graph."""
+OrderRelation = Literal["behind", "between"]
+"""How things lie in what holds them all: it takes more than two objects to tell, so these are no edges."""
+
+SOURCE = "relations.yaml"
+
 Table = npt.NDArray[np.bool_]
+
+
+class _Rules(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class _Thresholds(_Rules):
+    """Of one relation. A name says what a number is: `min_` what must be reached, `max_` and `gap_` what may not be passed."""
+
+    exact: ClassVar[frozenset[str]] = frozenset()
+    """What stays as it is when the others are loosened."""
+
+    def times(self, more: float) -> Self:
+        """Limits times a factor, and what must be reached divided by it; what is a share of one thing stays one."""
+        changed = {}
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            if name in self.exact or not name.startswith(("min_", "max_", "gap_")):
+                continue
+            value = value / more if name.startswith("min_") else value * more
+            is_share = any(isinstance(limit, Le) and limit.le == 1 for limit in field.metadata)
+            changed[name] = min(value, 1.0) if is_share else value
+        return self.model_copy(update=changed)
+
+
+class PartRules(_Thresholds):
+    """When a drawer is in a dresser."""
+
+    min_share: float = Field(gt=0, le=1)
+    parts: dict[str, frozenset[str]]
+
+
+class FloorRules(_Thresholds):
+    """When a thing is on the floor."""
+
+    max_gap_m: float = Field(ge=0)
+
+
+class UnderRules(_Thresholds):
+    """When a thing is under another: beneath what can be lifted, or beneath furniture on legs."""
+
+    min_plan_share: float = Field(gt=0, le=1)
+    max_contact_gap_m: float = Field(ge=0)
+    max_sunk_m: float = Field(ge=0)
+    max_area_ratio: float = Field(gt=0)
+    min_head_room_m: float = Field(ge=0)
+    legs: frozenset[str]
+
+
+class PileRules(_Thresholds):
+    """When a thing lies on another that is in the same thing as it."""
+
+    min_plan_share: float = Field(gt=0, le=1)
+    max_gap_m: float = Field(ge=0)
+    max_sunk_m: float = Field(ge=0)
+
+
+class OrderRules(_Thresholds):
+    """When a thing is behind another, or between two others, in what holds them all."""
+
+    max_gap_m: float = Field(ge=0)
+    max_sunk_m: float = Field(ge=0)
+    min_side_share: float = Field(gt=0, le=1)
+    min_height_share: float = Field(gt=0, le=1)
+    min_part: float = Field(gt=0, lt=0.5)
+    max_off_share: float = Field(gt=0)
+    max_distance_m: float = Field(gt=0)
+
+
+class StackedRules(_Thresholds):
+    """When a thing is above or below another."""
+
+    exact = frozenset({"max_sunk_share"})
+
+    min_side_share: float = Field(gt=0, le=1)
+    wall_depth_m: float = Field(ge=0)
+    on_walls: frozenset[str]
+    max_gap_m: float = Field(ge=0)
+    max_sunk_m: float = Field(ge=0)
+    max_sunk_share: float = Field(ge=0, le=1)
+    sunk_in: frozenset[str]
+    max_distance_m: float = Field(gt=0)
+    max_iou: float = Field(ge=0, le=1)
+    never: frozenset[str]
+
+
+class NextToRules(_Thresholds):
+    """When a thing is next to another."""
+
+    max_gap_m: float = Field(ge=0)
+    gap_per_size: float = Field(gt=0)
+    min_height_share: float = Field(gt=0, le=1)
+    max_distance_m: float = Field(gt=0)
+    max_iou: float = Field(ge=0, le=1)
+    max_shared_volume: float = Field(gt=0, le=1)
+    never: frozenset[str]
+
+
+class RelationRules(_Rules):
+    """All of `relations.yaml`.
+
+    Attributes
+    ----------
+    words, order_words : mapping of relation to str
+        What stands between the two nouns of a phrase.
+    inverses : mapping of relation to relation or None
+        What the second object is to the first.
+    floor, part, under, pile, stacked, next_to, order
+        Thresholds of the relations.
+    near_miss_factor : float
+        How much `loosened` loosens, and `tightened` tightens.
+    """
+
+    words: dict[Relation, str]
+    order_words: dict[OrderRelation, str]
+    inverses: dict[Relation, Relation | None]
+    floor: FloorRules
+    part: PartRules
+    under: UnderRules
+    pile: PileRules
+    stacked: StackedRules
+    next_to: NextToRules
+    order: OrderRules
+    near_miss_factor: float = Field(ge=1)
+
+    def loosened(self) -> RelationRules:
+        """Rules under which more pairs are related: limits times the factor, shares to be reached divided by it."""
+        return self._with_limits_times(self.near_miss_factor)
+
+    def tightened(self) -> RelationRules:
+        """Rules under which fewer pairs are related, by the same factor: what is related by these too, clearly is."""
+        return self._with_limits_times(1.0 / self.near_miss_factor)
+
+    def said(self, relation: Relation | OrderRelation) -> str:
+        """The words for a relation."""
+        if relation == "behind" or relation == "between":
+            return self.order_words[relation]
+        return self.words[relation]
+
+    def _with_limits_times(self, more: float) -> RelationRules:
+        thresholds = {name: rules.times(more) for name, rules in self if isinstance(rules, _Thresholds)}
+        return self.model_copy(update=thresholds)
+
+
+@lru_cache(maxsize=1)
+def relation_rules() -> RelationRules:
+    """The rules that come with the package, read once."""
+    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
+    return RelationRules.model_validate(yaml.safe_load(text))
 
 
 @dataclass(frozen=True, order=True)
