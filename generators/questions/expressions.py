@@ -120,7 +120,7 @@ class Expressions:
 
     def _anchors(self, target: ObjectMetadata) -> list[_Anchor]:
         """What the target is related to and a person would point it out by, best first."""
-        rules, ranked = expression_rules(), []
+        rules, ranked, order = expression_rules(), [], list(relation_rules().words)
         for _, other, data in self.graph.graph.out_edges(target.id, data=True):
             record, relation = self.graph.node(other), data["relation"]
             rank = _landmark_rank(record.type)
@@ -130,8 +130,7 @@ class Expressions:
                 continue
             if not _suits(record, target):
                 continue
-            order = rules.relation_order.index(relation)
-            key = (rank, order, data["distance_m"], other)
+            key = (rank, order.index(relation), data["distance_m"], other)
             ranked.append((key, _Anchor(other, record.type, relation)))
         return [anchor for _, anchor in sorted(ranked, key=lambda pair: pair[0])]
 

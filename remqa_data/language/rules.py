@@ -37,7 +37,6 @@ class ExpressionRules(BaseModel):
     patterns: dict[str, str]
     landmarks: tuple[tuple[str, ...], ...]
     only_for: dict[str, tuple[Relation, ...]]
-    relation_order: tuple[Relation, ...]
     stack_words: dict[str, StackPlace]
     same_height_m: float
     column_min_share: float
