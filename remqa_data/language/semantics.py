@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import pairwise
 
 from remqa_data.catalog import object_type
@@ -12,7 +11,7 @@ from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.language.rules import RowPlace, StackPlace, expression_rules, may_be_called, similar_words
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.scene_graph.order import is_ordered
-from remqa_data.scene_graph.relations import OrderRelation, Relation
+from remqa_data.scene_graph.relations import OrderRelation, Relation, relation_rules
 from remqa_data.sim.metadata import ObjectMetadata
 
 
@@ -86,7 +85,8 @@ class Roughly(Exactly):
         if relation == "next to" and any(_near(graph, source, anchor) for anchor in anchors):
             return True
         near = {source, *_neighbours_in_column(graph, source)} if relation == "next to" else {source}
-        return any(graph.relation(i, anchor) in _SOUNDS_LIKE[relation] for i in near for anchor in anchors)
+        alike = {relation, *relation_rules().sounds_like.get(relation, ())}
+        return any(graph.relation(i, anchor) in alike for i in near for anchor in anchors)
 
     def closest(self, graph: SceneGraph, found: set[str], anchors: set[str]) -> set[str]:
         """Also what is nearly as close, between the centres or between the boxes."""
@@ -135,16 +135,6 @@ def _in_column(graph: SceneGraph, a: str, b: str) -> bool:
     """Whether one of two objects is over the other, or they are the same."""
     one, two, least = graph.node(a).box, graph.node(b).box, expression_rules().column_min_share
     return all(geometry.side_share(one, two, axis) >= least for axis in (0, 1))
-
-
-_SOUNDS_LIKE: Mapping[Relation, frozenset[Relation]] = {
-    "in": frozenset({"in", "on"}),
-    "on": frozenset({"in", "on"}),
-    "under": frozenset({"under", "below"}),
-    "above": frozenset({"above", "on"}),
-    "below": frozenset({"under", "below"}),
-    "next to": frozenset({"next to"}),
-}
 
 
 def _near(graph: SceneGraph, a: str, b: str) -> bool:

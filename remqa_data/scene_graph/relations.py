@@ -137,6 +137,8 @@ class RelationRules(_Rules):
     ----------
     words, order_words : mapping of relation to str
         What stands between the two nouns of a phrase.
+    sounds_like : mapping of relation to set of relations
+        What it may be taken to mean besides.
     inverses : mapping of relation to relation or None
         What the second object is to the first.
     floor, part, under, pile, stacked, next_to, order
@@ -146,6 +148,7 @@ class RelationRules(_Rules):
     """
 
     words: dict[Relation, str]
+    sounds_like: dict[Relation, frozenset[Relation]]
     order_words: dict[OrderRelation, str]
     inverses: dict[Relation, Relation | None]
     floor: FloorRules
