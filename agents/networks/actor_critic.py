@@ -43,11 +43,14 @@ class Seen(NamedTuple):
         Types that are looked for, and that those are told by, from 1; 0 for none.
     before : (t, n, moves + 1)
         The last move, 1 at its place; at the last place whether it was refused. All 0 at first.
+    is_going : (t, n) bool, optional
+        Which walks are not over yet; what the others see is not looked at, and what is thought of them means nothing.
     """
 
     features: Tensor
     asked: Tensor
     before: Tensor
+    is_going: Tensor | None = None
 
 
 class Thought(NamedTuple):
@@ -120,23 +123,33 @@ class ActorCritic(nn.Module):
         return Thought(self.policy(said), self.value(said)[..., 0], said, memory)
 
     def look(self, seen: Seen) -> Tensor:
-        """(t, n, ...) what the views and the targets are in one space."""
+        """(t, n, ...) what the views and the targets are in one space; 0 where a walk is over."""
         steps, walks = seen.before.shape[:2]
-        asked = seen.asked.repeat(steps, 1)
-        features = seen.features.flatten(0, 1)
+        asked, features, before = seen.asked.repeat(steps, 1), seen.features.flatten(0, 1), seen.before.flatten(0, 1)
+        if seen.is_going is not None:
+            is_going = seen.is_going.flatten()
+            joint = self._joint(features[is_going], asked[is_going], before[is_going])
+            return (
+                joint.new_zeros(steps * walks, joint.shape[1])
+                .masked_scatter(is_going[:, None], joint)
+                .view(steps, walks, -1)
+            )
+        return self._joint(features, asked, before).view(steps, walks, -1)
+
+    def _joint(self, features: Tensor, asked: Tensor, before: Tensor) -> Tensor:
         shown = self.shares(features).softmax(2)
         wanted = shown.gather(2, asked[:, None].expand(-1, shown.shape[1], -1)) * (asked > 0)[:, None]
         parts = torch.cat([functional.relu(self.parts(features)), wanted], 2)
         joint = [functional.relu(self.view(parts.flatten(1))), self.embedding(asked).flatten(1)]
         if self.form == "scene_priors":
             joint.append(self.graph(shown[:, :, 1:].amax(1), asked[:, 0]))
-        return torch.cat([*joint, seen.before.flatten(0, 1)], 1).view(steps, walks, -1)
+        return torch.cat([*joint, before], 1)
 
 
 class Thinker(Protocol):
     """Some walks of a network; see `PlainWalk`."""
 
-    def think(self, features: Tensor, asked: Tensor, before: Tensor) -> Tensor:
+    def think(self, features: Tensor, asked: Tensor, before: Tensor, is_going: Tensor | None = None) -> Tensor:
         """(n, moves) logits of what to do next."""
 
 
@@ -154,9 +167,10 @@ class PlainWalk:
         self.model, self._memory = model, model.rest(walks)
 
     @torch.no_grad()
-    def think(self, features: Tensor, asked: Tensor, before: Tensor) -> Tensor:
+    def think(self, features: Tensor, asked: Tensor, before: Tensor, is_going: Tensor | None = None) -> Tensor:
         """(n, moves) logits of what to do next; the parameters are those of `Seen`, of one step."""
-        thought: Thought = self.model(Seen(features[None], asked, before[None]), self._memory)
+        going = None if is_going is None else is_going[None]
+        thought: Thought = self.model(Seen(features[None], asked, before[None], going), self._memory)
         self._memory = thought.memory
         return thought.moves[0]
 

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 from torch.func import functional_call
 
-from remqa_data.agents.networks.actor_critic import ActorCritic, Seen, Thought
+from remqa_data.agents.networks.actor_critic import MOVES, ActorCritic, Seen, Thought
 
 AT_ONCE, MOST_ADAPTED = 6, 4
 """Every so many steps it learns from those, so many times."""
@@ -34,13 +34,14 @@ class AdaptiveWalk:
         self.model = model
         self._each = [_Walk(adaptive_weights(model), model.rest(1)) for _ in range(walks)]
 
-    def think(self, features: Tensor, asked: Tensor, before: Tensor) -> Tensor:
+    def think(self, features: Tensor, asked: Tensor, before: Tensor, is_going: Tensor | None = None) -> Tensor:
         """See `PlainWalk.think`."""
-        found = []
+        logits = features.new_zeros(len(self._each), len(MOVES))
         for place, walk in enumerate(self._each):
-            seen = Seen(features[None, place : place + 1], asked[place : place + 1], before[None, place : place + 1])
-            found.append(walk.think(self.model, seen))
-        return torch.cat(found)
+            if is_going is None or is_going[place]:
+                here = slice(place, place + 1)
+                logits[place] = walk.think(self.model, Seen(features[None, here], asked[here], before[None, here]))[0]
+        return logits
 
 
 @dataclass

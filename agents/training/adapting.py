@@ -18,6 +18,9 @@ from remqa_data.agents.networks.adaptation import AT_ONCE, MOST_ADAPTED, Adaptiv
 from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.reinforcing import ReinforcingTask, Rollout, actor_critic_losses
 
+OF_STEPS = Thought._fields[:3]
+"""What is thought at each step."""
+
 
 class AdaptingTask(ReinforcingTask):
     """SAVN learns; see `remqa_data.agents.training.trainer.Task`, and `ReinforcingTask` for parameters.
@@ -47,23 +50,29 @@ class AdaptingTask(ReinforcingTask):
     def losses(self, batch: Rollout) -> Mapping[str, Tensor]:
         """Those of the actor-critic, as it has corrected itself on its way."""
         thoughts = [self._thought_again(batch, walk) for walk in range(len(batch.asked))]
-        moves, values, hidden = (torch.cat([getattr(one, name) for one in thoughts], 1) for name in Thought._fields[:3])
+        moves, values, hidden = (torch.cat([getattr(one, name) for one in thoughts], 1) for name in OF_STEPS)
         return actor_critic_losses(Thought(moves, values, hidden, thoughts[0].memory), batch)
 
     def _of_loss(self) -> dict[str, Tensor]:
         return {name: tensor for name, tensor in self.model.state_dict().items() if name.startswith("loss.")}
 
     def _thought_again(self, batch: Rollout, walk: int) -> Thought:
-        """What it thinks along one walk, with gradients through the corrections."""
+        """What it thinks along one walk, with gradients through the corrections; after its end, zeros."""
         weights, memory = adaptive_weights(self.model), self.model.rest(1)
         found: list[Thought] = []
-        here = slice(walk, walk + 1)
-        for first in range(0, len(batch.moves), AT_ONCE):
+        here, steps_walked = slice(walk, walk + 1), int(batch.is_going[:, walk].sum())
+        for first in range(0, steps_walked, AT_ONCE):
             steps = slice(first, first + AT_ONCE)
             seen = Seen(batch.features[steps, here], batch.asked[here], batch.before[steps, here])
             found.append(functional_call(self.model, weights, (seen, memory)))
             memory = found[-1].memory
             if len(found) <= MOST_ADAPTED and bool(batch.is_going[steps, walk].all()) and len(seen.before) == AT_ONCE:
                 weights = adapted(self.model, weights, found[-1], is_learning=True)
-        moves, values, hidden = (torch.cat([getattr(one, name) for one in found]) for name in Thought._fields[:3])
+        moves, values, hidden = (_padded([getattr(one, name) for one in found], len(batch.moves)) for name in OF_STEPS)
         return Thought(moves, values, hidden, memory)
+
+
+def _padded(parts: Sequence[Tensor], steps: int) -> Tensor:
+    """(steps, ...) successive parts, then zeros."""
+    said = torch.cat(list(parts))
+    return torch.cat([said, said.new_zeros(steps - len(said), *said.shape[1:])])

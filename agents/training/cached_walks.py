@@ -136,10 +136,12 @@ class Walks:
         return len(self.errands)
 
     def features(self) -> F32:
-        """(n, PARTS^2, CHANNELS) of what is seen."""
-        rooms = (errand.room.features for errand in self.errands)
-        found = [room[state] for room, state in zip(rooms, self.states.tolist(), strict=True)]  # type: ignore[index]
-        return np.stack(found).astype(np.float32)
+        """(n, PARTS^2, CHANNELS) of what is seen; 0 where a walk is over."""
+        rooms = [errand.room.features for errand in self.errands]
+        found = np.zeros((len(self), *rooms[0].shape[1:]), dtype=np.float32)  # type: ignore[union-attr]
+        for place in np.flatnonzero(~self.is_over).tolist():
+            found[place] = rooms[place][self.states[place]]  # type: ignore[index]
+        return found
 
     def distances(self) -> I32:
         """(n,) actions to where the target counts as found."""

@@ -122,7 +122,8 @@ class ReinforcingTask:
     def losses(self, batch: Rollout) -> Mapping[str, Tensor]:
         """The policy's by advantages, the value's, and entropy."""
         memory = self.model.rest(len(batch.asked))
-        return actor_critic_losses(self.model(Seen(batch.features, batch.asked, batch.before), memory), batch)
+        seen = Seen(batch.features, batch.asked, batch.before, batch.is_going)
+        return actor_critic_losses(self.model(seen, memory), batch)
 
     def score(self) -> Mapping[str, float]:
         """Success and SPL within MOST_STEPS from where the episodes of val rooms begin, and steps."""
@@ -149,8 +150,8 @@ def rollout(thinker: Thinker, walks: Walks, rngs: Sequence[np.random.Generator],
         is_going = ~walks.is_over
         if not is_going.any():
             break
-        features = torch.from_numpy(walks.features()).to(device)
-        logits = thinker.think(features, asked, before)
+        features, going = (torch.from_numpy(part).to(device) for part in (walks.features(), is_going))
+        logits = thinker.think(features, asked, before, going)
         draws = torch.tensor([rng.random() for rng in rngs], device=device)
         moves = drawn(logits, draws)
         was_done = walks.step(moves.numpy(force=True))
@@ -159,7 +160,6 @@ def rollout(thinker: Thinker, walks: Walks, rngs: Sequence[np.random.Generator],
         earned = STEP + NEARER * np.where(known, distances - now, 0)
         earned += np.where(walks.succeeded, REACHED, MISTAKEN) * (walks.is_over & is_going)
         distances = now
-        going = torch.from_numpy(is_going).to(device)
         rewards = torch.from_numpy(earned * is_going).float().to(device)
         steps.append((features, before, moves, rewards, going))
         before = told(moves, torch.from_numpy(was_done).to(device))

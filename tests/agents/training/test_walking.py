@@ -83,7 +83,13 @@ class Told:
     def __init__(self, *moves: int) -> None:
         self.moves = iter(moves)
 
-    def think(self, features: torch.Tensor, asked: torch.Tensor, before: torch.Tensor) -> torch.Tensor:
+    def think(
+        self,
+        features: torch.Tensor,
+        asked: torch.Tensor,
+        before: torch.Tensor,
+        is_going: torch.Tensor | None = None,
+    ) -> torch.Tensor:
         return torch.eye(len(MOVES))[[next(self.moves)] * len(asked)] * 1e4
 
 
@@ -163,6 +169,20 @@ def test_a_step_down_the_learnt_loss_lowers_it_and_gradients_go_through_it() -> 
     again.moves.square().sum().backward()
     assert model.loss.first.weight.grad is not None
     assert float(model.loss.first.weight.grad.abs().sum()) > 0
+
+
+@pytest.mark.parametrize("form", ["a3c", "scene_priors"])
+def test_what_walks_see_that_are_over_is_not_looked_at(form) -> None:
+    model = task_in_the_corridor(ReinforcingTask, form).model
+    features, asked, before = torch.rand(4, 3, 49, 64), torch.tensor([[1, 2], [2, 0], [3, 1]]), torch.rand(4, 3, 7)
+    is_going = torch.tensor([[True, True, True], [True, False, True], [True, False, True], [False, False, True]])
+    features_left = torch.where(is_going[..., None, None], features, torch.nan)
+    with torch.no_grad():
+        thought = model(Seen(features, asked, before), model.rest(3))
+        again = model(Seen(features_left, asked, before, is_going), model.rest(3))
+    assert torch.allclose(thought.moves[is_going], again.moves[is_going], atol=1e-6)
+    assert torch.allclose(thought.values[is_going], again.values[is_going], atol=1e-6)
+    assert again.moves.isfinite().all()
 
 
 def test_savn_walks_and_learns_with_the_same_corrections() -> None:
