@@ -97,10 +97,10 @@ def headlines(facts: Facts) -> list[Headline]:
 def two_rooms(root: Path) -> Path:
     """A small dataset with pictures of the published size, generated once."""
     if not (root / MANIFEST).is_file():
-        from remqa_data.generators.config import paper_config
+        from remqa_data.generators.config import load_config
         from remqa_data.generators.pipeline import generate
 
-        config = paper_config()
+        config = load_config("paper")
         few = {"EXISTENCE": 16, "COUNTING": 8, "SPATIAL": 8}
         totals = {split: config.questions.train.model_copy(update=few) for split in ("train", "test")}
         questions = config.questions.model_copy(update=totals)

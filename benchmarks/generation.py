@@ -20,7 +20,7 @@ from measure import Benchmark, Facts, Headline, Table
 
 from remqa_data.generators import scene_job as room
 from remqa_data.generators import scene_plan as room_plan
-from remqa_data.generators.config import paper_config
+from remqa_data.generators.config import load_config
 from remqa_data.generators.pipeline import RoomJob, make_part
 from remqa_data.generators.questions.allotment import allot, capacities
 from remqa_data.generators.questions.expressions import Expressions
@@ -91,7 +91,7 @@ class Stopwatch:
 def measure(arguments: list[str]) -> Facts:
     """Make rooms; seconds and calls of each step."""
     rooms = tuple(arguments) or ROOMS
-    config = paper_config()
+    config = load_config("paper")
     jobs = [
         Job(quota, config) for quota in allot(capacities(config.scene_names), config.totals) if quota.scene in rooms
     ]

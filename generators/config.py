@@ -238,11 +238,6 @@ def load_config(path: str | os.PathLike[str]) -> Config:
     return parse_config(config_text(path, PRESETS), os.fspath(path))
 
 
-def paper_config() -> Config:
-    """The configuration of the published benchmark, `configs/paper.yaml`."""
-    return load_config("paper")
-
-
 def parse_config(text: str, where: str = "configuration") -> Config:
     """Read a configuration from its text; see `load_config`."""
     data = read_keys(text, where)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from remqa_data.geometry.boxes import iou_2d, is_hit
+from remqa_data.geometry.boxes import iou_3d, is_hit
 from remqa_data.metrics import (
     CHAIN,
     box_iou,
@@ -67,7 +67,7 @@ def test_iou_is_bounded_symmetric_and_does_not_depend_on_scale_or_place(
     iou = box_iou(a, b)
     assert 0 <= iou <= 1
     assert iou == box_iou(b, a)
-    assert iou == pytest.approx(float(iou_2d(a, b)[0, 0]), abs=1e-12)
+    assert iou == pytest.approx(float(iou_3d([*a[:2], 0, *a[2:], 1], [*b[:2], 0, *b[2:], 1])[0, 0]), abs=1e-12)
     if min(np.ptp(pair[:, 0::2], axis=1).min(), np.ptp(pair[:, 1::2], axis=1).min()) > 1e-3:  # else rounding rules
         assert box_iou(a * scale + by, b * scale + by) == pytest.approx(float(iou), abs=1e-6)
 

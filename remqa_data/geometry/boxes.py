@@ -1,10 +1,10 @@
-"""Boxes: volume, overlap, distance and the two kinds of IoU. Pure numpy.
+"""Boxes: volume, overlap, distance and IoU. Pure numpy.
 
-A 3D box is x0, y0, z0, x1, y1, z1 in metres, axis-aligned in the world frame; a 2D box is x1, y1, x2, y2 in pixels,
-half open, so that its area is the number of its pixels. Functions of two sets of boxes compare every box of the first
-with every box of the second: (n, 6) and (m, 6) give (n, m). One box, of shape (6,), counts as a set of one.
+A box is x0, y0, z0, x1, y1, z1 in metres, axis-aligned in the world frame. Functions of two sets of boxes compare every box
+of the first with every box of the second: (n, 6) and (m, 6) give (n, m). One box, of shape (6,), counts as a set of one.
+The IoU of boxes in pictures is `remqa_data.metrics.box_iou`.
 
->>> iou_2d([0, 0, 100, 100], [0, 0, 50, 50])
+>>> iou_3d([0, 0, 0, 2, 2, 1], [0, 0, 0, 1, 1, 1])
 array([[0.25]])
 """
 
@@ -33,14 +33,6 @@ def intersection_volume(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
 def iou_3d(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
     """(n, m) intersection over union of 3D boxes, 0 to 1; 0 if either box has no volume."""
     return _iou(_boxes(a, 3), _boxes(b, 3))
-
-
-def iou_2d(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
-    """(n, m) intersection over union of 2D boxes, 0 to 1; 0 if either box has no area.
-
-    The convention of RefCOCO with half-open boxes: no pixel is added to a width.
-    """
-    return _iou(_boxes(a, 2), _boxes(b, 2))
 
 
 def is_hit(iou: npt.ArrayLike, threshold: float) -> npt.NDArray[np.bool_]:

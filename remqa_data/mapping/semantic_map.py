@@ -11,14 +11,14 @@ Voxels are numbered from the world's origin in x and y and from the floor in z: 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import networkx as nx
 import numpy as np
 
 from remqa_data.errors import NoPathError, VoxelError
-from remqa_data.geometry.types import F32, F64, I16, I32, Box, Flags, Rect
+from remqa_data.geometry.types import F32, F64, I16, I32, Flags, Rect
 from remqa_data.mapping.voxel_votes import elect, vote
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.embodiment import AGENT
@@ -205,31 +205,6 @@ class VoxelMap:
         return SemanticPlan(
             top, is_occupied, is_ground_seen | is_occupied, self.corner, self.voxel_m, self.floor_z, names
         )
-
-    def share_inside(self, boxes: Mapping[str, Sequence[Box]], tolerance_m: float | None = None) -> float:
-        """Share of the voxels labelled with a type whose centre is in, or near, the box of an object of that type.
-
-        Parameters
-        ----------
-        boxes : mapping
-            Boxes of all objects of each type, metres, world frame.
-        tolerance_m : float, optional
-            How far outside the box a centre may be along each axis; by default one voxel.
-
-        Returns
-        -------
-        Between 0 and 1; 1 for a map without such voxels.
-        """
-        margin = self.voxel_m if tolerance_m is None else tolerance_m
-        sparse = self.to_sparse()
-        centres = (sparse.coordinates + 0.5) * self.voxel_m + [0.0, 0.0, self.floor_z - FLOOR_SLACK_M]
-        is_inside = np.zeros(len(centres), dtype=np.bool_)
-        for label, name in enumerate(sparse.names):
-            for box in boxes.get(name, ()):
-                low, high = np.array(box[:3]) - margin, np.array(box[3:]) + margin
-                is_inside |= (sparse.labels == label) & np.all((centres >= low) & (centres <= high), axis=1)
-        is_object = sparse.labels != 0
-        return float(np.mean(is_inside[is_object])) if is_object.any() else 1.0
 
     def _reserve(self, count: int) -> None:
         """Make room for some more entries."""

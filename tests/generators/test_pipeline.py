@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from remqa_data.cli import app as data_app
 from remqa_data.generators.cli import app
-from remqa_data.generators.config import load_config, paper_config
+from remqa_data.generators.config import load_config
 from remqa_data.generators.pipeline import generate
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.storage.manifest import Manifest, load_manifest
@@ -86,7 +86,7 @@ def test_a_sample_can_be_drawn(made: tuple[Path, Manifest], tmp_path: Path) -> N
 
 
 def test_the_shipped_configuration_is_the_published_benchmark() -> None:
-    config = paper_config()
+    config = load_config("paper")
     assert config == load_config(CONFIGS / "paper.yaml")
     assert len(config.scene_names) == 120
     assert sum(sum(kinds.values()) for kinds in config.totals.values()) == 4072

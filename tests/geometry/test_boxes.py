@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from remqa_data.geometry import boxes as g
+from remqa_data.metrics import box_iou
 
 UNIT = (0, 0, 0, 1, 1, 1)
 
@@ -22,9 +23,11 @@ UNIT = (0, 0, 0, 1, 1, 1)
         ((0, 0, 2, 2), (1, 1, 3, 3), 1 / 7),
     ],
 )
-def test_iou_2d_golden(a, b, iou: float) -> None:
-    assert g.iou_2d(a, b).shape == (1, 1)
-    assert g.iou_2d(a, b)[0, 0] == pytest.approx(iou, abs=1e-15)
+def test_iou_of_boxes_of_one_height_golden(a, b, iou: float) -> None:
+    one, other = ((*box[:2], 0, *box[2:], 1) for box in (a, b))
+    assert g.iou_3d(one, other).shape == (1, 1)
+    assert g.iou_3d(one, other)[0, 0] == pytest.approx(iou, abs=1e-15)
+    assert box_iou(a, b) == pytest.approx(iou, abs=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -51,11 +54,11 @@ def test_boxes_without_volume_have_iou_0_even_with_themselves(flat) -> None:
     assert g.volume(flat)[0] == 0.0
     assert g.iou_3d(flat, flat)[0, 0] == 0.0
     assert g.iou_3d(flat, UNIT)[0, 0] == 0.0
-    assert g.iou_2d(flat[1:5], flat[1:5])[0, 0] in (0.0, 1.0)  # never nan
+    assert box_iou(flat[1:5], flat[1:5]) in (0.0, 1.0)  # never nan
 
 
 def test_pixel_box_without_area_has_iou_0() -> None:
-    assert g.iou_2d((5, 5, 5, 9), (5, 5, 5, 9))[0, 0] == 0.0
+    assert box_iou((5, 5, 5, 9), (5, 5, 5, 9)) == 0.0
 
 
 def test_heights_and_plans() -> None:

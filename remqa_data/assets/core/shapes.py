@@ -64,18 +64,10 @@ class Shapes(AssetAssembly):
         mesh = primitives.cylinder(radius, height, top_radius, sections).pointed(axis)
         self.add(mesh, material, at, solid=solid, grain=_bare(axis))
 
-    def vessel(
-        self,
-        profile: primitives.Points2,
-        material: Material,
-        at: Vec3 = (0, 0, 0),
-        *,
-        floor: float,
-        wall: float = 0.004,
-        sections: int = 20,
-        boxes: int = 8,
+    def hollow(
+        self, profile: primitives.Points2, at: Vec3 = (0, 0, 0), *, floor: float, wall: float = 0.004, boxes: int = 8
     ) -> None:
-        """Draw an open round container from an outside-then-inside profile, with collision walls, so that it can hold things.
+        """Give an open round container collision walls and a floor, so that it can hold things; draw nothing.
 
         Parameters
         ----------
@@ -86,13 +78,6 @@ class Shapes(AssetAssembly):
         wall : float
             Thickness of the collision walls in metres.
         """
-        self.add(primitives.revolve(profile, sections), material, at)
-        self.hollow(profile, at, floor=floor, wall=wall, boxes=boxes)
-
-    def hollow(
-        self, profile: primitives.Points2, at: Vec3 = (0, 0, 0), *, floor: float, wall: float = 0.004, boxes: int = 8
-    ) -> None:
-        """Physics of a `vessel` alone, for one whose surfaces are drawn otherwise."""
         points = np.asarray(profile, float)
         top = float(points[:, 1].max())
         bottom = float(points[:, 1].min())

@@ -6,25 +6,51 @@ all go along; what lies on the desk above rests on the desk and stays. What rest
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import Protocol
 
+from remqa_data.assets.core.model import Asset
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import F64
+from remqa_data.sim.physics.bodies import Bodies, Part
+from remqa_data.sim.physics.state import ObjectState
 
-if TYPE_CHECKING:
-    from remqa_data.sim.physics.bodies import Bodies, Part
-    from remqa_data.sim.physics.world import World
+
+class Room(Protocol):
+    """What must be known of a `World`; see there."""
+
+    @property
+    def held(self) -> str | None:
+        """Id of what is in a hand."""
+
+    @property
+    def assets(self) -> Mapping[str, Asset]:
+        """By object id."""
+
+    def box(self, object_id: str) -> F64:
+        """(2, 3) corners."""
+
+    def state(self, object_id: str) -> ObjectState:
+        """Where an object is."""
+
+    def type_of(self, object_id: str) -> str:
+        """Type of an object."""
+
+    def link_poses(self, object_id: str) -> F64:
+        """(links, 4, 4) poses."""
+
 
 NEAR_M = 0.01
 """Who rests on a thing has a box that comes so near to the thing's own."""
 
 
-def riders(world: World, bodies: Bodies, object_id: str, link: int | None = None, *, or_lean: bool = False) -> set[str]:
+def riders(world: Room, bodies: Bodies, object_id: str, link: int | None = None, *, or_lean: bool = False) -> set[str]:
     """Ids of the things that go along with an object, or with one link of it.
 
     Parameters
     ----------
-    world : World
+    world : Room
         The room; what is held is not in it.
     bodies : Bodies
         Its side of PyBullet.
@@ -55,7 +81,7 @@ def riders(world: World, bodies: Bodies, object_id: str, link: int | None = None
     return found
 
 
-def _can_ride(world: World, object_id: str) -> bool:
+def _can_ride(world: Room, object_id: str) -> bool:
     kind = object_type(world.type_of(object_id))
     return kind.pickupable or kind.moveable or not world.state(object_id).is_fixed
 
@@ -64,7 +90,7 @@ def _moves(part: Part, object_id: str, link: int | None, found: set[str]) -> boo
     return part.object_id in found or (part.object_id == object_id and link in (None, part.link))
 
 
-def _is_enclosed(world: World, other: str, object_id: str, link: int | None) -> bool:
+def _is_enclosed(world: Room, other: str, object_id: str, link: int | None) -> bool:
     """Whether the middle of a thing that touches nothing below it is inside something closed all around."""
     poses, middle = world.link_poses(object_id), world.state(other).position
     for space in world.assets[object_id].spaces:

@@ -9,7 +9,7 @@ import pytest
 from remqa_data.generators.audit import remade
 from remqa_data.generators.audit.failures import Failure
 from remqa_data.generators.audit.remade import remade_failures
-from remqa_data.generators.config import paper_config
+from remqa_data.generators.config import load_config
 from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.scene_plan import Job
 from tests.helpers.dataset_rows import scene_rows
@@ -23,7 +23,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> dict[str, list[Any]]:
 
 
 def failures(stored: dict[str, Any]) -> list[Failure]:
-    job = Job(SceneQuota("Kitchen3", "kitchen", "test", {}), paper_config())
+    job = Job(SceneQuota("Kitchen3", "kitchen", "test", {}), load_config("paper"))
     return remade_failures(job, stored)[0]
 
 

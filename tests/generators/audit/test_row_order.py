@@ -3,7 +3,7 @@
 import pytest
 
 from remqa_data.generators.audit.row_order import Key, _question_rows
-from remqa_data.generators.config import paper_config
+from remqa_data.generators.config import load_config
 from remqa_data.generators.questions.allotment import SceneQuota
 
 QUOTA = SceneQuota("FloorPlan1", "kitchen", "train", {"EXISTENCE": {"yes": 2, "no": 2}})
@@ -31,5 +31,5 @@ def rows(*answers: str) -> list[Key]:
     ],
 )
 def test_a_room_has_what_it_was_asked_for(answers: tuple[str, ...], may_fall_short: bool, wrong: int) -> None:
-    failures = list(_question_rows(rows(*answers), [QUOTA], paper_config(), may_fall_short=may_fall_short))
+    failures = list(_question_rows(rows(*answers), [QUOTA], load_config("paper"), may_fall_short=may_fall_short))
     assert [failure.truth for failure in failures] == ["unbiased"] * wrong
