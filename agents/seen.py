@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from remqa_data.agents.paper import paper_results
 from remqa_data.agents.ranking import NAMESAKES
-from remqa_data.agents.table import STAGES, Scored
+from remqa_data.agents.table import Scored, by_system, means
 from remqa_data.agents.training.rooms import learning_rooms
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.report.tables import Grid, cell, rounded
-from remqa_data.evaluation.scoring.results import Metric
 from remqa_data.storage.shards import read_table
 
 SEEN = "seen"
@@ -49,24 +48,17 @@ def seen_questions(root: Path, count: int) -> list[str]:
 
 
 def seen_grid(unseen: Sequence[Scored], seen: Sequence[Scored]) -> Grid:
-    """A row for each measure of the systems that have played in seen rooms."""
-    elsewhere = {system.title: _measures(system) for system in unseen}
+    """A row for each measure of the systems that have played in seen rooms; of several seeds, means over them."""
+    elsewhere = {title: means(runs) for title, runs in by_system(unseen).items()}
     rows = []
-    for system in seen:
-        here, there = _measures(system), elsewhere.get(system.title, {})
-        for name, metric in here.items():
-            paper = _papers(system.title, name)
-            beside = cell(there[name]) if name in there else ""
-            rows.append((system.title, name, "" if paper is None else rounded(paper), cell(metric), beside))
-    headings = ("System", "Measure", "Paper", "Seen rooms", "Unseen rooms")
+    for title, runs in by_system(seen).items():
+        for name, metric in means(runs).items():
+            paper, beside = _papers(title, name), elsewhere.get(title, {}).get(name)
+            shown = ("" if paper is None else rounded(paper), cell(metric), "" if beside is None else cell(beside))
+            rows.append((title, str(len(runs)), name, *shown))
+    headings = ("System", "Seeds", "Measure", "Paper", "Seen rooms", "Unseen rooms")
     asked = {system.results.counts.asked for system in seen}
     return Grid(f"Seen and unseen rooms, {' or '.join(map(str, sorted(asked)))} train questions", headings, tuple(rows))
-
-
-def _measures(system: Scored) -> Mapping[str, Metric]:
-    """By name as in the paper's tables."""
-    kinds = (metric for metric in system.results.metrics if metric.breakdown == "kind" and metric.name in STAGES)
-    return {metric.name: metric for metric in system.navigation} | {f"{one.group} {one.name}": one for one in kinds}
 
 
 def _papers(title: str, measure: str) -> float | None:

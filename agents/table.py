@@ -198,17 +198,40 @@ def failures_grid(systems: Sequence[Scored]) -> Grid:
 
 def seeds_grid(systems: Sequence[Scored]) -> Grid | None:
     """Success and SPL of systems that have several seeds: means with intervals over seeds and rooms. None if there are none."""
-    by_system: dict[str, list[Scored]] = {}
-    for system in systems:
-        by_system.setdefault(system.title.partition(OF_SEED)[0], []).append(system)
+    columns = tuple(systems[0].walks)
     rows = []
-    for title, runs in by_system.items():
+    for title, runs in by_system(systems).items():
         if len(runs) > 1:
-            found = {name: np.stack([run.walks[name] for run in runs]) for name in runs[0].walks}
-            means = (_overall(name, estimate_over_runs(of, runs[0].scenes, _rng())) for name, of in found.items())
-            rows.append((title, str(len(runs)), *map(cell, means)))
-    headings = ("System", "Seeds", *systems[0].walks)
+            found = means(runs)
+            rows.append((title, str(len(runs)), *(cell(found[name]) for name in columns)))
+    headings = ("System", "Seeds", *columns)
     return Grid(f"Means over seeds, split {_split(systems)}", headings, tuple(rows)) if rows else None
+
+
+def by_system(systems: Sequence[Scored]) -> dict[str, list[Scored]]:
+    """Those that differ in their seeds alone, by the title that they share."""
+    found: dict[str, list[Scored]] = {}
+    for system in systems:
+        found.setdefault(system.title.partition(OF_SEED)[0], []).append(system)
+    return found
+
+
+def means(runs: Sequence[Scored]) -> dict[str, Metric]:
+    """What the paper's tables tell of a system, by names such as "SPL@50" and "COUNTING S_L"; of several seeds, over them."""
+    first = runs[0]
+    found = {metric.name: metric for metric in first.navigation}
+    found |= {f"{metric.group} {metric.name}": metric for metric in _remqa(first) if metric.name in STAGES}
+    if len(runs) == 1:
+        return found
+    kinds = np.array(first.results.samples["kind"])
+    for name, metric in found.items():
+        if name in first.walks:
+            rows, values = np.ones(len(kinds), dtype=np.bool_), [run.walks[name] for run in runs]
+        else:
+            rows, values = kinds == metric.group, [np.array(run.results.samples[metric.name]) for run in runs]
+        over = estimate_over_runs(np.stack(values)[:, rows].astype(np.float64), first.scenes[rows], _rng())
+        found[name] = metric.model_copy(update=vars(over))
+    return found
 
 
 def walks_within(results: Results, truth: GroundTruth) -> dict[str, F64]:
