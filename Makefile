@@ -57,6 +57,7 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	done
 	$(BIN)/remqa-agent predict language_attention language_attention_two_stage plain_matcher compositional_matcher mcn cgan --data $(DATASET) --split train --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --seen 240 --resume
+	$(BIN)/remqa-agent curves --weights out/weights
 	$(BIN)/remqa-agent table --data $(DATASET) --weights out/weights
 
 test: $(INSTALLED_DEV) lint  ## lint, then all tests on two cores

@@ -225,6 +225,26 @@ def attend(
 
 
 @app.command()
+def curves(
+    networks: Annotated[
+        list[str] | None, typer.Argument(metavar="[NETWORK...]", help="Names; by default all that were trained there.")
+    ] = None,
+    weights: Annotated[
+        Path, typer.Option("--weights", metavar="DIR", help="Where training has put weights.")
+    ] = WEIGHTS,
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="The picture, .png.")] = Path(
+        "out/curves.png"
+    ),
+) -> None:
+    """Draw how networks became better while they learnt, all seeds of each."""
+    from remqa_data.agents.figures.curves import write_curves_picture
+
+    count = write_curves_picture(weights, out, networks or ())
+    output().say(f"{out}: {count} trainings")
+    output().result(files=[str(out)])
+
+
+@app.command()
 def table(data: Data, out: Folder = OUT, workers: Workers = None, weights: Weights = None) -> None:
     """Replay the submissions in a folder and show them beside the paper's figures; writes tables, a page, leaderboard.json."""
     from rich.console import Console

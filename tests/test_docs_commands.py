@@ -31,6 +31,7 @@ READ_ONLY = (
     "remqa-agent run framework",  # its weights are refused on another dataset
     "remqa-agent predict",
     "remqa-agent attend",
+    "remqa-agent curves",  # of trainings: tests/agents/test_curves.py
     "remqa-data assets --sheet sheets",
     "remqa-data cache",  # features and all rooms: tests/views
     "remqa-data verify s3://",
