@@ -52,9 +52,10 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --resume
 	for seed in $(SEEDS); do \
-		$(BIN)/remqa-agent train $(REINFORCED) --data $(DATASET) --seed $$seed --resume && \
-		$(BIN)/remqa-agent run $(REINFORCED) --data $(DATASET) --weights out/weights --seed $$seed --resume || exit; \
+		$(BIN)/remqa-agent train $(REINFORCED) --data $(DATASET) --seed $$seed --resume || exit; \
 	done
+	$(BIN)/remqa-agent run $(REINFORCED) $(SEEDS:%=--seed %) --data $(DATASET) --weights out/weights --resume
+	$(BIN)/remqa-agent run $(REINFORCED) $(SEEDS:%=--seed %) --data $(DATASET) --weights out/weights --seen 240 --resume
 	$(BIN)/remqa-agent predict language_attention language_attention_two_stage plain_matcher compositional_matcher mcn cgan --data $(DATASET) --split train --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --seen 240 --resume
 	$(BIN)/remqa-agent curves --weights out/weights

@@ -68,7 +68,14 @@ def run(
     resume: Resume = False,
     weights: Weights = None,
     force: Force = False,
-    seed: Seed = None,
+    seeds: Annotated[
+        list[int] | None,
+        typer.Option(
+            "--seed",
+            min=0,
+            help="Other draws, and names that end in -SEED; several times for several submissions of each.",
+        ),
+    ] = None,
     seen: Annotated[
         int | None,
         typer.Option(
@@ -78,40 +85,36 @@ def run(
 ) -> None:
     """Let systems play all questions of a split; write a submission of each, which remqa-eval replays."""
     from remqa_data.agents.config import load_system
-    from remqa_data.agents.runner import play_split
+    from remqa_data.agents.runner import Player, play_all
     from remqa_data.agents.seen import SEEN, SEEN_SPLIT, seen_questions
     from remqa_data.agents.systems import make_agent
     from remqa_data.agents.training.config import seeded_name
     from remqa_data.storage.manifest import load_manifest
 
     configs = [(Path(name).stem, load_system(name)) for name in systems]
-    if seed is not None:
-        configs = [(seeded_name(name, seed), config.seeded(seed)) for name, config in configs]
+    if seeds:
+        configs = [(seeded_name(name, seed), config.seeded(seed)) for seed in seeds for name, config in configs]
     only = None if seen is None else seen_questions(data, seen)
     if only is not None:
         split, out = SEEN_SPLIT, out / SEEN
     asked = sum(load_manifest(data).questions.get(split, {}).values()) if only is None else len(only)
     count = worker_count(workers)
     announce_compiling(count)
-    written = {}
-    for name, config in configs:
-        path = out / f"{name}.jsonl"
-        with Counting(asked, f"{name} plays") as on_played:
-            rows = play_split(
-                make_agent(config, data, weights, force=force),
-                data,
-                split,
-                path,
-                title=config.title,
-                seed=config.seed,
-                fingerprint=config.sha256,
-                only=only,
-                workers=count,
-                resume=resume,
-                progress=on_played,
-            )
-        output().say(f"{path}: {rows} rows")
-        written[str(path)] = rows
+    players = [
+        Player(
+            make_agent(config, data, weights, force=force),
+            out / f"{name}.jsonl",
+            config.title,
+            config.seed,
+            config.sha256,
+        )
+        for name, config in configs
+    ]
+    with Counting(asked * len(players), f"{', '.join(systems)} play{'s' * (len(systems) == 1)}") as on_played:
+        rows = play_all(players, data, split, only=only, workers=count, resume=resume, progress=on_played)
+    for player in players:
+        output().say(f"{player.path}: {rows} rows")
+    written = {str(player.path): rows for player in players}
     output().result(files=written)
 
 

@@ -88,7 +88,7 @@ def costs_grid(costs: Iterable[Cost]) -> Grid:
 
 
 def pace_grid(submissions: Iterable[Path]) -> Grid | None:
-    """Actions a second of those whose playing was timed: drawing, thinking and loading of rooms. None if there are none."""
+    """Actions a second of those whose playing was timed: drawing and thinking, not loading. None if there are none."""
     rows = []
     for path in submissions:
         if pace_path(path).is_file():

@@ -1,8 +1,8 @@
-"""Letting an agent play all questions of a split; what it did becomes a submission that `remqa-eval` replays.
+"""Letting agents play all questions of a split; what each did becomes a submission that `remqa-eval` replays.
 
-All questions about one configuration of a room are one job. What a job has done is written when it is whole, so that a run that
-was stopped can go on. What the agent draws depends on the seed and the question alone: the submission is the same with any
-number of workers.
+All questions about one configuration of a room are one job, whoever plays. What a job has done is written when it is whole,
+so that a run that was stopped can go on. What an agent draws depends on its seed and the question alone: its submission is
+the same with any number of workers, and whoever plays beside it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 
 from remqa_data.agents.agent import Agent
 from remqa_data.agents.episodes import play_question
-from remqa_data.agents.knowledge.memory import WalkMemories
+from remqa_data.agents.knowledge.memory import WalkMemories, WalkMemory
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env import RemqaEnv
 from remqa_data.env.recorder import Recorder
@@ -40,6 +40,40 @@ ENV_STEPS = MAX_ACTIONS + 10
 
 
 @dataclass(frozen=True)
+class Player:
+    """Who plays, and where what it does is written.
+
+    Attributes
+    ----------
+    agent : Agent
+        It goes to other processes, so it can be pickled.
+    path : path
+        The submission to write, .jsonl or .parquet. Until it is whole, finished rooms lie in a folder beside it.
+    title : str
+        The agent's name, for reports.
+    seed : int
+        Of what the agent draws.
+    fingerprint : str
+        What else the rows depend on, such as the hash of a configuration: only a run with the same goes on with another.
+    """
+
+    agent: Agent
+    path: Path
+    title: str = "unnamed"
+    seed: int = 0
+    fingerprint: str = ""
+
+    @property
+    def parts(self) -> Path:
+        """Where finished rooms lie."""
+        return self.path.with_name(f"{self.path.name}.parts")
+
+    def part(self, room: tuple[str, int]) -> Path:
+        """Where the rows about a scene and a configuration go."""
+        return self.parts / f"{room[0]}-c{room[1]}.jsonl"
+
+
+@dataclass(frozen=True)
 class PlayJob:
     """The questions about one configuration.
 
@@ -50,24 +84,15 @@ class PlayJob:
     room : (str, int)
         Scene and configuration.
     question_ids : tuple of str
-    agent : Agent
-        Who plays; it goes to other processes, so it can be pickled.
-    title : str
-        Its name.
-    seed : int
-        Of what it draws.
-    part : Path
-        Where the rows go.
+    players : tuple of Player
+        Those that have not played there yet, one after the other: the room is loaded and lit once for all.
     """
 
     root: Path
     split: str
     room: tuple[str, int]
     question_ids: tuple[str, ...]
-    agent: Agent
-    title: str
-    seed: int
-    part: Path
+    players: tuple[Player, ...]
 
 
 def play_split(
@@ -84,22 +109,34 @@ def play_split(
     resume: bool = False,
     progress: Callable[[int], None] | None = None,
 ) -> int:
-    """Play all questions of a split and write the submission, and beside it (`pace_path`) how long that took.
+    """Let one agent play all questions of a split and write its submission; see `Player` and `play_all`.
+
+    Returns
+    -------
+    Number of rows.
+    """
+    player = Player(agent, path, title, seed, fingerprint)
+    return play_all([player], root, split, only=only, workers=workers, resume=resume, progress=progress)
+
+
+def play_all(
+    players: Sequence[Player],
+    root: Path,
+    split: str,
+    *,
+    only: Sequence[str] | None = None,
+    workers: int = 1,
+    resume: bool = False,
+    progress: Callable[[int], None] | None = None,
+) -> int:
+    """Let agents play all questions of a split; write their submissions, and beside each (`pace_path`) how long it took.
 
     Parameters
     ----------
-    agent : Agent
+    players : sequence of Player
         Who plays.
     root, split : path, str
         What is asked.
-    path : path
-        The submission to write, .jsonl or .parquet. Until it is whole, finished rooms lie in a folder beside it.
-    title : str
-        The agent's name, for reports.
-    seed : int
-        Of what the agent draws.
-    fingerprint : str
-        What else the rows depend on, such as the hash of a configuration: only a run with the same goes on with another.
     only : sequence of str, optional
         Ids of the questions to play; all of the split by default.
     workers : int
@@ -107,11 +144,11 @@ def play_split(
     resume : bool
         Go on with what an interrupted run has finished.
     progress : callable, optional
-        Called with the number of questions that have been played since the last call.
+        Called with the number of questions that have been played since the last call, by all players.
 
     Returns
     -------
-    Number of rows.
+    Number of rows of each submission.
 
     Raises
     ------
@@ -125,46 +162,59 @@ def play_split(
     if only is not None:
         wanted = frozenset(only)
         asked = [row for row in asked if row["question_id"] in wanted]
-    parts = path.with_name(f"{path.name}.parts")
-    about = {"dataset": dataset, "split": split, "title": title, "seed": seed, "system": fingerprint}
-    about["questions"] = crc32(" ".join(row["question_id"] for row in asked).encode())
-    _prepare(parts, about | {"version": __version__}, resume)
-    jobs = _jobs(agent, root, split, asked, title, seed, parts)
-    waiting = []
-    for job in jobs:
-        if not job.part.is_file():
-            waiting.append(job)
-        elif progress is not None:
-            progress(len(job.question_ids))
-    for job, _ in LocalExecutor(min(workers, len(waiting)) or 1).run(play_room, waiting):
+    for player in players:
+        about = {"dataset": dataset, "split": split, "title": player.title, "seed": player.seed}
+        about |= {"system": player.fingerprint, "version": __version__}
+        about["questions"] = crc32(" ".join(row["question_id"] for row in asked).encode())
+        _prepare(player.parts, about, resume)
+    rooms: dict[tuple[str, int], list[str]] = {}
+    for row in asked:
+        rooms.setdefault((row["scene"], row["configuration"]), []).append(row["question_id"])
+    jobs = []
+    for room, ids in rooms.items():
+        waiting = tuple(player for player in players if not player.part(room).is_file())
+        if progress is not None and len(waiting) < len(players):
+            progress(len(ids) * (len(players) - len(waiting)))
+        if waiting:
+            jobs.append(PlayJob(root, split, room, tuple(ids), waiting))
+    for job, _ in LocalExecutor(min(workers, len(jobs)) or 1).run(play_room, jobs):
         if progress is not None:
-            progress(len(job.question_ids))
-    rows = {row["question_id"]: row for job in jobs for row in _rows(job.part)}
-    header = Header(track="remqa", split=split, dataset=dataset, agent=title)
-    write_submission(path, header, [rows[row["question_id"]] for row in asked])
-    _write_pace(path, rows.values(), jobs)
-    shutil.rmtree(parts)
-    return len(rows)
+            progress(len(job.question_ids) * len(job.players))
+    for player in players:
+        header = Header(track="remqa", split=split, dataset=dataset, agent=player.title)
+        parts = [player.part(room) for room in rooms]
+        rows = {row["question_id"]: row for part in parts for row in _rows(part)}
+        write_submission(player.path, header, [rows[row["question_id"]] for row in asked])
+        _write_pace(player.path, rows.values(), parts)
+        shutil.rmtree(player.parts)
+    return len(asked)
 
 
 def play_room(job: PlayJob) -> None:
-    """Play the questions about one configuration, and write the rows."""
+    """Let the players play the questions about one configuration, and write the rows of each."""
     env, memories = _stage(job.root, job.split)
     memory = memories.memory(*job.room)
-    recorder = Recorder(env, job.part, job.title)
-    began = time.process_time()
     try:
-        for question_id in job.question_ids:
-            rng = np.random.default_rng([job.seed, crc32(question_id.encode())])
-            play_question(recorder, question_id, job.agent, memory, rng)
-        _seconds_path(job.part).write_text(str(time.process_time() - began), encoding="utf-8")
-        recorder.save()
+        env.reset(options={"episode": job.question_ids[0]})  # loads the room, which is nobody's time
+        for player in job.players:
+            _play(player, env, memory, job)
     finally:
         env.close()  # the room; the environment itself plays on
 
 
+def _play(player: Player, env: RemqaEnv, memory: WalkMemory, job: PlayJob) -> None:
+    part = player.part(job.room)
+    recorder = Recorder(env, part, player.title)
+    began = time.process_time()
+    for question_id in job.question_ids:
+        rng = np.random.default_rng([player.seed, crc32(question_id.encode())])
+        play_question(recorder, question_id, player.agent, memory, rng)
+    _seconds_path(part).write_text(str(time.process_time() - began), encoding="utf-8")
+    recorder.save()
+
+
 def pace_path(submission: Path) -> Path:
-    """Where `play_split` writes how many actions a submission has, and how many seconds of a core it took to play them."""
+    """Where it is written how many actions a submission has, and how many seconds of a core it took to play them."""
     return submission.with_suffix(".pace.json")
 
 
@@ -174,18 +224,6 @@ def _stage(root: Path, split: str) -> tuple[RemqaEnv, WalkMemories]:
     nobody_reads_tokens = Vocabulary.build((), ())
     env = RemqaEnv(root, split, hands="reach", max_steps=ENV_STEPS, vocabulary=nobody_reads_tokens)
     return env, WalkMemories(root, split)
-
-
-def _jobs(
-    agent: Agent, root: Path, split: str, asked: list[dict[str, Any]], title: str, seed: int, parts: Path
-) -> list[PlayJob]:
-    by_room: dict[tuple[str, int], list[str]] = {}
-    for row in asked:
-        by_room.setdefault((row["scene"], row["configuration"]), []).append(row["question_id"])
-    return [
-        PlayJob(root, split, room, tuple(ids), agent, title, seed, parts / f"{room[0]}-c{room[1]}.jsonl")
-        for room, ids in by_room.items()
-    ]
 
 
 def _prepare(parts: Path, about: dict[str, Any], resume: bool) -> None:
@@ -206,9 +244,9 @@ def _seconds_path(part: Path) -> Path:
     return part.with_suffix(".seconds")
 
 
-def _write_pace(path: Path, rows: Iterable[dict[str, Any]], jobs: Iterable[PlayJob]) -> None:
+def _write_pace(path: Path, rows: Iterable[dict[str, Any]], parts: Iterable[Path]) -> None:
     steps = sum(len(row["actions"]) + (row["manipulation"] is not None) for row in rows)
-    seconds = sum(float(_seconds_path(job.part).read_text(encoding="utf-8")) for job in jobs)
+    seconds = sum(float(_seconds_path(part).read_text(encoding="utf-8")) for part in parts)
     with atomic_path(pace_path(path)) as temporary:
         temporary.write_text(json.dumps({"steps": steps, "seconds": round(seconds, 2)}) + "\n", encoding="utf-8")
 

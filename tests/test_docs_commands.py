@@ -29,6 +29,7 @@ READ_ONLY = (
     "remqa-gen",  # minutes; what it makes, and its options, are tests of their own
     "remqa-agent train",
     "remqa-agent run framework",  # its weights are refused on another dataset
+    "remqa-agent run a3c",
     "remqa-agent predict",
     "remqa-agent attend",
     "remqa-agent curves",  # of trainings: tests/agents/test_curves.py

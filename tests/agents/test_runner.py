@@ -13,7 +13,7 @@ import pytest
 
 from remqa_data.agents import runner
 from remqa_data.agents.config import load_system
-from remqa_data.agents.runner import pace_path, play_split
+from remqa_data.agents.runner import Player, pace_path, play_all, play_split
 from remqa_data.agents.systems import make_agent
 from remqa_data.errors import ConfigError
 from remqa_data.storage.manifest import MANIFEST, load_manifest
@@ -69,11 +69,26 @@ def test_a_submission_depends_neither_on_workers_nor_on_where_a_run_was_stopped(
     with pytest.raises(KeyboardInterrupt):
         played(two_rooms, stopped, "random", progress=stop)
     assert not stopped.exists()
-    again: list[str] = []
+    again: list[tuple[str, int]] = []
     play = runner.play_room
-    monkeypatch.setattr(runner, "play_room", lambda job: (again.append(job.part.name), play(job))[1])
+    monkeypatch.setattr(runner, "play_room", lambda job: (again.append(job.room), play(job))[1])
     assert played(two_rooms, stopped, "random", resume=True) == rows
     assert len(again) == 2  # of four configurations
+
+
+def test_who_plays_beside_others_does_what_he_does_alone(two_rooms: Path, tmp_path: Path) -> None:
+    names = ("random", "semantic_map")
+    alone = [played(two_rooms, tmp_path / f"{name}.jsonl", name) for name in names]
+    configs = [load_system(name) for name in names]
+    players = [
+        Player(make_agent(config, two_rooms), tmp_path / f"{name}-again.jsonl", config.title, config.seed)
+        for name, config in zip(names, configs, strict=True)
+    ]
+    counts: list[int] = []
+    assert play_all(players, two_rooms, "test", progress=counts.append) == 12
+    assert [rows_of(player.path) for player in players] == alone
+    assert sum(counts) == 24
+    assert all(pace_path(player.path).is_file() for player in players)
 
 
 def test_only_the_same_run_is_gone_on_with(two_rooms: Path, tmp_path: Path) -> None:

@@ -34,8 +34,7 @@ def run(*args: str | Path) -> str:
 
 def test_seeds_seen_rooms_and_pace_stand_in_the_tables(two_rooms: Path, tmp_path: Path) -> None:
     folder = ("--data", two_rooms, "-o", tmp_path)
-    run("run", "random", *folder)
-    run("run", "random", "--seed", "1", *folder)
+    run("run", "random", "--seed", "0", "--seed", "1", *folder)
     run("run", "random", "--seen", "3", *folder)
     played = [json.loads(line) for line in (tmp_path / "seen" / "random.jsonl").read_text().splitlines()]
     assert played[0]["split"] == "train"
