@@ -38,6 +38,9 @@ from remqa_data.version import __version__
 ENV_STEPS = MAX_ACTIONS + 10
 """The agent stops before the environment does: its walk, some manipulations, and the answer."""
 
+VIEWS_KEPT = 600
+"""Whoever plays walks by the same places; 0.8 GB in each process."""
+
 
 @dataclass(frozen=True)
 class Player:
@@ -222,7 +225,9 @@ def pace_path(submission: Path) -> Path:
 def _stage(root: Path, split: str) -> tuple[RemqaEnv, WalkMemories]:
     """What a process reads once for all of its jobs; hands are those with which `remqa-eval` replays."""
     nobody_reads_tokens = Vocabulary.build((), ())
-    env = RemqaEnv(root, split, hands="reach", max_steps=ENV_STEPS, vocabulary=nobody_reads_tokens)
+    env = RemqaEnv(
+        root, split, hands="reach", max_steps=ENV_STEPS, vocabulary=nobody_reads_tokens, views_kept=VIEWS_KEPT
+    )
     return env, WalkMemories(root, split)
 
 

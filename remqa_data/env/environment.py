@@ -32,7 +32,6 @@ from remqa_data.errors import ActionError
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION, TELEPORT, Action, perform
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
-from remqa_data.sim.render.view import Observation
 
 ENV_ID = "remqa_data/Remqa-v0"
 
@@ -68,6 +67,8 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         Whether the agent gets what no agent should: instance images, and Teleport. `info["privileged"]` marks the run.
     vocabulary : Vocabulary, optional
         For the question's tokens; by default that of the dataset's train split.
+    views_kept : int
+        So many pictures of a room that nothing has been done to are remembered, see `LoadedRoom`; nothing else depends on it.
     render_mode : {"rgb_array"}, optional
         `render` gives the view of a camera behind the agent, with its arm.
 
@@ -96,6 +97,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         max_steps: int = 250,
         privileged: bool = False,
         vocabulary: Vocabulary | None = None,
+        views_kept: int = 0,
         render_mode: str | None = None,
     ) -> None:
         if (root is None) == (scenes is None):
@@ -116,7 +118,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         self.action_mode: ActionMode = action_mode
         self.hands: Hands = hands
         self.width, self.height, self.max_steps = width, height, max_steps
-        self.privileged, self.render_mode = privileged, render_mode
+        self.privileged, self.views_kept, self.render_mode = privileged, views_kept, render_mode
         self.action_space = action_space(action_mode)
         self.observation_space = _observation_space(width, height, self.vocabulary, privileged)
         self._held_numbers = {name: number for number, name in enumerate(catalog(), start=1)}
@@ -155,7 +157,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         episode = self.episodes.episode(name)
         if self._room is None or self._room.episode.name != episode.name:
             self.close()
-            self._room = LoadedRoom(episode, self.hands)
+            self._room = LoadedRoom(episode, self.hands, self.views_kept)
         self._room.begin(episode, self.np_random)
         self.record = EpisodeRecord(positions=[(self.agent.x, self.agent.y)])
         self.steps, self._is_over = 0, False
@@ -233,7 +235,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
 
     def _observe(self, info: dict[str, Any]) -> dict[str, Any]:
         agent = self.agent
-        seen: Observation = agent.view.render(agent.camera(self.width, self.height))
+        seen = self._needed_room().look(self.width, self.height)
         pose = [agent.x, agent.y, agent.yaw_deg, agent.horizon_deg, float(agent.is_standing)]
         held = 0 if agent.held is None else self._held_numbers[agent.world.type_of(agent.held)]
         observation: dict[str, Any] = {

@@ -11,7 +11,8 @@ from remqa_data.sim.agent.agent import Agent, Hands
 from remqa_data.sim.agent.third_person import ThirdPerson
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.view import WorldView
+from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.view import Observation, WorldView
 
 
 class LoadedRoom:
@@ -23,19 +24,34 @@ class LoadedRoom:
         One that is played in the room.
     hands : {"arm", "reach", "near"}
         See `remqa_data.sim.agent.agent.Hands`.
+    views_kept : int
+        So many pictures of the room as it is at first are remembered, 1.4 MB each: agents come by the same places again.
     """
 
-    def __init__(self, episode: Episode, hands: Hands) -> None:
+    def __init__(self, episode: Episode, hands: Hands, views_kept: int = 0) -> None:
         self.episode = episode
         self.world = World(episode.scene)
         self.view = WorldView(self.world)
         self.agent = Agent(self.world, self.view, (0.0, 0.0), 0.0, embodiment=episode.embodiment, hands=hands)
         self._first = self.world.save()
+        self._most, self._kept = views_kept, dict[Camera, Observation]()
 
     @cached_property
     def third_person(self) -> ThirdPerson:
         """Draws the agent from outside."""
         return ThirdPerson(self.agent)
+
+    def look(self, width: int, height: int) -> Observation:
+        """What the agent sees; the caller's own."""
+        camera = self.agent.camera(width, height)
+        if not self._most or not self.world.is_as(self._first):
+            return self.view.render(camera)
+        if camera not in self._kept:
+            if len(self._kept) == self._most:
+                del self._kept[next(iter(self._kept))]
+            self._kept[camera] = self.view.render(camera)
+        seen = self._kept[camera]
+        return Observation(seen.rgb.copy(), seen.depth.copy(), seen.objects.copy(), seen.links.copy())
 
     def begin(self, episode: Episode, rng: np.random.Generator) -> None:
         """Undo what was done, and put the agent at its initial pose."""

@@ -75,6 +75,36 @@ def test_a_room_is_as_it_was_when_it_is_played_again(env: RemqaEnv) -> None:
         assert np.array_equal(value, again[key])
 
 
+def test_with_views_that_are_kept_everything_looks_the_same(env: RemqaEnv) -> None:
+    """Also where something has been done, or an observation was written over, and more is seen than is kept."""
+    other = RemqaEnv(**SMALL, max_steps=5, views_kept=3, privileged=True)
+    doors: set[str] = set()
+    for _ in range(2):
+        for act in (None, "open", "pick up"):
+            pairs = [(env.reset(seed=1)[0], other.reset(seed=1)[0])]
+            for number, action in enumerate((LEFT, LEFT, LEFT, LEFT, AHEAD)):
+                if act is not None and number == 1:
+                    for agent in (env.agent, other.agent):
+                        door = next(name for name in agent.world.ids if agent.world.assets[name].is_openable)
+                        cup = next(n for n in agent.world.ids if agent.world.type_of(n) in ("SoapBar", "SoapBottle"))
+                        done = agent.open(door, force=True) if act == "open" else agent.pick_up(cup, force=True)
+                        assert done.success
+                        doors.add(door)
+                pairs.append((env.step(action)[0], other.step(action)[0]))
+            for a, b in pairs:
+                assert all(np.array_equal(value, b[key]) for key, value in a.items())
+                b["rgb"][:] = 0  # it is the agent's own
+    assert doors
+    room = other._needed_room()
+    assert len(room._kept) == 3
+    drawn: list[object] = []
+    room.view.render = drawn.append  # type: ignore[method-assign, assignment]
+    again = other.reset(seed=1)[0]
+    assert drawn == []
+    assert again["rgb"].any()
+    other.close()
+
+
 def test_an_episode_ends_with_done_or_after_the_last_step(env: RemqaEnv) -> None:
     env.reset(seed=0)
     assert env.step(DONE)[2:4] == (True, False)

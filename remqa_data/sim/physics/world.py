@@ -318,6 +318,11 @@ class World:
         """The state of everything, to come back to with `restore`."""
         return Snapshot(dict(self._states), self.held)
 
+    def is_as(self, snapshot: Snapshot) -> bool:
+        """Whether everything is where it was when a state was saved, or has been brought back; states are never changed."""
+        same = (state is snapshot.states.get(object_id) for object_id, state in self._states.items())
+        return self.held == snapshot.held and all(same)
+
     def restore(self, snapshot: Snapshot) -> None:
         """Bring back a saved state exactly: later actions give what they would have given then."""
         if self.held is not None and self.held != snapshot.held:
