@@ -260,6 +260,7 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None, weights: Weigh
     from remqa_data.agents.table import (
         as_json,
         failures_grid,
+        found_submissions,
         navigation_grid,
         remqa_grid,
         score_systems,
@@ -276,8 +277,8 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None, weights: Weigh
     seen: list[Scored] = []
     with Counting(None, "replaying") as on_replayed:
         scored = score_systems(out, data, count, on_replayed)
-        if (out / SEEN).is_dir():
-            submissions += submissions_in(out / SEEN)
+        if in_seen_rooms := found_submissions(out / SEEN):
+            submissions += in_seen_rooms
             seen = score_systems(out / SEEN, data, count, on_replayed, partial=True)
     pictures = {track: score_pictures(out, data, track) for track in ("rec", "qa")}
     grids = [

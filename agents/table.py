@@ -118,10 +118,15 @@ def submissions_in(folder: Path) -> list[Path]:
     SubmissionError
         If there is none.
     """
-    paths = sorted(path for path in folder.glob("*") if path.suffix in (".jsonl", ".parquet"))
+    paths = found_submissions(folder)
     if not paths:
         raise SubmissionError(folder, "", "there is no submission; remqa-agent run writes them")
     return paths
+
+
+def found_submissions(folder: Path) -> list[Path]:
+    """The submissions in a folder, by name; none if it is not there, or what is in it is not finished."""
+    return sorted(path for path in folder.glob("*") if path.suffix in (".jsonl", ".parquet"))
 
 
 def write_tables(folder: Path, systems: Sequence[Scored], grids: Sequence[Grid]) -> None:
