@@ -1,6 +1,13 @@
 """Gives tests small datasets, each made once for all processes of a run, and hypothesis its profile."""
 
 import os
+
+if "PYTEST_XDIST_WORKER" in os.environ:
+    # Several processes share the cores. Threads of torch that wait for each other by spinning take them from all: a network
+    # that learns in 10 seconds alone took 100. Before anything is imported that reads this.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
