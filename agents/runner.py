@@ -165,11 +165,11 @@ def play_all(
     if only is not None:
         wanted = frozenset(only)
         asked = [row for row in asked if row["question_id"] in wanted]
+    questions = crc32(" ".join(row["question_id"] for row in asked).encode())
+    about = {"dataset": dataset, "split": split, "questions": questions, "version": __version__}
     for player in players:
-        about = {"dataset": dataset, "split": split, "title": player.title, "seed": player.seed}
-        about |= {"system": player.fingerprint, "version": __version__}
-        about["questions"] = crc32(" ".join(row["question_id"] for row in asked).encode())
-        _prepare(player.parts, about, resume)
+        who = {"title": player.title, "seed": player.seed, "system": player.fingerprint}
+        _prepare(player.parts, about | who, resume)
     rooms: dict[tuple[str, int], list[str]] = {}
     for row in asked:
         rooms.setdefault((row["scene"], row["configuration"]), []).append(row["question_id"])

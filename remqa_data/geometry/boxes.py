@@ -22,17 +22,19 @@ PRECISION_SLACK = 1e-9
 
 def volume(boxes: npt.ArrayLike) -> F64:
     """(n,) volume of 3D boxes in cubic metres; 0 for a box that is flat or turned inside out."""
-    return _content(_boxes(boxes, 3))
+    return _content(_boxes(boxes))
 
 
 def intersection_volume(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
     """(n, m) volume that 3D boxes share, cubic metres."""
-    return _shared(_boxes(a, 3), _boxes(b, 3))
+    return _shared(_boxes(a), _boxes(b))
 
 
 def iou_3d(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
     """(n, m) intersection over union of 3D boxes, 0 to 1; 0 if either box has no volume."""
-    return _iou(_boxes(a, 3), _boxes(b, 3))
+    one, other = _boxes(a), _boxes(b)
+    shared = _shared(one, other)
+    return _ratio(shared, _content(one)[:, None] + _content(other)[None] - shared)
 
 
 def is_hit(iou: npt.ArrayLike, threshold: float) -> npt.NDArray[np.bool_]:
@@ -46,7 +48,7 @@ def is_hit(iou: npt.ArrayLike, threshold: float) -> npt.NDArray[np.bool_]:
 
 def centres(boxes: npt.ArrayLike) -> F64:
     """(n, 3) centres of 3D boxes, metres."""
-    low, high = _corners(_boxes(boxes, 3))
+    low, high = _corners(_boxes(boxes))
     return np.asarray((low + high) / 2)
 
 
@@ -70,7 +72,7 @@ def vertical_gap(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
 
     Positive when `a` is above `b`; negative when it starts below the top of `b`.
     """
-    return np.asarray(_boxes(a, 3)[:, 2][:, None] - _boxes(b, 3)[:, 5][None])
+    return np.asarray(_boxes(a)[:, 2][:, None] - _boxes(b)[:, 5][None])
 
 
 def overlap_share(a: npt.ArrayLike, b: npt.ArrayLike, axes: tuple[int, ...] = (0, 1)) -> F64:
@@ -80,7 +82,7 @@ def overlap_share(a: npt.ArrayLike, b: npt.ArrayLike, axes: tuple[int, ...] = (0
     lower box's height. 0 if either box has no extent along these axes.
     """
     columns = [*axes, *(axis + 3 for axis in axes)]
-    first, second = _boxes(a, 3)[:, columns], _boxes(b, 3)[:, columns]
+    first, second = _boxes(a)[:, columns], _boxes(b)[:, columns]
     smaller = np.minimum(_content(first)[:, None], _content(second)[None])
     return _ratio(_shared(first, second), smaller)
 
@@ -92,12 +94,12 @@ def side_share(a: Box, b: Box, axis: int) -> float:
     return min((high - low) / smaller, 1.0) if smaller > 0 and high > low else 0.0
 
 
-def _boxes(boxes: npt.ArrayLike, dimensions: int) -> F64:
+def _boxes(boxes: npt.ArrayLike) -> F64:
     array = np.asarray(boxes, dtype=np.float64)
-    if array.ndim not in (1, 2) or array.shape[-1] != 2 * dimensions:
-        msg = f"expected boxes of shape (n, {2 * dimensions}), found {array.shape}"
+    if array.ndim not in (1, 2) or array.shape[-1] != 6:
+        msg = f"expected boxes of shape (n, 6), found {array.shape}"
         raise ValueError(msg)
-    return array.reshape(-1, 2 * dimensions)
+    return array.reshape(-1, 6)
 
 
 def _corners(boxes: F64) -> tuple[F64, F64]:
@@ -116,16 +118,11 @@ def _shared(a: F64, b: F64) -> F64:
     return np.asarray(np.prod(np.maximum(sides, 0.0), axis=2))
 
 
-def _iou(a: F64, b: F64) -> F64:
-    shared = _shared(a, b)
-    return _ratio(shared, _content(a)[:, None] + _content(b)[None] - shared)
-
-
 def _ratio(part: F64, whole: F64) -> F64:
     ratio = np.divide(part, whole, out=np.zeros(part.shape), where=(whole > 0) & (part > 0))
     return np.minimum(ratio, 1.0)  # a box with itself may come to 1 + 1e-16
 
 
 def _axis_gaps(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
-    (low_a, high_a), (low_b, high_b) = _corners(_boxes(a, 3)), _corners(_boxes(b, 3))
+    (low_a, high_a), (low_b, high_b) = _corners(_boxes(a)), _corners(_boxes(b))
     return np.asarray(np.maximum(low_a[:, None] - high_b[None], low_b[None] - high_a[:, None]))

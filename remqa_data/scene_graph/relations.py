@@ -15,7 +15,6 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 import numpy.typing as npt
 import yaml
-from annotated_types import Le
 from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.catalog import object_type
@@ -52,7 +51,7 @@ class _Thresholds(_Rules):
             if name in self.exact or not name.startswith(("min_", "max_", "gap_")):
                 continue
             value = value / more if name.startswith("min_") else value * more
-            is_share = any(isinstance(limit, Le) and limit.le == 1 for limit in field.metadata)
+            is_share = any(getattr(limit, "le", None) == 1 for limit in field.metadata)
             changed[name] = min(value, 1.0) if is_share else value
         return self.model_copy(update=changed)
 

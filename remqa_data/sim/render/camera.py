@@ -8,6 +8,7 @@ distance along the camera's forward axis in metres.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple, Protocol
@@ -54,8 +55,34 @@ class AnyCamera(Protocol):
         ...
 
 
+class _Projecting(ABC):
+    """From the room to the image and back."""
+
+    @abstractmethod
+    def view(self) -> View:
+        """The camera as the rasteriser reads it."""
+
+    def project(self, points: npt.ArrayLike) -> F64:
+        """Image position of world points.
+
+        Parameters
+        ----------
+        points : (n, 3) array
+            Metres, world frame.
+
+        Returns
+        -------
+        (n, 3) float64: pixel x, pixel y, depth. Behind the camera the depth is negative and the pixel means nothing.
+        """
+        return _project(self.view(), points)
+
+    def unproject(self, depth: npt.ArrayLike) -> F64:
+        """World point that each pixel of a (h, w) depth image shows, (h, w, 3) float64; inverse of `project`."""
+        return _unproject(self.view(), depth)
+
+
 @dataclass(frozen=True)
-class Camera:
+class Camera(_Projecting):
     """A pinhole camera with square pixels.
 
     Attributes
@@ -103,31 +130,13 @@ class Camera:
         """(3, 3) unit rows: right, up, forward, in the world frame."""
         return _looking(self.yaw_deg, self.horizon_deg, self.roll_deg)
 
-    def project(self, points: npt.ArrayLike) -> F64:
-        """Image position of world points.
-
-        Parameters
-        ----------
-        points : (n, 3) array
-            Metres, world frame.
-
-        Returns
-        -------
-        (n, 3) float64: pixel x, pixel y, depth. Behind the camera the depth is negative and the pixel means nothing.
-        """
-        return _project(self.view(), points)
-
-    def unproject(self, depth: npt.ArrayLike) -> F64:
-        """World point that each pixel of a (h, w) depth image shows, (h, w, 3) float64; inverse of `project`."""
-        return _unproject(self.view(), depth)
-
     def view(self) -> View:
         """The camera as the rasteriser reads it."""
         return _pinhole_view(self)
 
 
 @dataclass(frozen=True)
-class OrthographicCamera:
+class OrthographicCamera(_Projecting):
     """A camera with a parallel projection. What is behind it is cut off.
 
     Attributes
@@ -154,21 +163,13 @@ class OrthographicCamera:
         """(3, 3) unit rows: right, up, forward, in the world frame."""
         return _looking(self.yaw_deg, self.horizon_deg, self.roll_deg)
 
-    def project(self, points: npt.ArrayLike) -> F64:
-        """Image position of world points: (n, 3) pixel x, pixel y, depth before the camera."""
-        return _project(self.view(), points)
-
-    def unproject(self, depth: npt.ArrayLike) -> F64:
-        """World point that each pixel of a (h, w) depth image shows, (h, w, 3) float64; inverse of `project`."""
-        return _unproject(self.view(), depth)
-
     def view(self) -> View:
         """The camera as the rasteriser reads it."""
         return _parallel_view(self.position, self.rotation(), self.height / (2.0 * self.half_height_m), self)
 
 
 @dataclass(frozen=True)
-class TopDownCamera:
+class TopDownCamera(_Projecting):
     """A map: parallel projection, looking straight down, image right is +x and image up is +y.
 
     Attributes
@@ -197,14 +198,6 @@ class TopDownCamera:
     def rotation(self) -> F64:
         """(3, 3) unit rows: right, up, forward, in the world frame."""
         return np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]])
-
-    def project(self, points: npt.ArrayLike) -> F64:
-        """Image position of world points: (n, 3) pixel x, pixel y, depth below the camera."""
-        return _project(self.view(), points)
-
-    def unproject(self, depth: npt.ArrayLike) -> F64:
-        """World point that each pixel of a (h, w) depth image shows, (h, w, 3) float64; inverse of `project`."""
-        return _unproject(self.view(), depth)
 
     def view(self) -> View:
         """The camera as the rasteriser reads it."""
