@@ -143,10 +143,11 @@ def _occupy(points: Points, origin: F64, size_m: float, number: I32) -> int:
 def _full(number: I32) -> U64:
     """`Voxels.full`."""
     nx, ny, nz = number.shape
-    full = np.zeros(((nx + 2 * BORDER + 3) // 4, (ny + 2 * BORDER + 3) // 4, (nz + 2 * BORDER + 3) // 4), dtype=np.uint64)
-    for a in range(nx + 2 * BORDER):
-        for b in range(ny + 2 * BORDER):
-            for c in range(nz + 2 * BORDER):
+    wide, deep, high = nx + 2 * BORDER, ny + 2 * BORDER, nz + 2 * BORDER
+    full = np.zeros(((wide + 3) // 4, (deep + 3) // 4, (high + 3) // 4), dtype=np.uint64)
+    for a in range(wide):
+        for b in range(deep):
+            for c in range(high):
                 i, j, m = a - BORDER, b - BORDER, c - BORDER
                 if i < 0 or j < 0 or m < 0 or i >= nx or j >= ny or m >= nz or number[i, j, m] >= 0:
                     full[a >> 2, b >> 2, c >> 2] |= np.uint64(1) << _bit(a, b, c)
