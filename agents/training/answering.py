@@ -240,16 +240,28 @@ class AnsweringTask:
         Trained: what it begins with.
     device : str
         Where to compute.
+    questions : int, optional
+        It learns from so many of them, spread evenly over the rooms; from all by default.
     """
 
     def __init__(
-        self, roots: Sequence[Path], views: Sequence[View], with_box: bool, detector: Detector, device: str = "cpu"
+        self,
+        roots: Sequence[Path],
+        views: Sequence[View],
+        with_box: bool,
+        detector: Detector,
+        device: str = "cpu",
+        *,
+        questions: int | None = None,
     ) -> None:
         rooms = learning_rooms(roots)
         self._asked = [AskedViews(root, "train", rooms, with_box=with_box) for root in roots]
         self._places = [(asked, index) for asked in self._asked for index in range(len(asked))]
+        if questions is not None:
+            chosen = np.linspace(0, len(self._places), min(questions, len(self._places)), endpoint=False)
+            self._places = [self._places[int(place)] for place in chosen]
         self._val = AskedViews(roots[0], "train", rooms_of(roots[0], "val"), with_box=with_box)
-        rows = [row for asked in self._asked for row in asked.rows]
+        rows = [asked.rows[index] for asked, index in self._places]
         self.others = Others.of_rows(rows)
         self.vocabulary = Vocabulary.build([row["question"] for row in rows], [row["answer"] for row in rows])
         self.model = ManipulationAnswerer(

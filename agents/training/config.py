@@ -71,11 +71,15 @@ class GrounderConfig(_Network):
 
 
 class AnswererConfig(_Network):
-    """Answers by what it looks at; `with_box` is whether it is told where the target is."""
+    """Answers by what it looks at; `with_box` is whether it is told where the target is.
+
+    It learns from all questions of train rooms, or from so many, of all these rooms alike.
+    """
 
     kind: Literal["answerer"]
     views: tuple[Literal["start", "end"], ...]
     with_box: bool
+    questions: Annotated[int, Field(ge=1)] | None = None
 
 
 class ViewEncoderConfig(_Network):

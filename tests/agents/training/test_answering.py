@@ -1,7 +1,11 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from remqa_data.agents.training.answering import Others
+from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.training.answering import AnsweringTask, Others
+from remqa_data.agents.training.pictures import detector_types
 
 ROWS = [
     {"room_type": "kitchen", "answer_type": name, "kind": kind, "question": question, "answer": answer}
@@ -54,3 +58,13 @@ def test_where_nothing_else_can_be_asked_the_question_stays() -> None:
     row = ROWS[1]
     others = Others({"kitchen": ("Egg",)}, frozenset(("yes", "no", "2")))
     assert others.ask(row, ["Egg"], np.random.default_rng(0)) == (row["question"], row["answer"], "Egg")
+
+
+def test_it_learns_from_as_many_questions_as_it_is_told(two_rooms: Path) -> None:
+    detector = Detector(len(detector_types()))
+    tasks = [AnsweringTask([two_rooms], ("end",), True, detector, questions=n) for n in (3, 5, 1000, None)]
+    assert [len(task) for task in tasks] == [3, 5, 8, 8]
+    rng = np.random.default_rng
+    asked = [asked.question for asked in tasks[1].batch(np.arange(5), [rng(k) for k in range(5)])]
+    assert len(set(asked)) > 1
+    assert set(tasks[0].vocabulary.words) < set(tasks[3].vocabulary.words)
