@@ -58,6 +58,7 @@ def run(
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ARGUMENTS)
 def test_a_wrong_argument_is_one_line_and_nothing_is_written(what: str, tmp_path: Path) -> None:
     name, *arguments = ARGUMENTS[what]

@@ -47,6 +47,7 @@ def deepest(points: F64, boxes: tuple[CollisionBox, ...]) -> float:
     return depth
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("type_", "size", "variant"), CASES)
 @pytest.mark.parametrize("openness", np.linspace(0.0, 1.0, 8))
 def test_moving_parts_cut_neither_the_body_nor_each_other(

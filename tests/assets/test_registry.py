@@ -54,6 +54,7 @@ def test_every_recorded_type_is_drawn() -> None:
     assert set(TYPES) == set(catalog())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("type_", TYPES)
 def test_fills_its_box_in_extreme_sizes_and_all_variants(type_: str, sizes: tuple[Sizes, Sizes]) -> None:
     assert sizes[0][type_]
@@ -81,6 +82,7 @@ def typical(type_: str, variant: int, seed: int = 0) -> Asset:
     return build(AssetSpec(type_, typical_size(type_), variant, seed))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("type_", TYPES)
 def test_has_four_variants_that_look_different(type_: str) -> None:
     count = variant_count(type_)

@@ -91,6 +91,7 @@ def test_everything_that_opens_is_in_reach(scene: Scene) -> None:
     assert out_of_reach(scene) == []
 
 
+@pytest.mark.slow
 def test_the_floor_hangs_together(scene: Scene) -> None:
     with World(scene) as world:
         world.settle()
@@ -125,6 +126,7 @@ def test_a_room_loads_by_its_name() -> None:
     assert load_scene("Sampled-bathroom-000003").light == "baked"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("index", range(8))
 def test_pieces_meet_neither_walls_nor_each_other(index: int) -> None:
     rows, shell = rows_of(index)

@@ -56,6 +56,7 @@ def act(controller: Controller, action: str, object_id: str, **arguments) -> Non
     assert event, event.metadata["errorMessage"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("action", "type_name", "back"),
     [

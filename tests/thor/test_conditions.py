@@ -18,6 +18,7 @@ def put(controller, type_name: str, into: str) -> None:
     assert forced(controller, "PutObject", into), controller.last_event.metadata["errorMessage"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("action", "type_name", "field", "back"),
     [

@@ -60,6 +60,7 @@ def test_where_nothing_else_can_be_asked_the_question_stays() -> None:
     assert others.ask(row, ["Egg"], np.random.default_rng(0)) == (row["question"], row["answer"], "Egg")
 
 
+@pytest.mark.slow
 def test_it_learns_from_as_many_questions_as_it_is_told(two_rooms: Path) -> None:
     detector = Detector(len(detector_types()))
     tasks = [AnsweringTask([two_rooms], ("end",), True, detector, questions=n) for n in (3, 5, 1000, None)]

@@ -224,6 +224,7 @@ PARQUET: dict[str, tuple[Callable[[Path], None], str]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", JSONL)
 def test_malformed_json_lines(data: Path, tmp_path: Path, name: str) -> None:
     content, wanted = JSONL[name]
@@ -232,6 +233,7 @@ def test_malformed_json_lines(data: Path, tmp_path: Path, name: str) -> None:
     assert_refused(data, path, wanted)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PARQUET)
 def test_malformed_parquet(data: Path, tmp_path: Path, name: str) -> None:
     write, wanted = PARQUET[name]

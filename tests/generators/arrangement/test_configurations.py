@@ -88,6 +88,7 @@ def test_hidden_things_show_no_pixel_before_and_enough_after(room: str, number: 
                 assert (pixels_per_object(view, camera)[rows] >= 120).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("room", "number"), CASES[::2])
 def test_an_arrangement_is_at_rest_and_closed(room: str, number: int) -> None:
     made = arranged(room, number)

@@ -95,6 +95,7 @@ def test_rooms_have_places_of_each_manipulation() -> None:
     assert min(every.count("Pickup"), every.count("Move")) >= 2
 
 
+@pytest.mark.slow
 def test_what_is_done_can_be_done_and_hides_as_it_says(room: tuple[WorldView, tuple[HidingPlace, ...]]) -> None:
     view, places = room
     assert places

@@ -124,6 +124,7 @@ def inner_plan(quota: SceneQuota, fits):
     return plan_groups(places, phrases, types, quota, rng_for(quota.scene), 4, {}, None, fits)
 
 
+@pytest.mark.slow
 def test_some_spatial_questions_ask_how_two_things_lie_and_both_are_wished_for_whatever_the_answer() -> None:
     found = 0
     for quota in quotas()[:6]:
