@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.assets.core.model import Surface
+from remqa_data.assets.core.model import Material, Surface
 from remqa_data.geometry.types import F32, F64, I32, Flags
 from remqa_data.scene import StructureKind
 from remqa_data.sim.physics.world import World
@@ -62,8 +62,9 @@ class WorldView:
 
     Attributes
     ----------
-    hidings : int
-        Counts the calls of `hide`: with the world's revision it tells whether pictures from one place may differ.
+    changes : int
+        Counts the changes of how the room is drawn: with the world's revision it tells whether pictures from one place may
+        differ.
     """
 
     def __init__(self, world: World, *, shows_held: bool = False) -> None:
@@ -72,7 +73,7 @@ class WorldView:
         self._shapes: Shapes = {}
         self._asked_to_hide: set[str] = set()
         self._brightness: Sequence[float] | None = None
-        self.hidings = 0
+        self.changes = 0
         self._build()
 
     def _build(self) -> None:
@@ -110,7 +111,7 @@ class WorldView:
             self._show_or_hide(object_id)
         if self._brightness is not None:
             self.set_brightness(self._brightness)
-        self.hidings += 1
+        self.changes += 1
 
     def sync(self) -> None:
         """Follow the world's poses, and what is held; `render` does it by itself."""
@@ -130,7 +131,7 @@ class WorldView:
     def hide(self, object_id: str, hidden: bool = True) -> None:
         """Leave an object out of the pictures, or in them again; what is held needs no hiding."""
         (self._asked_to_hide.add if hidden else self._asked_to_hide.discard)(object_id)
-        self.hidings += 1
+        self.changes += 1
         self._show_or_hide(object_id)
 
     def render(
@@ -156,12 +157,18 @@ class WorldView:
 
     def set_brightness(self, lamps: Sequence[float]) -> None:
         """Let each lamp shine so many times as bright as it was built; what light the room throws back changes with them."""
+        self.changes += 1
         self._brightness = lamps
         self._level = float((self.lamp_shares * np.asarray(lamps)).sum())
         strength = self._lamps.strength * np.asarray(lamps, dtype=np.float32)
         self.renderer.set_lamps(strength, self._lamps.ambient * self._level)
         if self.world.scene.light == "baked" and not self._waits_for_light:
             self._bake()
+
+    def set_materials(self, materials: Sequence[Material]) -> None:
+        """Paint the surfaces, of which there is one material each in the order of the parts; light and shape stay."""
+        self.changes += 1
+        self.renderer.set_materials(materials)
 
     def parts_of(self, object_ids: Iterable[str]) -> Flags:
         """(parts,) which of the renderer's parts are those of some objects."""

@@ -88,14 +88,14 @@ class Looks:
         if look.lighting != before.lighting:
             self._view.set_brightness([1.0] * self.lamps if look.lighting is None else look.lighting.brightness)
         if look != before:
-            self._view.renderer.set_materials(self._materials())
+            self._view.set_materials(self._materials())
         self.only = None if look.emphasized is None else self._view.parts_of([look.emphasized])
 
     def reshape(self, shapes: Shapes) -> None:
         """Draw some objects in other shapes, and all else as it looks; see `WorldView.rebuild`."""
         self._view.rebuild(shapes)
         self._read_parts()
-        self._view.renderer.set_materials(self._materials())
+        self._view.set_materials(self._materials())
         self.only = None if self.look.emphasized is None else self._view.parts_of([self.look.emphasized])
 
     def _read_parts(self) -> None:

@@ -67,7 +67,7 @@ class Sight:
 
     def _follow(self) -> None:
         """Forget what was found when the room was another; states are replaced, never changed, so identity tells."""
-        revision = (self._world.revision, self._view.hidings)
+        revision = (self._world.revision, self._view.changes)
         if revision != self._revision or len(self._visible) + len(self._distances) > MOST_KEPT:
             self._distances, self._visible = {}, {}
         if revision == self._revision:

@@ -25,6 +25,7 @@ from remqa_data.thor.state.frames import to_thor
 from remqa_data.thor.state.images import Palette
 from remqa_data.thor.state.looks import Look, Looks
 from remqa_data.thor.state.objects import ObjectRecords
+from remqa_data.thor.state.pictures import Pictures
 from remqa_data.thor.state.settings import FrameSize, Settings
 
 AGENT_MIDDLE_M = 0.900999
@@ -54,8 +55,9 @@ class LoadedFloorPlan:
 
     Attributes
     ----------
-    world, view, records, palette, looks
-        The simulated room, its renderer, the objects' metadata, their colours in masks, and how the room is shown.
+    world, view, pictures, records, palette, looks
+        The simulated room, its renderer and what that has drawn, the objects' metadata, their colours in masks, and how the
+        room is shown.
     agents : list of ThorAgent
         The agents in it, by their numbers.
     active : int
@@ -85,6 +87,7 @@ class LoadedFloorPlan:
         self._conditions_shown: tuple[object, int | None] = ({}, None)
         self.palette = Palette(world.ids, [world.type_of(object_id) for object_id in world.ids])
         self.records = ObjectRecords(world)
+        self.pictures = Pictures(world, self.view)
 
     def restart(self, settings: Settings, frame: FrameSize) -> None:
         """Put everything back to where it was when the room was loaded."""

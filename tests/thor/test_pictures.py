@@ -1,0 +1,76 @@
+import random
+
+import numpy as np
+import pytest
+
+from remqa_data.thor import Controller
+from remqa_data.thor.state import pictures
+from tests.thor.test_random_calls import call_at_random
+
+TOASTER = "Toaster|-01.84|+00.90|+00.13"
+
+
+def drawn_now(controller: Controller) -> np.ndarray:
+    """What the agent's camera sees, drawn anew."""
+    room = controller.server.session._simulator.room
+    camera = room.frame_camera()
+    return room.view.render(camera, only=room.shown_to(camera)).rgb
+
+
+def test_a_place_that_is_seen_again_is_not_drawn_again(kitchen, monkeypatch) -> None:
+    room = kitchen.server.session._simulator.room
+    drawn = []
+    render = room.view.render
+    monkeypatch.setattr(room.view, "render", lambda camera, **kw: drawn.append(camera) or render(camera, **kw))
+    frames = [kitchen.step("RotateRight").frame for _ in range(8)]
+    assert len(drawn) == 3  # the first was drawn when the room was loaded
+    assert all(np.array_equal(a, b) for a, b in zip(frames[:4], frames[4:], strict=True))
+    assert np.array_equal(kitchen.step("RotateLeft").frame, frames[6])
+
+
+@pytest.mark.parametrize(
+    ("action", "arguments"),
+    [
+        ("RemoveFromScene", {"objectId": TOASTER}),
+        ("MaskObject", {"objectId": TOASTER}),
+        ("RandomizeMaterials", {}),
+        ("RandomizeLighting", {"synchronized": True}),
+        ("ToggleObjectOn", {"objectId": TOASTER, "forceAction": True}),
+        ("ToggleMapView", {}),
+    ],
+)
+def test_what_changes_the_room_changes_its_pictures(kitchen, action, arguments) -> None:
+    (pose, *_) = kitchen.step("GetInteractablePoses", objectId=TOASTER, maxPoses=1).metadata["actionReturn"]
+    before = kitchen.step("TeleportFull", **pose).frame
+    event = kitchen.step(action, **arguments)
+    assert event
+    assert not np.array_equal(event.frame, before)
+    assert np.array_equal(event.frame, drawn_now(kitchen))
+
+
+def test_memory_is_bounded(kitchen, monkeypatch) -> None:
+    size = 300 * 300 * 15
+    monkeypatch.setattr(pictures, "MOST_BYTES", 3 * size)
+    for _ in range(6):
+        kitchen.step("RotateRight", degrees=30)
+    kept = kitchen.server.session._simulator.room.pictures
+    assert len(kept._drawn) == 3
+    assert kept._bytes == 3 * size
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mode", ["default", "arm"])
+def test_whatever_is_called_the_picture_is_that_of_the_room_as_it_is(mode, monkeypatch) -> None:
+    with Controller(scene="FloorPlan401", agentMode=mode, width=96, height=96) as controller:
+        step, compared = controller.step, []
+
+        def step_and_compare(*args, **kwargs):
+            kwargs.pop("renderImage", None)
+            event = step(*args, **kwargs)
+            compared.append(np.array_equal(event.frame, drawn_now(controller)))
+            assert compared[-1], (args, kwargs)
+            return event
+
+        monkeypatch.setattr(controller, "step", step_and_compare)
+        call_at_random(controller, random.Random(2), 400)
+    assert len(compared) > 200
