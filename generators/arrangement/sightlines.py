@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 
-from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, Flags
-from remqa_data.sim.navigation.grid import Cell, ReachableGrid, reach_distance
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid, cells_in_reach
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import WorldView
@@ -67,12 +66,7 @@ class Sightlines:
 
 def cells_that_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[Cell]:
     """Cells from which the arm reaches at least one of some points, nearest to their middle first."""
-    low, high = points.min(axis=0)[:2], points.max(axis=0)[:2]
     middle = points.mean(axis=0)[:2]
-    found = []
-    for cell in grid.cells:
-        position = grid.position(cell)
-        gap = arithmetic.length(np.maximum(np.maximum(low - position, position - high), 0.0))
-        if gap <= 1.0 and any(reach_distance(position, grid.floor_z, point) <= reach_m for point in points):
-            found.append((math.dist(position, middle), cell))
-    return [cell for _, cell in sorted(found)]
+    return sorted(
+        cells_in_reach(grid, points, reach_m), key=lambda cell: (math.dist(grid.position(cell), middle), cell)
+    )

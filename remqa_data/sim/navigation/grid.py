@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from remqa_data.sim.physics.world import World
 
 FINE_M = 0.02
+_ROUNDING_M = 1e-6
 
 Cell = tuple[int, int]
 Outline = npt.NDArray[np.float32]
@@ -167,12 +168,18 @@ def reach_distance(position: tuple[float, float], floor_z: float, point: Vec3 | 
 
 def cells_in_reach(grid: ReachableGrid, points: Iterable[Vec3] | F64, reach_m: float = AGENT.reach_m) -> list[Cell]:
     """Cells from which the arm reaches at least one of some points."""
-    targets = [np.asarray(point, dtype=np.float64) for point in points]
-    return [
-        cell
-        for cell in grid.cells
-        if any(reach_distance(grid.position(cell), grid.floor_z, target) <= reach_m for target in targets)
-    ]
+    targets = np.asarray(list(points), dtype=np.float64).reshape(-1, 3)
+    if not len(targets):
+        return []
+    farthest = reach_m + AGENT.shoulder_ahead_m + _ROUNDING_M
+    low, high = targets.min(axis=0).tolist(), targets.max(axis=0).tolist()
+    found = []
+    for cell in grid.cells:
+        x, y = grid.position(cell)
+        gap = math.hypot(max(low[0] - x, x - high[0], 0.0), max(low[1] - y, y - high[1], 0.0))
+        if gap <= farthest and any(reach_distance((x, y), grid.floor_z, target) <= reach_m for target in targets):
+            found.append(cell)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
