@@ -13,7 +13,19 @@ from uuid import uuid4
 
 from remqa_data.errors import OutputError
 
+CACHE_VARIABLE = "REMQA_CACHE"
 _LEFTOVER = re.compile(r"\.(.+)\.[0-9a-f]{12}(\.[^.]*)?")
+
+
+def cache_folder() -> Path:
+    """Where fetched shards and baked light are kept: $REMQA_CACHE, or ~/.cache/remqa-data. It can be removed at any time.
+
+    Raises
+    ------
+    RuntimeError
+        If the variable is not set, and the user has no home.
+    """
+    return Path(os.environ.get(CACHE_VARIABLE) or Path.home() / ".cache" / "remqa-data")
 
 
 @contextmanager

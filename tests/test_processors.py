@@ -4,6 +4,7 @@ One machine stands for many, because the libraries can be told to do without wha
 """
 
 import ast
+import hashlib
 import os
 import subprocess
 import sys
@@ -79,6 +80,8 @@ def run(command: list[str], environment: dict[str, str], kernels: Path) -> str:
     one are where they always are.
     """
     variables = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    # Light that this machine has baked is not another one's.
+    variables["REMQA_CACHE"] = str(kernels / ("cache-" + hashlib.sha256(repr(environment).encode()).hexdigest()[:8]))
     if "NUMBA_CPU_NAME" in environment:
         variables["NUMBA_CACHE_DIR"] = str(kernels)
     done = subprocess.run([sys.executable, *command], env=variables, capture_output=True, text=True, cwd=ROOT)

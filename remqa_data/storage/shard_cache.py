@@ -11,12 +11,10 @@ import shutil
 from pathlib import Path
 
 from remqa_data.errors import DamagedShardError
-from remqa_data.files import atomic_path, sha256_of
+from remqa_data.files import atomic_path, cache_folder, sha256_of
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.manifest import FileInfo
-
-CACHE_VARIABLE = "REMQA_CACHE"
 
 
 def local_shard(root: str | os.PathLike[str], file: FileInfo) -> Path:
@@ -42,8 +40,3 @@ def local_shard(root: str | os.PathLike[str], file: FileInfo) -> Path:
     except FileNotFoundError:
         raise DamagedShardError(storage.where(file.path), "the file is missing") from None
     return cached
-
-
-def cache_folder() -> Path:
-    """Where fetched shards are kept: $REMQA_CACHE, or ~/.cache/remqa-data. It can be removed at any time."""
-    return Path(os.environ.get(CACHE_VARIABLE) or Path.home() / ".cache" / "remqa-data")

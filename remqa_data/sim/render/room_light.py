@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
 from remqa_data.assets import build
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
-from remqa_data.geometry.types import F32, F64
+from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.scene import Scene, SceneObject
 from remqa_data.sim.light.bake import Lamps, bake
+from remqa_data.sim.light.cache import cached, key_of
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.light.voxels import Faces
 from remqa_data.sim.render.mipmap import SIZE_BITS
@@ -34,7 +36,8 @@ EXPOSURE = 1.3
 def room_light(scene: Scene) -> Volume:
     """The indirect light of a room, whatever lies about in it and whether anything is open.
 
-    Baking takes a second; the last rooms are kept, so that other configurations of a room cost nothing.
+    Baking takes a second or two; it is kept on disk, and the last rooms in memory, so that other configurations of a room
+    cost nothing.
     """
     return _baked(static_scene(scene))
 
@@ -47,16 +50,23 @@ def static_scene(scene: Scene) -> Scene:
 
 @lru_cache(maxsize=4)
 def _baked(scene: Scene) -> Volume:
-    return _exposed(_balanced(indirect_light(scene)))
+    faces, lamps, corners = _asked(scene)
+    key = key_of(faces, lamps, corners, LEVEL, Path(__file__))
+    return cached(key, lambda: _exposed(_balanced(bake(faces, lamps, *corners, LEVEL))))
 
 
 def indirect_light(scene: Scene) -> Volume:
     """The indirect light of a room as it is, before the camera balances its white and exposes for the shade."""
+    faces, lamps, corners = _asked(scene)
+    return bake(faces, lamps, *corners, LEVEL)
+
+
+def _asked(scene: Scene) -> tuple[Faces, Lamps, tuple[Vec3, Vec3]]:
+    """All that light follows from: surfaces, lamps, and the low and high corner of the room."""
     x0, y0, x1, y1 = scene.bounds
-    low, high = (x0, y0, scene.floor_z), (x1, y1, scene.floor_z + scene.height)
     lights = room_lights(scene.lights)
     lamps = Lamps(lights.positions, lights.strength, lights.reach_m)
-    return bake(static_faces(scene), lamps, low, high, LEVEL)
+    return static_faces(scene), lamps, ((x0, y0, scene.floor_z), (x1, y1, scene.floor_z + scene.height))
 
 
 def _balanced(volume: Volume) -> Volume:

@@ -137,7 +137,7 @@ class WorldView:
     def render(
         self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True, only: Flags | None = None
     ) -> Observation:
-        """Draw the world as it is now; the first picture of a room with baked light takes a second.
+        """Draw the world as it is now; the first picture of a room with baked light may take a second or two.
 
         With (parts,) `only`, some parts, in the light that all of them leave.
         """
