@@ -16,7 +16,7 @@ from functools import wraps
 from typing import Any
 from unittest.mock import patch
 
-from measure import Benchmark, Facts, Headline, Table
+from measure import Benchmark, Facts, Headline, Table, nothing_cached
 
 from remqa_data.generators import scene_job as room
 from remqa_data.generators import scene_plan as room_plan
@@ -27,6 +27,7 @@ from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.scene_plan import Job
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.physics.world import World
+from remqa_data.sim.render import room_light
 from remqa_data.sim.render.renderer import Renderer
 from remqa_data.sim.render.view import WorldView
 from remqa_data.storage.parts import Parts
@@ -50,6 +51,7 @@ STEPS: tuple[tuple[str, Any, str], ...] = (
     ("settle", World, "settle"),
     ("draw pictures", Renderer, "render"),
     ("draw instances only", Renderer, "render_instances"),
+    ("light a room", room_light, "bake"),
     ("encode images", images, "_encoded"),
 )
 """Name of a step, and what does it: an attribute of a module or class."""
@@ -131,7 +133,7 @@ def headlines(facts: Facts) -> list[Headline]:
 
 def make_all(jobs: list[Job]) -> list[dict[str, Any]]:
     """Make rooms and throw them away; the reports."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, nothing_cached():
         parts = Parts(folder, {"benchmark": 1})
         made = [make_part(RoomJob(parts, job)) for job in jobs]
         return [{**part.report, "scene": part.scene} for part in made]

@@ -7,9 +7,12 @@ Each benchmark is a script of this folder that prints its table and stores its f
 from __future__ import annotations
 
 import json
+import os
 import sys
+import tempfile
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +22,7 @@ import rich.table
 from machine import Machine, OtherWork, machine
 from rich.console import Console
 
-from remqa_data.files import atomic_path
+from remqa_data.files import CACHE_VARIABLE, atomic_path
 
 OUTPUT = Path("out/benchmarks")
 QUIET_CORES = 0.5
@@ -27,6 +30,20 @@ QUIET_CORES = 0.5
 
 Facts = dict[str, Any]
 """What JSON can hold."""
+
+
+@contextmanager
+def nothing_cached() -> Iterator[None]:
+    """As on a machine on which no room has been lit; what is lit here is forgotten in the end."""
+    before = os.environ.get(CACHE_VARIABLE)
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ[CACHE_VARIABLE] = folder
+        try:
+            yield
+        finally:
+            os.environ.pop(CACHE_VARIABLE)
+            if before is not None:
+                os.environ[CACHE_VARIABLE] = before
 
 
 @dataclass(frozen=True)
