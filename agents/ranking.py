@@ -65,7 +65,11 @@ def orders(systems: Sequence[Scored], expressions: Sequence[Results]) -> list[Or
     """All columns of which at least two systems are measured; systems with several seeds count with their mean."""
     found = []
     for table, column, values in _columns(systems, expressions):
-        theirs = {name: figures[column] for name, figures in paper_results()[table].items() if name in values}
+        theirs = {
+            name: figures[column]
+            for name, figures in paper_results()[table].items()
+            if name in values and column in figures  # the paper has no column for rooms that were learnt in
+        }
         if len(theirs) > 1:
             found.append(order(table, column, theirs, values))
     return found

@@ -72,6 +72,7 @@ def trained(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path, tmp_path: Path) -> None:
     options = ("--data", two_rooms, "--out", tmp_path, "--weights", trained)
     asked("predict", *networks(), *options)
+    asked("predict", "language_attention", "plain_matcher", *options, "--split", "train")
     asked("run", *WITH_MAPS, *WALKERS, *options, "--workers", 1)
     asked("table", "--data", two_rooms, "--out", tmp_path, "--workers", 1)
     text = (tmp_path / "table.md").read_text()
@@ -88,6 +89,7 @@ def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path,
         "| MCN |",
         "| CGAN |",
         "| VSN | success@50 | 4 |",
+        "prec@0.5 seen rooms |",
     ):
         assert wanted in text
     board = json.loads((tmp_path / "leaderboard.json").read_text())
