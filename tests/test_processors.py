@@ -162,6 +162,7 @@ def modules() -> Iterator[Path]:
                 yield path
 
 
+@pytest.mark.slow
 def test_what_is_stored_is_computed_with_arithmetic_of_a_fixed_order() -> None:
     found = []
     for path in modules():
@@ -172,6 +173,7 @@ def test_what_is_stored_is_computed_with_arithmetic_of_a_fixed_order() -> None:
     assert not found, "use remqa_data.geometry.arithmetic:\n" + "\n".join(found)
 
 
+@pytest.mark.slow
 def test_kernels_are_compiled_with_every_rounding_as_written() -> None:
     assert (ROOT / "remqa_data" / "compiled.py").is_file()
     for path in sorted((ROOT / "remqa_data").rglob("*.py")):

@@ -9,6 +9,8 @@ from remqa_data.agents.training.weights import load_network, weights_path
 from remqa_data.files import sha256_of
 from tests.helpers.weights_slice import EXPRESSIONS, QUESTIONS, rows_of, said_answer, said_box
 
+pytestmark = pytest.mark.slow
+
 MOST_MB = 25
 
 

@@ -47,6 +47,7 @@ def test_gymnasiums_checker_has_nothing_to_say(mode: str, privileged: bool) -> N
     env.close()
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_episode_bit_for_bit(env: RemqaEnv) -> None:
     other = RemqaEnv(**SMALL, max_steps=5)
     for seed in (3, 4):
@@ -61,6 +62,7 @@ def test_the_same_seed_gives_the_same_episode_bit_for_bit(env: RemqaEnv) -> None
     other.close()
 
 
+@pytest.mark.slow
 def test_a_room_is_as_it_was_when_it_is_played_again(env: RemqaEnv) -> None:
     first, _ = env.reset(seed=1)
     agent = env.agent

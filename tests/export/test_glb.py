@@ -53,6 +53,7 @@ def test_every_link_is_where_the_opened_world_has_it(opened, read_back) -> None:
     assert moved > 20
 
 
+@pytest.mark.slow
 def test_the_room_is_as_large_as_its_building_and_stands_on_its_floor(kitchen, kitchen_files) -> None:
     low, high = trimesh.load(kitchen_files / "room.glb").bounds
     boxes = np.array([part.box for part in kitchen.structure])

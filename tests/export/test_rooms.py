@@ -11,6 +11,8 @@ from remqa_data.export.rooms import find_scene
 from remqa_data.storage.manifest import load_manifest
 from tests.helpers.small_rooms import FRIDGE, small_room
 
+pytestmark = pytest.mark.slow
+
 
 def invoke(*arguments: str | Path) -> Result:
     return CliRunner().invoke(app, [str(argument) for argument in arguments])

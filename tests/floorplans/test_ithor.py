@@ -105,6 +105,7 @@ def check(tally: Tally, wrong: list[str]) -> None:
     assert tally.pairs > 0
 
 
+@pytest.mark.slow
 def test_four_rooms_are_as_recorded() -> None:
     check(*survey(SOME))
 
@@ -114,6 +115,7 @@ def test_all_rooms_are_as_recorded() -> None:
     check(*survey(scene_names()))
 
 
+@pytest.mark.slow
 def test_the_same_room_every_time() -> None:
     name = "FloorPlan2"
     first = load_scene(name).to_json()

@@ -48,6 +48,7 @@ def test_what_opens_less_far_says_so_and_opens_as_far_as_it_can() -> None:
         assert world.state("Drawer|1").openness == world.most_open("Drawer|1") == 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["FloorPlan405", "FloorPlan6", "FloorPlan408", "FloorPlan13", "FloorPlan428", "FloorPlan26"]
 )

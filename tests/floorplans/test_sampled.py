@@ -24,6 +24,8 @@ from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import reachable_grid
 from remqa_data.sim.physics.world import World
 
+pytestmark = pytest.mark.slow
+
 SEED = 3
 BUILT_IN = {"Drawer", "Cabinet", "Shelf", "CounterTop", "Sink", "SinkBasin", "Faucet", "Desk", "Dresser", "SideTable"}
 
@@ -73,7 +75,6 @@ def test_in_thirty_rooms_of_a_type_each_recorded_room_is_a_model_once(room_type:
     assert len({model_of(room_type, 0, turn) for turn in range(30)}) == 30, "one that does not do is not tried again"
 
 
-@pytest.mark.slow
 def test_every_room_has_what_makes_it_one(scene: Scene) -> None:
     needed = {
         "kitchen": {"Fridge", "Sink", "StoveBurner", "CounterTop", "Cabinet"},
@@ -85,13 +86,11 @@ def test_every_room_has_what_makes_it_one(scene: Scene) -> None:
     assert len({o.id for o in scene.objects}) == len(scene.objects)
 
 
-@pytest.mark.slow
 def test_everything_that_opens_is_in_reach(scene: Scene) -> None:
     assert any(object_type(o.type).is_container for o in scene.objects)
     assert out_of_reach(scene) == []
 
 
-@pytest.mark.slow
 def test_the_floor_hangs_together(scene: Scene) -> None:
     with World(scene) as world:
         world.settle()
@@ -108,7 +107,6 @@ def test_loose_things_stay_where_they_are_put(scene: Scene) -> None:
     assert len(fallen) <= 0.1 * len(before)
 
 
-@pytest.mark.slow
 def test_the_same_room_in_another_process() -> None:
     code = "import sys, zlib; from remqa_data.floorplans.sampled.scenes import sampled_scene\n"
     code += f"print(zlib.crc32(repr(sampled_scene(3, {SEED})).encode()))"
@@ -126,7 +124,6 @@ def test_a_room_loads_by_its_name() -> None:
     assert load_scene("Sampled-bathroom-000003").light == "baked"
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("index", range(8))
 def test_pieces_meet_neither_walls_nor_each_other(index: int) -> None:
     rows, shell = rows_of(index)

@@ -14,6 +14,8 @@ from remqa_data.storage.manifest import Manifest
 from remqa_data.storage.parts import Part
 from tests.helpers.dataset_rows import scene_rows
 
+pytestmark = pytest.mark.slow
+
 TINY = Path(__file__).parents[2] / "configs" / "tiny.yaml"
 FULL = "FloorPlan1"
 """The room that can have nothing about how many there are."""

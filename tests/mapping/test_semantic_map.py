@@ -328,6 +328,7 @@ def share_inside(voxels: VoxelMap, boxes: dict[str, list]) -> float:
     return float(np.mean(is_inside[sparse.labels != 0]))
 
 
+@pytest.mark.slow
 def test_in_rooms_voxels_lie_in_the_boxes_of_their_types(explored) -> None:
     name, voxels, _, boxes = explored
     share = share_inside(voxels, boxes)

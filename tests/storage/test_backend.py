@@ -21,6 +21,8 @@ from remqa_data.tables.rows import QuestionRow
 from tests.helpers.dataset_rows import frame_row, write_dataset
 from tests.helpers.s3_server import BUCKET, s3_server
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def bucket() -> Iterator[str]:
@@ -107,7 +109,6 @@ def test_another_process_opens_the_same_storage(storage: Storage) -> None:
         assert same.read("a") == b"x"
 
 
-@pytest.mark.slow
 def test_one_run_at_a_time_writes(storage: Storage) -> None:
     with exclusive(storage) as lock:
         with pytest.raises(BusyDatasetError, match="another run is writing here"), exclusive(storage_at(storage.root)):
@@ -159,7 +160,6 @@ def test_a_run_whose_claim_has_passed_to_another_does_not_finish(bucket: str) ->
             lock.confirm()
 
 
-@pytest.mark.slow
 def test_a_dataset_in_a_bucket_is_the_same_files(dataset: tuple[str, Path]) -> None:
     uri, root = dataset
     stored = storage_at(uri)
@@ -168,7 +168,6 @@ def test_a_dataset_in_a_bucket_is_the_same_files(dataset: tuple[str, Path]) -> N
         assert stored.read(path) == (root / path).read_bytes()
 
 
-@pytest.mark.slow
 def test_a_dataset_in_a_bucket_is_read_like_any_other(dataset: tuple[str, Path], cache: Path) -> None:
     uri, root = dataset
     for place in (uri, Path(uri)):
@@ -190,7 +189,6 @@ def test_a_shard_is_fetched_once(dataset: tuple[str, Path], cache: Path, monkeyp
     assert fetched == {path: path.stat().st_mtime_ns for path in cache.iterdir()}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("change", ["flip", "cut", "remove"])
 def test_a_damaged_shard_in_a_bucket_is_told(bucket: str, tmp_path: Path, change: str) -> None:
     uri = f"{bucket}/{change}"

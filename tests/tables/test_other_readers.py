@@ -11,6 +11,8 @@ from remqa_data.storage.shards import read_table
 from remqa_data.tables.images import decode_instances
 from remqa_data.tables.schema import TABLES, table_spec
 
+pytestmark = pytest.mark.slow
+
 NAMES = list(TABLES)
 
 
@@ -68,7 +70,6 @@ def test_hugging_face_loads_every_split_and_decodes_the_pictures(one_room, table
                 assert np.array_equal(picture, decode_instances(stored))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("table", NAMES)
 def test_croissant_yields_the_rows_of_every_table(one_room, table) -> None:
     mlcroissant = pytest.importorskip("mlcroissant")

@@ -5,6 +5,8 @@ import pytest
 
 from remqa_data.thor import Controller
 
+pytestmark = pytest.mark.slow
+
 APPLE, FRIDGE = "Apple|-00.47|+01.15|+00.48", "Fridge|-02.10|+00.00|+01.07"
 
 

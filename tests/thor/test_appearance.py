@@ -8,6 +8,8 @@ from remqa_data.assets.core.sizes import typical_size
 from remqa_data.thor import Controller
 from remqa_data.thor.state.appearance import liquid_in
 
+pytestmark = pytest.mark.slow
+
 ROOMS = {"kitchen": "FloorPlan4", "living room": "FloorPlan222", "bedroom": "FloorPlan305", "bathroom": "FloorPlan402"}
 
 
@@ -56,7 +58,6 @@ def act(controller: Controller, action: str, object_id: str, **arguments) -> Non
     assert event, event.metadata["errorMessage"]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("action", "type_name", "back"),
     [

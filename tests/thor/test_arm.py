@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+pytestmark = pytest.mark.slow
+
 APPLE = "Apple|-00.47|+01.15|+00.48"
 BEFORE_APPLE = {"x": -1.0, "y": 0.9, "z": 0.5, "rotation": 90, "horizon": 30, "standing": True}
 

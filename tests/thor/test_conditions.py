@@ -2,6 +2,8 @@
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 KNOB_AND_BURNER_APART_M = 0.6
 
 
@@ -18,7 +20,6 @@ def put(controller, type_name: str, into: str) -> None:
     assert forced(controller, "PutObject", into), controller.last_event.metadata["errorMessage"]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("action", "type_name", "field", "back"),
     [

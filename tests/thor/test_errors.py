@@ -5,6 +5,8 @@ import pytest
 from remqa_data.errors import MissingExtraError
 from remqa_data.thor import Controller
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(
     ("request_", "code", "message"),

@@ -5,6 +5,8 @@ from hypothesis import strategies as st
 
 from tests.thor.test_objects import APPLE, BEFORE_APPLE
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def holding(kitchen):
@@ -134,7 +136,6 @@ def test_what_is_thrown_flies_where_the_camera_looks(holding) -> None:
     assert np.abs(moved).max() < 0.002  # all is at rest
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("newtons", [2.0, 30.0, 5000.0])
 @pytest.mark.parametrize("rotation", [0, 90, 225])
 def test_what_is_thrown_stays_in_the_room_and_in_nothing(holding, newtons, rotation) -> None:

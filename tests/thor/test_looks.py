@@ -7,6 +7,8 @@ import pytest
 
 from remqa_data.thor import Controller
 
+pytestmark = pytest.mark.slow
+
 APPLE, ISLAND = "Apple|-00.47|+01.15|+00.48", "CounterTop|-00.08|+01.15|00.00"
 MAGENTA = np.array([255, 0, 255])
 

@@ -4,6 +4,8 @@ from itertools import pairwise
 import pytest
 from ai2thor.util import metrics
 
+pytestmark = pytest.mark.slow
+
 START = {
     "position": {"x": 1.5, "y": 0.9, "z": 0.0},
     "rotation": {"x": 0, "y": 0, "z": 0},

@@ -7,6 +7,8 @@ from remqa_data.thor import Controller
 from remqa_data.thor.state import pictures
 from tests.thor.test_random_calls import call_at_random
 
+pytestmark = pytest.mark.slow
+
 TOASTER = "Toaster|-01.84|+00.90|+00.13"
 
 
@@ -58,7 +60,6 @@ def test_memory_is_bounded(kitchen, monkeypatch) -> None:
     assert kept._bytes == 3 * size
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["default", "arm"])
 def test_whatever_is_called_the_picture_is_that_of_the_room_as_it_is(mode, monkeypatch) -> None:
     with Controller(scene="FloorPlan401", agentMode=mode, width=96, height=96) as controller:

@@ -3,6 +3,8 @@ import pytest
 
 from tests.thor.test_objects import APPLE, FRIDGE, ISLAND, STOOL, pose
 
+pytestmark = pytest.mark.slow
+
 TOASTER = "Toaster|-01.84|+00.90|+00.13"
 
 
@@ -41,7 +43,6 @@ def test_poses_bring_an_earlier_state_back(kitchen) -> None:
     assert position(event, STOOL) == position(start, STOOL)
 
 
-@pytest.mark.slow
 def test_what_has_no_pose_leaves_the_scene(kitchen) -> None:
     start = kitchen.last_event
     apple = {"objectId": APPLE, "position": {"x": -0.35, "y": 1.6, "z": 0.46}, "rotation": {"x": 0, "y": 90, "z": 0}}
@@ -56,7 +57,6 @@ def test_what_has_no_pose_leaves_the_scene(kitchen) -> None:
     assert {o["objectId"] for o in event.metadata["objects"]} == {o["objectId"] for o in start.metadata["objects"]}
 
 
-@pytest.mark.slow
 def test_poses_that_are_refused_change_nothing(kitchen) -> None:
     start, all_poses = kitchen.last_event, poses(kitchen.last_event)
     (bread,) = [p for p in all_poses if p["objectName"].startswith("Bread")]

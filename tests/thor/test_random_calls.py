@@ -10,6 +10,8 @@ import pytest
 from remqa_data.thor import Controller
 from remqa_data.thor.session import ACTIONS, ARM_ACTIONS
 
+pytestmark = pytest.mark.slow
+
 NEVER = {"Initialize", "Reset", "ChangeResolution", "AddThirdPartyCamera"}  # they would make what follows another test
 JUNK = (None, "", "far", True, -1, 0, 3, 1e9, -0.5, float("nan"), [], [1], {}, {"x": 1}, {"x": "left", "y": 0, "z": 0})
 

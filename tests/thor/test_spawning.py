@@ -8,6 +8,8 @@ import pytest
 from remqa_data.thor import Controller
 from tests.thor.test_placing import assert_at_rest_and_apart
 
+pytestmark = pytest.mark.slow
+
 EGG, FRIDGE, APPLE = "Egg|-02.04|+00.81|+01.24", "Fridge|-02.10|+00.00|+01.07", "Apple|-00.47|+01.15|+00.48"
 COUNTERS = ("CounterTop|-00.08|+01.15|00.00", "CounterTop|-01.87|+00.95|-01.21", "CounterTop|+00.69|+00.95|-02.48")
 
@@ -60,7 +62,6 @@ def test_the_seed_decides(kitchen) -> None:
     assert kitchen.step("InitialRandomSpawn", randomSeed=-6)
 
 
-@pytest.mark.slow
 def test_things_come_out_of_what_is_closed_and_go_into_it(kitchen) -> None:
     before, came_out, went_in = things(kitchen.last_event), False, False
     closed = {o["objectId"] for o in kitchen.last_event.metadata["objects"] if o["openable"] and o["receptacle"]}

@@ -1,5 +1,7 @@
 import pytest
 
+pytestmark = pytest.mark.slow
+
 SWITCH = "LightSwitch|+02.33|+01.31|-00.16"
 
 
@@ -52,7 +54,6 @@ def test_all_is_opened_and_shut_again(kitchen, scene) -> None:
     assert all(places[o["objectId"]] == pytest.approx(o["position"], abs=0.01) for o in start.metadata["objects"])
 
 
-@pytest.mark.slow
 def test_all_is_sliced_and_states_that_there_are_not(kitchen) -> None:
     start = kitchen.last_event.metadata["objects"]
     event = kitchen.step("SetStateOfAllObjects", stateChange="CanBeSliced", forceAction=False)

@@ -26,6 +26,8 @@ from tests.helpers.damaged_files import files_of
 from tests.helpers.small_network import brightness, features
 from tests.helpers.small_rooms import write_small_rooms
 
+pytestmark = pytest.mark.slow
+
 SIZE = 24
 NETWORK = "tests.helpers.small_network"
 
@@ -98,7 +100,6 @@ def test_what_is_finished_is_kept_when_a_run_goes_on(small_rooms: Path, small_vi
     assert files_of(out) == files_of(small_views)
 
 
-@pytest.mark.slow
 def test_a_run_that_is_killed_in_a_room_goes_on_to_the_same_bytes(
     small_rooms: Path, small_views: Path, tmp_path: Path
 ) -> None:
@@ -118,7 +119,6 @@ def test_a_run_that_is_killed_in_a_room_goes_on_to_the_same_bytes(
     assert files_of(out) == files_of(small_views)
 
 
-@pytest.mark.slow
 def test_the_bytes_do_not_depend_on_workers(small_rooms: Path, small_views: Path, tmp_path: Path) -> None:
     cache_views(small_rooms, tmp_path / "views", Wanted(size_px=SIZE), LocalExecutor(2))
     assert files_of(tmp_path / "views") == files_of(small_views)

@@ -1,5 +1,6 @@
 """A memory in space: where the agent is, what it writes where, what it reads there again, and that this can be learnt from."""
 
+import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
@@ -90,6 +91,7 @@ def test_a_walk_thinks_what_is_thought_along_the_whole_walk() -> None:
     assert torch.allclose(said.deeds, torch.stack(deeds), atol=1e-5)
 
 
+@pytest.mark.slow
 def test_it_learns_to_turn_back_to_what_it_has_seen_before() -> None:
     """In the first view the thing is at the left or at the right; after a blank view one turns to it."""
     torch.manual_seed(0)

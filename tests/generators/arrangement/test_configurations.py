@@ -101,6 +101,7 @@ def test_an_arrangement_is_at_rest_and_closed(room: str, number: int) -> None:
             assert np.linalg.norm(before[object_id] - world.state(object_id).position) < 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("room", "number"), CASES)
 def test_hidden_things_are_named_and_listed_like_all_others(room: str, number: int) -> None:
     made = arranged(room, number)

@@ -107,6 +107,7 @@ def test_what_is_done_can_be_done_and_hides_as_it_says(room: tuple[WorldView, tu
         assert place.spots
 
 
+@pytest.mark.slow
 def test_goals_stand_on_the_grid_see_the_object_and_reach_it(room: tuple[WorldView, tuple[HidingPlace, ...]]) -> None:
     view, places = room
     grid = reachable_grid(view.world)

@@ -156,6 +156,7 @@ def _check_inner_wishes(groups, configuration: int) -> None:
         assert not confusable(question.type, partner.type)
 
 
+@pytest.mark.slow
 def test_where_nothing_can_lie_as_asked_other_spatial_questions_step_in() -> None:
     quota = max(quotas(), key=lambda q: q.total("SPATIAL"))
     groups = inner_plan(quota, lambda place, type_, partner: False)

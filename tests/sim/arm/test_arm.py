@@ -120,6 +120,7 @@ def test_parts_are_drawn_where_the_links_are() -> None:
 # ---- bumping into things
 
 
+@pytest.mark.slow
 @settings(deadline=None)  # the first call compiles
 @given(st.integers(0, 10_000))
 def test_depth_is_what_pybullet_measures(seed: int) -> None:

@@ -59,6 +59,7 @@ def test_in_an_evenly_glowing_room_every_surface_receives_the_same() -> None:
         assert received(volume, at, normal) == pytest.approx([0.4] * 3, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_glowing_ceiling_lights_what_is_below_it_as_view_factors_say() -> None:
     """A dark room of 4 x 3 m: what looks up receives by the configuration factor of the ceiling 2.5 m and 1.25 m above."""
     volume = bake(room(albedo=1e-3, glow=1.0, lit="ceiling"), NO_LAMPS, (-2, -1.5, -1.25), (2, 1.5, 1.25), 0.4)
@@ -113,6 +114,7 @@ def test_the_dark_is_shown_brighter_than_it_is_and_still_darker_than_the_rest() 
     assert exposed.least == pytest.approx(1.3 * LEVEL / 9)
 
 
+@pytest.mark.slow
 def test_baking_twice_gives_the_same_bits() -> None:
     faces = room(albedo=0.6)
     lamps = Lamps(np.array([(0.5, 0.2, 1.0)]), np.ones(1, np.float32), 4.0)

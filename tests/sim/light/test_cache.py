@@ -50,6 +50,7 @@ def test_what_another_process_has_baked_is_read_to_the_bit(bathroom: Scene, lit:
     again.light[:] *= 2  # as if it were its own
 
 
+@pytest.mark.slow
 def test_other_lamps_bake_anew(bathroom: Scene, lit: Lit) -> None:
     lit(bathroom)
     (x, y, z), *others = bathroom.lights
@@ -59,6 +60,7 @@ def test_other_lamps_bake_anew(bathroom: Scene, lit: Lit) -> None:
     assert not np.array_equal(volume.light, lit(bathroom)[0].light)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("harm", ["cut", "flip", "empty", "other"])
 def test_what_is_damaged_is_baked_anew_and_mended(harm: str, bathroom: Scene, lit: Lit, tmp_path: Path) -> None:
     first, _ = lit(bathroom)
@@ -74,6 +76,7 @@ def test_what_is_damaged_is_baked_anew_and_mended(harm: str, bathroom: Scene, li
     assert lit(bathroom)[1] == 2
 
 
+@pytest.mark.slow
 def test_where_nothing_can_be_kept_light_is_baked_all_the_same(
     bathroom: Scene, lit: Lit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
