@@ -58,9 +58,10 @@ def _read(path: Path) -> Volume | None:
             origin: F64 = stored["origin"]
             light, is_valid = stored["light"], stored["is_valid"]
             volume = Volume(origin, light, float(stored["spacing_m"]), is_valid, float(stored["least"]))
-        os.utime(path)
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
+    with suppress(OSError):  # it may be another's
+        os.utime(path)
     return volume
 
 
