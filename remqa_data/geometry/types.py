@@ -10,7 +10,6 @@ F64 = npt.NDArray[np.float64]
 I16 = npt.NDArray[np.int16]
 I32 = npt.NDArray[np.int32]
 U8 = npt.NDArray[np.uint8]
-U64 = npt.NDArray[np.uint64]
 Flags = npt.NDArray[np.bool_]
 """Truth values."""
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.compiled import exact
-from remqa_data.geometry.types import F32, F64, I32, U8, U64, Flags
+from remqa_data.geometry.types import F32, F64, I32, U8, Flags
 
 SPACING_M = 0.02
 """Surfaces are looked at in points about so far apart."""
@@ -22,8 +22,6 @@ SIDES = 6
 """+x, -x, +y, -y, +z, -z."""
 GATE, WALL = 1, 2
 """A cube that lets light pass from behind, and one that does not."""
-BORDER = 2
-"""Cubes beyond the room on each side that count as full, so that a ray is stopped before it leaves the array."""
 _STARTS = 1.5
 """A ray leaves the surface that it starts from for so many cubes before anything stops it."""
 
@@ -65,9 +63,6 @@ class Voxels(NamedTuple):
     """Edge of a cube."""
     number: I32
     """(nx, ny, nz) of each cube that holds surfaces, -1 for the others."""
-    full: U64
-    """(bx, by, bz) a bit for each cube, whether it holds surfaces, of 4 x 4 x 4 in a number, from a border on: what a
-    ray looks at on its way, 32 times smaller than `number`, so that it stays close to the processor."""
     kind: U8
     """(cubes,) GATE or WALL."""
     cover: F32
@@ -118,7 +113,6 @@ def voxelise(faces: Faces, points: Points, low: npt.ArrayLike, high: npt.ArrayLi
         origin,
         size_m,
         number,
-        _full(number),
         np.zeros(count, dtype=np.uint8),
         np.zeros((count, SIDES), dtype=np.float32),
         np.zeros((count, SIDES, 3), dtype=np.float32),
@@ -137,27 +131,6 @@ def _occupy(points: Points, origin: F64, size_m: float, number: I32) -> int:
             number[i, j, m] = count
             count += 1
     return count
-
-
-@exact
-def _full(number: I32) -> U64:
-    """`Voxels.full`."""
-    nx, ny, nz = number.shape
-    wide, deep, high = nx + 2 * BORDER, ny + 2 * BORDER, nz + 2 * BORDER
-    full = np.zeros(((wide + 3) // 4, (deep + 3) // 4, (high + 3) // 4), dtype=np.uint64)
-    for a in range(wide):
-        for b in range(deep):
-            for c in range(high):
-                i, j, m = a - BORDER, b - BORDER, c - BORDER
-                if i < 0 or j < 0 or m < 0 or i >= nx or j >= ny or m >= nz or number[i, j, m] >= 0:
-                    full[a >> 2, b >> 2, c >> 2] |= np.uint64(1) << _bit(a, b, c)
-    return full
-
-
-@exact
-def _bit(a: int, b: int, c: int) -> np.uint64:
-    """Which bit of a number of `Voxels.full` stands for a cube, counted from the border."""
-    return np.uint64((a & 3) << 4 | (b & 3) << 2 | (c & 3))
 
 
 @exact
@@ -219,12 +192,9 @@ def cast(
     Number of the cube, -1 if there is none, -2 if the ray leaves the room; and the surface that looks against the ray,
     square metres, 0 from behind.
     """
-    number, full = voxels.number, voxels.full.ravel()
+    number = voxels.number
     nx, ny, nz = number.shape
-    _, along_y, along_z = voxels.full.shape
     i, j, m = math.floor(px), math.floor(py), math.floor(pz)
-    if i < -1 or j < -1 or m < -1 or i > nx or j > ny or m > nz:
-        return -2, 0.0
     si, sj, sl = (1 if dx > 0 else -1), (1 if dy > 0 else -1), (1 if dz > 0 else -1)
     big = 1e30
     step_x, step_y, step_z = abs(1.0 / dx) if dx != 0 else big, abs(1.0 / dy) if dy != 0 else big, big
@@ -243,14 +213,10 @@ def cast(
             t, tz, m = tz, tz + step_z, m + sl
         if t > longest:
             return -1, 0.0
-        a, b, c = i + BORDER, j + BORDER, m + BORDER
-        near = full[np.uint32(((a >> 2) * along_y + (b >> 2)) * along_z + (c >> 2))]
-        if not (near >> _bit(a, b, c)) & np.uint64(1):
-            continue
         if i < 0 or j < 0 or m < 0 or i >= nx or j >= ny or m >= nz:
             return -2, 0.0
-        if t >= skip:
-            cube = number[i, j, m]
+        cube = number[i, j, m]
+        if cube >= 0 and t >= skip:
             facing = (
                 abs(dx) * voxels.cover[cube, side_x]
                 + abs(dy) * voxels.cover[cube, side_y]
