@@ -26,8 +26,8 @@ from remqa_data.generators.questions.allotment import allot, capacities
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.scene_plan import Job
 from remqa_data.scene_graph.graph import SceneGraph
+from remqa_data.sim.light import cache as light_cache
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render import room_light
 from remqa_data.sim.render.renderer import Renderer
 from remqa_data.sim.render.view import WorldView
 from remqa_data.storage.parts import Parts
@@ -51,7 +51,7 @@ STEPS: tuple[tuple[str, Any, str], ...] = (
     ("settle", World, "settle"),
     ("draw pictures", Renderer, "render"),
     ("draw instances only", Renderer, "render_instances"),
-    ("light a room", room_light, "bake"),
+    ("light a room", light_cache, "bake"),
     ("encode images", images, "_encoded"),
 )
 """Name of a step, and what does it: an attribute of a module or class."""

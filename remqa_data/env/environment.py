@@ -32,6 +32,7 @@ from remqa_data.errors import ActionError
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION, TELEPORT, Action, perform
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
+from remqa_data.sim.agent.pictures import BYTES_PER_PIXEL
 
 ENV_ID = "remqa_data/Remqa-v0"
 
@@ -68,7 +69,8 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
     vocabulary : Vocabulary, optional
         For the question's tokens; by default that of the dataset's train split.
     views_kept : int
-        So many pictures of a room that nothing has been done to are remembered, see `LoadedRoom`; nothing else depends on it.
+        So many pictures of a room that nothing has been done to are remembered, 1.4 MB each of 300 x 300: agents come by the
+        same places again. Nothing else depends on it.
     render_mode : {"rgb_array"}, optional
         `render` gives the view of a camera behind the agent, with its arm.
 
@@ -157,7 +159,8 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         episode = self.episodes.episode(name)
         if self._room is None or self._room.episode.name != episode.name:
             self.close()
-            self._room = LoadedRoom(episode, self.hands, self.views_kept)
+            kept = self.views_kept * self.width * self.height * BYTES_PER_PIXEL
+            self._room = LoadedRoom(episode, self.hands, kept)
         self._room.begin(episode, self.np_random)
         self.record = EpisodeRecord(positions=[(self.agent.x, self.agent.y)])
         self.steps, self._is_over = 0, False

@@ -8,10 +8,10 @@ import numpy as np
 
 from remqa_data.env.episodes import Episode
 from remqa_data.sim.agent.agent import Agent, Hands
+from remqa_data.sim.agent.pictures import Pictures
 from remqa_data.sim.agent.third_person import ThirdPerson
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import Observation, WorldView
 
 
@@ -24,17 +24,17 @@ class LoadedRoom:
         One that is played in the room.
     hands : {"arm", "reach", "near"}
         See `remqa_data.sim.agent.agent.Hands`.
-    views_kept : int
-        So many pictures of the room as it is at first are remembered, 1.4 MB each: agents come by the same places again.
+    bytes_kept : int
+        Pictures of the room as it is at first that are remembered take so much.
     """
 
-    def __init__(self, episode: Episode, hands: Hands, views_kept: int = 0) -> None:
+    def __init__(self, episode: Episode, hands: Hands, bytes_kept: int = 0) -> None:
         self.episode = episode
         self.world = World(episode.scene)
         self.view = WorldView(self.world)
         self.agent = Agent(self.world, self.view, (0.0, 0.0), 0.0, embodiment=episode.embodiment, hands=hands)
         self._first = self.world.save()
-        self._most, self._kept = views_kept, dict[Camera, Observation]()
+        self._kept = Pictures(self.view, bytes_kept)
 
     @cached_property
     def third_person(self) -> ThirdPerson:
@@ -44,13 +44,9 @@ class LoadedRoom:
     def look(self, width: int, height: int) -> Observation:
         """What the agent sees; the caller's own."""
         camera = self.agent.camera(width, height)
-        if not self._most or not self.world.is_as(self._first):
+        if not self._kept.most_bytes or not self.world.is_as(self._first):
             return self.view.render(camera)
-        if camera not in self._kept:
-            if len(self._kept) == self._most:
-                del self._kept[next(iter(self._kept))]
-            self._kept[camera] = self.view.render(camera)
-        seen = self._kept[camera]
+        seen = self._kept.of(camera)
         return Observation(seen.rgb.copy(), seen.depth.copy(), seen.objects.copy(), seen.links.copy())
 
     def begin(self, episode: Episode, rng: np.random.Generator) -> None:

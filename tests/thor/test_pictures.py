@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from remqa_data.thor import Controller
-from remqa_data.thor.state import pictures
-from tests.thor.test_random_calls import call_at_random
+from tests.helpers.random_calls import call_at_random
 
 pytestmark = pytest.mark.slow
 
@@ -52,11 +51,11 @@ def test_what_changes_the_room_changes_its_pictures(kitchen, action, arguments) 
 
 def test_memory_is_bounded(kitchen, monkeypatch) -> None:
     size = 300 * 300 * 15
-    monkeypatch.setattr(pictures, "MOST_BYTES", 3 * size)
+    kept = kitchen.server.session._simulator.room.pictures
+    monkeypatch.setattr(kept, "most_bytes", 3 * size)
     for _ in range(6):
         kitchen.step("RotateRight", degrees=30)
-    kept = kitchen.server.session._simulator.room.pictures
-    assert len(kept._drawn) == 3
+    assert len(kept) == 3
     assert kept._bytes == 3 * size
 
 

@@ -16,7 +16,7 @@ from remqa_data.errors import OutputError
 from remqa_data.files import atomic_path, cache_folder
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
-from remqa_data.sim.light.bake import Lamps
+from remqa_data.sim.light.bake import Lamps, bake
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.light.voxels import Faces
 
@@ -24,14 +24,14 @@ MOST_BYTES = 512 << 20
 """What was used longest ago goes when there is more: some 150 rooms."""
 
 
-def key_of(faces: Faces, lamps: Lamps, corners: tuple[Vec3, Vec3], level: float, code: Path) -> str:
-    """A checksum of what `bake` is given, and of the code that bakes, with that of one more module."""
-    told = hashlib.sha256(_code(code))
-    told.update(repr((corners, lamps.reach_m, level)).encode())
+def bake_once(faces: Faces, lamps: Lamps, low: Vec3, high: Vec3, level: float) -> Volume:
+    """What `bake` gives, the caller's own; baked only if no process of this machine has done it with the same code."""
+    told = hashlib.sha256(_code())
+    told.update(repr((low, high, lamps.reach_m, level)).encode())
     for array in (lamps.positions, lamps.strength, *faces):
         told.update(repr((array.shape, array.dtype.str)).encode())
         told.update(np.ascontiguousarray(array).data)
-    return told.hexdigest()[:32]
+    return cached(told.hexdigest()[:32], lambda: bake(faces, lamps, low, high, level))
 
 
 def cached(key: str, make: Callable[[], Volume]) -> Volume:
@@ -81,7 +81,7 @@ def _forget_oldest(folder: Path) -> None:
 
 
 @cache
-def _code(module: Path) -> bytes:
+def _code() -> bytes:
     """The text of all that baking computes with."""
-    modules = [*sorted(Path(__file__).parent.glob("*.py")), Path(arithmetic.__file__), module]
+    modules = [*sorted(Path(__file__).parent.glob("*.py")), Path(arithmetic.__file__)]
     return b"".join(path.read_bytes() for path in modules)

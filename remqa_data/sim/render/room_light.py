@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.scene import Scene, SceneObject
 from remqa_data.sim.light.bake import Lamps, bake
-from remqa_data.sim.light.cache import cached, key_of
+from remqa_data.sim.light.cache import bake_once
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.light.voxels import Faces
 from remqa_data.sim.render.mipmap import SIZE_BITS
@@ -50,23 +49,20 @@ def static_scene(scene: Scene) -> Scene:
 
 @lru_cache(maxsize=4)
 def _baked(scene: Scene) -> Volume:
-    faces, lamps, corners = _asked(scene)
-    key = key_of(faces, lamps, corners, LEVEL, Path(__file__))
-    return cached(key, lambda: _exposed(_balanced(bake(faces, lamps, *corners, LEVEL))))
+    return _exposed(_balanced(bake_once(*_asked(scene))))
 
 
 def indirect_light(scene: Scene) -> Volume:
     """The indirect light of a room as it is, before the camera balances its white and exposes for the shade."""
-    faces, lamps, corners = _asked(scene)
-    return bake(faces, lamps, *corners, LEVEL)
+    return bake(*_asked(scene))
 
 
-def _asked(scene: Scene) -> tuple[Faces, Lamps, tuple[Vec3, Vec3]]:
-    """All that light follows from: surfaces, lamps, and the low and high corner of the room."""
+def _asked(scene: Scene) -> tuple[Faces, Lamps, Vec3, Vec3, float]:
+    """What `bake` is told of a room."""
     x0, y0, x1, y1 = scene.bounds
     lights = room_lights(scene.lights)
     lamps = Lamps(lights.positions, lights.strength, lights.reach_m)
-    return static_faces(scene), lamps, ((x0, y0, scene.floor_z), (x1, y1, scene.floor_z + scene.height))
+    return static_faces(scene), lamps, (x0, y0, scene.floor_z), (x1, y1, scene.floor_z + scene.height), LEVEL
 
 
 def _balanced(volume: Volume) -> Volume:

@@ -60,11 +60,6 @@ class WorldView:
     shows_held : bool
         Whether what is held, and so out of the room, is drawn all the same.
 
-    Attributes
-    ----------
-    changes : int
-        Counts the changes of how the room is drawn: with the world's revision it tells whether pictures from one place may
-        differ.
     """
 
     def __init__(self, world: World, *, shows_held: bool = False) -> None:
@@ -73,7 +68,7 @@ class WorldView:
         self._shapes: Shapes = {}
         self._asked_to_hide: set[str] = set()
         self._brightness: Sequence[float] | None = None
-        self.changes = 0
+        self._changes = 0
         self._build()
 
     def _build(self) -> None:
@@ -111,7 +106,7 @@ class WorldView:
             self._show_or_hide(object_id)
         if self._brightness is not None:
             self.set_brightness(self._brightness)
-        self.changes += 1
+        self._changes += 1
 
     def sync(self) -> None:
         """Follow the world's poses, and what is held; `render` does it by itself."""
@@ -131,7 +126,7 @@ class WorldView:
     def hide(self, object_id: str, hidden: bool = True) -> None:
         """Leave an object out of the pictures, or in them again; what is held needs no hiding."""
         (self._asked_to_hide.add if hidden else self._asked_to_hide.discard)(object_id)
-        self.changes += 1
+        self._changes += 1
         self._show_or_hide(object_id)
 
     def render(
@@ -157,7 +152,7 @@ class WorldView:
 
     def set_brightness(self, lamps: Sequence[float]) -> None:
         """Let each lamp shine so many times as bright as it was built; what light the room throws back changes with them."""
-        self.changes += 1
+        self._changes += 1
         self._brightness = lamps
         self._level = float((self.lamp_shares * np.asarray(lamps)).sum())
         strength = self._lamps.strength * np.asarray(lamps, dtype=np.float32)
@@ -167,8 +162,13 @@ class WorldView:
 
     def set_materials(self, materials: Sequence[Material]) -> None:
         """Paint the surfaces, of which there is one material each in the order of the parts; light and shape stay."""
-        self.changes += 1
+        self._changes += 1
         self.renderer.set_materials(materials)
+
+    @property
+    def version(self) -> tuple[int, int]:
+        """Another one whenever pictures from one place may differ: of the world, and of how it is drawn."""
+        return self.world.revision, self._changes
 
     def parts_of(self, object_ids: Iterable[str]) -> Flags:
         """(parts,) which of the renderer's parts are those of some objects."""

@@ -83,7 +83,7 @@ def reply(simulator: SimulatorState, outcomes: Mapping[int, Outcome], images: Im
     if not images.none:
         for third in simulator.cameras:
             camera = third.camera(simulator.frame)
-            drawn = room.pictures.of(camera, room.shown_to(camera))
+            drawn = room.picture(camera, room.shown_to(camera))
             _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, simulator.settings.far_plane)
     return Reply(active, seen_by_all, files)
 
@@ -105,7 +105,7 @@ def _state(simulator: SimulatorState, images: Images, files: Files) -> Metadata:
     else:
         camera = room.frame_camera()
         only = room.shown_to(camera)
-        seen = room.pictures.of(camera, only)
+        seen = room.picture(camera, only)
         is_sight = only is None and not room.shows_map
         visible = room.agent.seen_in(seen.objects, distance) if is_sight else room.agent.visible_objects(distance)
         _add(files, _AGENT_FILES, seen, images, room.palette, simulator.settings.far_plane)

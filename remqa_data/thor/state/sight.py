@@ -37,7 +37,7 @@ class Sight:
         self._halves = np.array([world.assets[name].spec.size for name in world.ids]).reshape(-1, 3) / 2
         self._frames = np.tile(np.eye(4), (len(self._ids), 1, 1))
         self._shown: dict[str, ObjectState] = {}
-        self._revision: tuple[int, int] | None = None
+        self._version: tuple[int, int] | None = None
         self._distances: dict[tuple[float, float], F64] = {}
         self._visible: dict[tuple[Camera, float], frozenset[str]] = {}
 
@@ -67,12 +67,12 @@ class Sight:
 
     def _follow(self) -> None:
         """Forget what was found when the room was another; states are replaced, never changed, so identity tells."""
-        revision = (self._world.revision, self._view.changes)
-        if revision != self._revision or len(self._visible) + len(self._distances) > MOST_KEPT:
+        version = self._view.version
+        if version != self._version or len(self._visible) + len(self._distances) > MOST_KEPT:
             self._distances, self._visible = {}, {}
-        if revision == self._revision:
+        if version == self._version:
             return
-        self._revision = revision
+        self._version = version
         for index, object_id in enumerate(self._world.ids):
             state = self._world.state(object_id)
             if state is not self._shown.get(object_id):

@@ -11,12 +11,13 @@ from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.scene import SceneObject
+from remqa_data.sim.agent.pictures import Pictures
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose, pixels_per_object
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.camera import AnyCamera, Camera, OrthographicCamera
-from remqa_data.sim.render.view import WorldView
+from remqa_data.sim.render.view import Observation, WorldView
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.appearance import shapes_of
 from remqa_data.thor.state.cameras import ThirdPartyCamera
@@ -25,7 +26,6 @@ from remqa_data.thor.state.frames import to_thor
 from remqa_data.thor.state.images import Palette
 from remqa_data.thor.state.looks import Look, Looks
 from remqa_data.thor.state.objects import ObjectRecords
-from remqa_data.thor.state.pictures import Pictures
 from remqa_data.thor.state.settings import FrameSize, Settings
 
 AGENT_MIDDLE_M = 0.900999
@@ -36,6 +36,8 @@ BELOW_CEILING_M = 0.05
 """Where the map camera is."""
 HOVERS_M = {"FloorPlan12": 0.079}
 """In this room it was recorded above the floor on which everything else stands."""
+PICTURE_BYTES = 64 << 20
+"""Pictures that are remembered take no more: some 50 of 300 x 300."""
 SCENE_SUFFIX = "_physics"
 SEEDS = 1 << 32
 """A seed is a 32-bit number there."""
@@ -87,7 +89,7 @@ class LoadedFloorPlan:
         self._conditions_shown: tuple[object, int | None] = ({}, None)
         self.palette = Palette(world.ids, [world.type_of(object_id) for object_id in world.ids])
         self.records = ObjectRecords(world)
-        self.pictures = Pictures(world, self.view)
+        self.pictures, self._pictured = Pictures(self.view, PICTURE_BYTES), self.view.version
 
     def restart(self, settings: Settings, frame: FrameSize) -> None:
         """Put everything back to where it was when the room was loaded."""
@@ -220,6 +222,13 @@ class LoadedFloorPlan:
             return self.looks.only
         is_above = camera.view().eye[2] >= self.world.scene.floor_z + self.world.scene.height
         return ~self._hides_room if is_above else None
+
+    def picture(self, camera: AnyCamera, only: Flags | None) -> Observation:
+        """What `WorldView.render` gives; not to be written to, as it is remembered while nothing in the room changes."""
+        if self.view.version != self._pictured:
+            self._pictured = self.view.version
+            self.pictures.forget()
+        return self.pictures.of(camera, only)
 
     def box(self) -> F64:
         """(2, 3) corners of the room inside its walls, metres."""

@@ -26,8 +26,8 @@ def lit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Lit:
     """The light of a room as another process gets it, and how often rooms have been baked so far."""
     monkeypatch.setenv("REMQA_CACHE", str(tmp_path))
     baked = []
-    bake = rendering.bake
-    monkeypatch.setattr(rendering, "bake", lambda *asked: baked.append(asked) or bake(*asked))
+    bake = cache.bake
+    monkeypatch.setattr(cache, "bake", lambda *asked: baked.append(asked) or bake(*asked))
 
     def light(scene: Scene) -> tuple[Volume, int]:
         rendering._baked.cache_clear()

@@ -1,0 +1,49 @@
+"""Pictures that are remembered: agents turn back, and come by the same places again."""
+
+from __future__ import annotations
+
+from remqa_data.geometry.types import Flags
+from remqa_data.sim.render.camera import AnyCamera
+from remqa_data.sim.render.view import Observation, WorldView
+
+BYTES_PER_PIXEL = 15
+"""Of an observation: colour, depth, objects, links."""
+
+
+class Pictures:
+    """What cameras see of a room, drawn once from each place until it is forgotten.
+
+    Parameters
+    ----------
+    view : WorldView
+        Draws the room.
+    most_bytes : int
+        All take no more together; the oldest goes first, and a larger one is not kept.
+    """
+
+    def __init__(self, view: WorldView, most_bytes: int) -> None:
+        self.most_bytes = most_bytes
+        self._view = view
+        self._drawn: dict[tuple[AnyCamera, bytes | None], Observation] = {}
+        self._bytes = 0
+
+    def __len__(self) -> int:
+        return len(self._drawn)
+
+    def of(self, camera: AnyCamera, only: Flags | None = None) -> Observation:
+        """What `WorldView.render` gives; not to be written to, as it may be given again."""
+        key = (camera, None if only is None else only.tobytes())
+        if key not in self._drawn:
+            drawn = self._view.render(camera, only=only)
+            size = BYTES_PER_PIXEL * drawn.depth.size
+            if size > self.most_bytes:
+                return drawn
+            while self._bytes + size > self.most_bytes:
+                self._bytes -= BYTES_PER_PIXEL * self._drawn.pop(next(iter(self._drawn))).depth.size
+            self._drawn[key] = drawn
+            self._bytes += size
+        return self._drawn[key]
+
+    def forget(self) -> None:
+        """Draw everything anew, as the room is another one."""
+        self._drawn, self._bytes = {}, 0
