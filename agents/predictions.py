@@ -94,7 +94,8 @@ def predict_answers(
     """What an answerer says to the questions of a split, from the stored views: rows of the track `qa`."""
     config = about.network.network
     assert isinstance(config, AnswererConfig)
-    views, vocabulary, rows = AskedViews(root, split, with_box=config.with_box), about.vocabulary, []
+    views = AskedViews(root, split, with_box=config.with_box, side_px=network.side_px)
+    vocabulary, rows = about.vocabulary, []
     network = network.to(device)
     for first in range(0, len(views), AT_ONCE):
         places = range(first, min(first + AT_ONCE, len(views)))

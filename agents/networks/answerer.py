@@ -16,6 +16,7 @@ from torch.nn import functional
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE
 from remqa_data.agents.networks.language import HIDDEN, WordReader
+from remqa_data.agents.networks.windows import SIDE_PX
 
 View = Literal["start", "end"]
 VIEWS: tuple[View, ...] = ("start", "end")
@@ -77,11 +78,15 @@ class ManipulationAnswerer(nn.Module):
         How many types the detector knows, with whose weights this one begins.
     views : sequence of {"start", "end"}
         What it looks at; nothing at all for who answers from the words alone.
+    side_px : int
+        It is shown squares of so many pixels.
     """
 
-    def __init__(self, words: int, answers: int, types: int, views: Sequence[View] = VIEWS) -> None:
+    def __init__(
+        self, words: int, answers: int, types: int, views: Sequence[View] = VIEWS, side_px: int = SIDE_PX
+    ) -> None:
         super().__init__()
-        self.views = tuple(views)
+        self.views, self.side_px = tuple(views), side_px
         self.reader = WordReader(words, layers=2)
         self.ask = nn.Linear(2 * HIDDEN, KEY)
         self.ask_type = nn.Linear(2 * HIDDEN, types)

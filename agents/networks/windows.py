@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 SIDE_PX = 192
-"""Of the square that the answerer sees."""
+"""Of the square that an answerer sees, if its configuration does not say another."""
 
 AROUND, LEAST_PX = 1.5, 120.0
 """It shows so many times the target's box, and at least so many pixels of the view."""
@@ -33,12 +33,14 @@ def window(box: Sequence[float] | npt.NDArray[np.floating] | None, size: tuple[i
     )
 
 
-def cut(picture: np.ndarray, place: tuple[float, float, float], mirrored: bool = False) -> np.ndarray:
-    """The square of a picture, (h, w, 3) colours or (h, w) numbers, as (SIDE_PX, SIDE_PX, ...)."""
+def cut(
+    picture: np.ndarray, place: tuple[float, float, float], side_px: int = SIDE_PX, *, mirrored: bool = False
+) -> np.ndarray:
+    """The square of a picture, (h, w, 3) colours or (h, w) numbers, as (side_px, side_px, ...)."""
     x, y, side = place
-    zoom = SIDE_PX / side
+    zoom = side_px / side
     across = -zoom if mirrored else zoom
-    matrix = np.array([[across, 0.0, SIDE_PX / 2 - across * x], [0.0, zoom, SIDE_PX / 2 - zoom * y]])
+    matrix = np.array([[across, 0.0, side_px / 2 - across * x], [0.0, zoom, side_px / 2 - zoom * y]])
     how = (
         cv2.INTER_AREA
         if picture.ndim == 3 and zoom < 1
@@ -46,4 +48,4 @@ def cut(picture: np.ndarray, place: tuple[float, float, float], mirrored: bool =
         if picture.ndim == 3
         else cv2.INTER_NEAREST
     )
-    return cv2.warpAffine(picture, matrix, (SIDE_PX, SIDE_PX), flags=how)
+    return cv2.warpAffine(picture, matrix, (side_px, side_px), flags=how)

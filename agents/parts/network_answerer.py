@@ -36,7 +36,9 @@ class NetworkAnswerer:
         height, width = before.depth.shape
         box = None if sighting is None else np.array(sighting.box) * (width, height, width, height)
         place = window(box, (height, width))
-        views = np.stack([cut(percept.rgb, place) for percept in (before, after)]).transpose(0, 3, 1, 2)
+        views = np.stack([cut(percept.rgb, place, self.network.side_px) for percept in (before, after)]).transpose(
+            0, 3, 1, 2
+        )
         numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.text])[0])
         with one_thread():
             said = self.network(numbers, torch.from_numpy(np.ascontiguousarray(views))[None])

@@ -20,7 +20,7 @@ from remqa_data.agents.networks.answerer import VIEWS, Answered, ManipulationAns
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.detection.detector_loss import heat_loss, wanted_of
 from remqa_data.agents.networks.detection.pyramid import STRIDE
-from remqa_data.agents.networks.windows import cut, window
+from remqa_data.agents.networks.windows import SIDE_PX, cut, window
 from remqa_data.agents.training.pictures import detector_types, relit
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.catalog import object_type, plural, with_article
@@ -65,7 +65,7 @@ class Asked:
     question, answer, kind : str
     wanted : int
         Index of the type that is asked for.
-    views : (2, 3, SIDE_PX, SIDE_PX) uint8
+    views : (2, 3, side, side) uint8
         Before and after.
     cells : (2, h', w') int64
         What each cell shows, index of its type + 1, or 0; at places STRIDE apart.
@@ -99,16 +99,26 @@ class AskedViews:
         Only these.
     with_box : bool
         Whether the target's box is given.
+    side_px : int
+        Squares of so many pixels are shown.
     """
 
-    def __init__(self, root: Path, split: str, rooms: frozenset[str] | None = None, *, with_box: bool = True) -> None:
+    def __init__(
+        self,
+        root: Path,
+        split: str,
+        rooms: frozenset[str] | None = None,
+        *,
+        with_box: bool = True,
+        side_px: int = SIDE_PX,
+    ) -> None:
         self._reader = SplitReader(root, "questions", split)
         self.rows: list[dict[str, Any]] = [
             row | {"place": place}
             for place, row in enumerate(self._reader.columns(("question_id", *COLUMNS)).to_pylist())
             if rooms is None or row["scene"] in rooms
         ]
-        self.with_box = with_box
+        self.with_box, self.side_px = with_box, side_px
         self._numbers = {name: number for number, name in enumerate(detector_types())}
 
     def __len__(self) -> int:
@@ -139,15 +149,17 @@ class AskedViews:
             [0, *(new * (WANTED if name == wanted else OTHER) for name, new in zip(names, is_new, strict=True))]
         )
         kinds = np.array([0, *(self._numbers.get(name, -1) + 1 for name in names)])
-        objects = [cut(ids.astype(np.float32), place, mirrored).astype(np.int64) for ids in instances]
+        objects = [
+            cut(ids.astype(np.float32), place, self.side_px, mirrored=mirrored).astype(np.int64) for ids in instances
+        ]
         shown = [ids[STRIDE // 2 :: STRIDE, STRIDE // 2 :: STRIDE] for ids in objects]
-        views = np.stack([cut(picture, place, mirrored) for picture in pictures]).transpose(0, 3, 1, 2)
+        views = np.stack([cut(picture, place, self.side_px, mirrored=mirrored) for picture in pictures])
         return Asked(
             question,
             answer,
             row["kind"],
             self._numbers[wanted],
-            torch.from_numpy(np.ascontiguousarray(views)),
+            torch.from_numpy(np.ascontiguousarray(views.transpose(0, 3, 1, 2))),
             torch.from_numpy(np.stack([kinds[ids] for ids in shown])),
             torch.from_numpy(np.stack([masks[ids] for ids in shown])),
             torch.stack([wanted_of(ids, kinds[1:] - 1).heat for ids in objects]),
@@ -240,6 +252,8 @@ class AnsweringTask:
         Trained: what it begins with.
     device : str
         Where to compute.
+    side_px : int
+        It is shown squares of so many pixels.
     questions : int, optional
         It learns from so many of them, spread evenly over the rooms; from all by default.
     """
@@ -252,20 +266,21 @@ class AnsweringTask:
         detector: Detector,
         device: str = "cpu",
         *,
+        side_px: int = SIDE_PX,
         questions: int | None = None,
     ) -> None:
         rooms = learning_rooms(roots)
-        self._asked = [AskedViews(root, "train", rooms, with_box=with_box) for root in roots]
+        self._asked = [AskedViews(root, "train", rooms, with_box=with_box, side_px=side_px) for root in roots]
         self._places = [(asked, index) for asked in self._asked for index in range(len(asked))]
         if questions is not None:
             chosen = np.linspace(0, len(self._places), min(questions, len(self._places)), endpoint=False)
             self._places = [self._places[int(place)] for place in chosen]
-        self._val = AskedViews(roots[0], "train", rooms_of(roots[0], "val"), with_box=with_box)
+        self._val = AskedViews(roots[0], "train", rooms_of(roots[0], "val"), with_box=with_box, side_px=side_px)
         rows = [asked.rows[index] for asked, index in self._places]
         self.others = Others.of_rows(rows)
         self.vocabulary = Vocabulary.build([row["question"] for row in rows], [row["answer"] for row in rows])
         self.model = ManipulationAnswerer(
-            len(self.vocabulary.words), len(self.vocabulary.answers), len(detector_types()), views
+            len(self.vocabulary.words), len(self.vocabulary.answers), len(detector_types()), views, side_px
         )
         if views:
             self.model.detector.load_state_dict(detector.state_dict())

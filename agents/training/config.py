@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from remqa_data.agents.networks.windows import SIDE_PX
 from remqa_data.errors import ConfigError
 from remqa_data.generators.config_files import config_text, first_problem, preset_names, read_keys
 from remqa_data.limits import MOST_SEED
@@ -73,12 +74,14 @@ class GrounderConfig(_Network):
 class AnswererConfig(_Network):
     """Answers by what it looks at; `with_box` is whether it is told where the target is.
 
-    It learns from all questions of train rooms, or from so many, of all these rooms alike.
+    It sees squares of `side_px` pixels, and learns from all questions of train rooms, or from so many, of all these rooms
+    alike.
     """
 
     kind: Literal["answerer"]
     views: tuple[Literal["start", "end"], ...]
     with_box: bool
+    side_px: Annotated[int, Field(ge=32)] = SIDE_PX
     questions: Annotated[int, Field(ge=1)] | None = None
 
 

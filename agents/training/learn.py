@@ -155,5 +155,13 @@ def _task(
     if isinstance(network, ViewEncoderConfig):
         return ViewingTask(roots, detector, device)
     if isinstance(network, AnswererConfig):
-        return AnsweringTask(roots, network.views, network.with_box, detector, device, questions=network.questions)
+        return AnsweringTask(
+            roots,
+            network.views,
+            network.with_box,
+            detector,
+            device,
+            side_px=network.side_px,
+            questions=network.questions,
+        )
     return GroundingTask(roots, network.form, detector, device, on_look)

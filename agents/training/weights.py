@@ -211,7 +211,7 @@ def empty_network(about: About) -> nn.Module:
             return PlannerController(words, len(about.answers), types)
         return DOERS[network.form](words, types)
     if isinstance(network, AnswererConfig):
-        return ManipulationAnswerer(words, len(about.answers), types, network.views)
+        return ManipulationAnswerer(words, len(about.answers), types, network.views, network.side_px)
     if isinstance(network, GrounderConfig):
         return GROUNDERS[network.form](words)
     return MATCHERS[network.form](words, types)
