@@ -296,7 +296,7 @@ class AnsweringTask:
 
     def losses(self, batch: list[Asked]) -> Mapping[str, Tensor]:
         """Of the answers, of where what is asked for is and how often, and of what the cells show."""
-        said = self._said(batch)
+        said = Answered(*(part.float() for part in self._said(batch)))
         right = torch.tensor([self.vocabulary.answers.index(asked.answer) for asked in batch], device=self.device)
         losses = {"answers": functional.cross_entropy(said.answers, right)}
         types = torch.tensor([asked.wanted for asked in batch], device=self.device)

@@ -139,6 +139,7 @@ class ScheduleConfig(_Section):
     weight_decay: Annotated[float, Field(ge=0, le=1)]
     seed: Annotated[int, Field(ge=0, le=MOST_SEED)]
     score_every: Annotated[int, Field(ge=1)]
+    precision: Literal["float32", "bfloat16"] = "float32"
 
 
 Network = (

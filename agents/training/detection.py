@@ -21,7 +21,14 @@ from remqa_data.agents.networks.detection.detector_loss import (
     detector_losses,
     wanted_of,
 )
-from remqa_data.agents.networks.detection.refiner import GRID, LEAST_VOTES, Refiner, TwoStageDetector, with_margin
+from remqa_data.agents.networks.detection.refiner import (
+    GRID,
+    LEAST_VOTES,
+    Refined,
+    Refiner,
+    TwoStageDetector,
+    with_margin,
+)
 from remqa_data.agents.networks.detection.regions import candidates
 from remqa_data.agents.training.pictures import UNKNOWN, Picture, Pictures, Which, detector_types, varied
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
@@ -142,7 +149,7 @@ class RefinementTask:
 
     def losses(self, batch: Proposed) -> Mapping[str, Tensor]:
         """How far boxes, kinds and shapes are from what is true; "right" is the share of objects whose kind is."""
-        said = self.model(batch.rgb, batch.features, batch.boxes, batch.images)
+        said = Refined(*(part.float() for part in self.model(batch.rgb, batch.features, batch.boxes, batch.images)))
         is_object = batch.kinds > 0
         count = is_object.sum().clamp(min=1)
         losses = {
