@@ -9,6 +9,8 @@ from remqa_data.errors import MisuseError, RemqaError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.actions import arm as actions_arm
 from remqa_data.thor.actions import conditions as actions_conditions
+from remqa_data.thor.actions import expert as actions_expert
+from remqa_data.thor.actions import former as actions_former
 from remqa_data.thor.actions import hand as actions_hand
 from remqa_data.thor.actions import looks as actions_looks
 from remqa_data.thor.actions import navigation as actions_navigation
@@ -36,9 +38,11 @@ ACTIONS = checked(
     | actions_states.ACTIONS
     | actions_conditions.ACTIONS
     | actions_looks.ACTIONS
+    | actions_expert.ACTIONS
+    | actions_former.ACTIONS
 )
 """What the agent without an arm can do."""
-ARM_ACTIONS = ACTIONS | checked(actions_arm.ACTIONS)
+ARM_ACTIONS = ACTIONS | checked(actions_arm.ACTIONS | actions_former.ARM_ACTIONS)
 """What the agent with an arm can do; it picks up and lets go in its own way."""
 
 

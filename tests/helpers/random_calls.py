@@ -55,7 +55,7 @@ def call_at_random(controller: Controller, rng: random.Random, count: int) -> di
         known = parameters(action)
         names = [name for name in known if rng.random() < 0.7] + (["unheardOf"] if rng.random() < 0.05 else [])
         arguments = {name: argument(rng, name, objects, places) for name in names}
-        if action == "GetInteractablePoses":
+        if action in ("GetInteractablePoses", "PositionsFromWhichItemIsInteractable"):
             arguments["maxPoses"] = 1
         try:
             event = controller.step(action, renderImage=False, **arguments)

@@ -12,6 +12,12 @@ for kind in (Controller, ai2thor.controller.Controller):
     assert controller.step("RotateRight").frame.shape == (32, 32, 3)
     assert isinstance(controller, Controller)
     controller.stop()
+from ai2thor.controller import BFSController
+controller = BFSController(grid_size=0.5)
+assert isinstance(controller, Controller)
+controller.search_all_closed("FloorPlan401")
+assert len(controller.grid_points) > 5
+controller.stop()
 print(Controller.__module__)
 """
 

@@ -13,9 +13,9 @@ pytestmark = pytest.mark.slow
     [
         ({"action": "Moveahead"}, "InvalidAction", "Invalid action: Moveahead"),
         (
-            {"action": "TouchThenApplyForce", "objectId": "Apple|1"},
+            {"action": "CreateObject", "objectId": "Apple|1"},
             "InvalidAction",
-            "Invalid action: TouchThenApplyForce",
+            "Invalid action: CreateObject",
         ),
         (
             {"action": "OpenObject"},

@@ -1,3 +1,6 @@
+import math
+
+import numpy as np
 import pytest
 
 FRIDGE = "Fridge|-02.10|+00.00|+01.07"
@@ -160,3 +163,63 @@ def test_what_is_in_the_fridge_comes_out(before_fridge) -> None:
     (pose,) = before_fridge.step("GetInteractablePoses", objectId=EGG, maxPoses=1).metadata["actionReturn"]
     assert before_fridge.step("TeleportFull", **pose).get_object(EGG)["visible"]
     assert before_fridge.step("PickupObject", objectId=EGG).get_object(EGG)["isPickedUp"]
+
+
+def slid(event, before) -> float:
+    now, then = event.get_object(STOOL)["position"], before.get_object(STOOL)["position"]
+    return math.dist([now["x"], now["z"]], [then["x"], then["z"]])
+
+
+def point_of_stool(event) -> tuple[float, float]:
+    x0, y0, x1, y1 = event.instance_detections2D[STOOL]
+    rows, columns = np.nonzero(event.instance_masks[STOOL])
+    middle = np.argmin(np.hypot(columns - (x0 + x1) / 2, rows - (y0 + y1) / 2))
+    height, width = event.frame.shape[:2]
+    return (float(columns[middle]) + 0.5) / width, (float(rows[middle]) + 0.5) / height
+
+
+@pytest.mark.slow
+def test_reaches_for_what_it_sees_and_pushes_it(kitchen) -> None:
+    before = kitchen.step("TeleportFull", **BEFORE_STOOL, renderInstanceSegmentation=True)
+    x, y = point_of_stool(before)
+    event = kitchen.step("TouchThenApplyForce", x=x, y=y, handDistance=5.0)
+    touched = event.metadata["actionReturn"]
+    assert (touched["didHandTouchSomething"], touched["objectId"]) == (True, STOOL)
+    assert slid(event, before) == 0.0
+    at = kitchen.step("GetCoordinateFromRaycast", x=x, y=y).metadata["actionReturn"]
+    eye = event.metadata["cameraPosition"]
+    assert touched["armsLength"] == pytest.approx(math.dist(list(at.values()), list(eye.values())), abs=0.01)
+    event = kitchen.step("TouchThenApplyForce", x=x, y=y, handDistance=touched["armsLength"] - 0.1, moveMagnitude=900)
+    assert event.metadata["actionReturn"] == {
+        "didHandTouchSomething": False,
+        "objectId": "",
+        "armsLength": touched["armsLength"] - 0.1,
+    }
+    force = {"direction": {"x": 0.0, "y": 0.5, "z": -1.0}, "moveMagnitude": 400}
+    event = kitchen.step("TouchThenApplyForce", x=x, y=y, handDistance=5.0, **force)
+    assert slid(event, before) > 0.02
+    assert (
+        event.get_object(STOOL)["position"]["x"] > before.get_object(STOOL)["position"]["x"]
+    )  # towards who looks along -x
+    wall = kitchen.step("TouchThenApplyForce", x=0.02, y=0.02, handDistance=20.0, **force).metadata["actionReturn"]
+    assert wall["didHandTouchSomething"]
+
+
+@pytest.mark.slow
+def test_what_is_heavier_slides_less_far(kitchen) -> None:
+    way = []
+    for mass in (None, 60.0):
+        kitchen.reset()
+        before = kitchen.step("TeleportFull", **BEFORE_STOOL)
+        if mass is not None:
+            event = kitchen.step("SetMassProperties", objectId=STOOL, mass=mass, drag=15.9, angularDrag=5.6)
+            assert event.get_object(STOOL)["mass"] == mass
+        event = kitchen.step("PullObject", objectId=STOOL, moveMagnitude=300)
+        assert event, event.metadata["errorMessage"]
+        way.append(slid(event, before))
+    assert way[0] > way[1] == 0.0  # friction swallows the push, which was one all the same
+    kitchen.reset()
+    assert kitchen.last_event.get_object(STOOL)["mass"] != 60.0
+    assert "moveable" in kitchen.step("SetMassProperties", objectId=FRIDGE, mass=1.0).metadata["errorMessage"]
+    assert "negative" in kitchen.step("SetMassProperties", objectId=APPLE, mass=-1.0).metadata["errorMessage"]
+    assert kitchen.step("SetMassProperties", objectId=APPLE, mass=0.0)

@@ -74,3 +74,15 @@ def test_whatever_is_called_the_picture_is_that_of_the_room_as_it_is(mode, monke
         monkeypatch.setattr(controller, "step", step_and_compare)
         call_at_random(controller, random.Random(2), 400)
     assert len(compared) > 200
+
+
+def test_a_wider_field_of_view_shows_more(kitchen) -> None:
+    narrow = kitchen.last_event
+    event = kitchen.step("ChangeFOV", fieldOfView=110, camera="FirstPersonCharacter")
+    assert event.metadata["fov"] == 110
+    seen = kitchen.step("Pass", renderInstanceSegmentation=True)
+    before = kitchen.step("ChangeFOV", fieldOfView=narrow.metadata["fov"], renderInstanceSegmentation=True)
+    assert set(before.instance_masks) <= set(seen.instance_masks)
+    assert np.array_equal(before.frame, narrow.frame)
+    for arguments, text in (({"fieldOfView": 190}, "not in"), ({"fieldOfView": 60, "camera": "Drone"}, "FirstPerson")):
+        assert text in kitchen.step("ChangeFOV", **arguments).metadata["errorMessage"]

@@ -164,3 +164,34 @@ def test_nothing_comes_back_into_something_else(kitchen) -> None:
     assert event, event.metadata["errorMessage"]
     assert "cannot come back: Bread" in kitchen.step("EnableObject", objectId=APPLE).metadata["errorMessage"]
     assert {o["objectId"] for o in kitchen.reset().metadata["objects"]} > {APPLE}
+
+
+def test_teleports_an_object_to_where_there_is_room(kitchen) -> None:
+    there = {"x": -0.35, "y": 1.25, "z": 0.2}
+    event = kitchen.step("TeleportObject", objectId=APPLE, position=there, rotation={"x": 0, "y": 90, "z": 0})
+    assert event, event.metadata["errorMessage"]
+    assert position(event, APPLE)[::2] == pytest.approx([there["x"], there["z"]], abs=0.02)
+    assert event.get_object(APPLE)["parentReceptacles"] == [ISLAND]
+    before = event.metadata["objects"]
+    event = kitchen.step("TeleportObject", objectId=APPLE, position={"x": -0.35, "y": 0.8, "z": 0.2})
+    assert "is in the way" in event.metadata["errorMessage"]
+    assert event.metadata["objects"] == before
+    inside, above = {"x": -0.35, "y": 0.8, "z": 0.2}, {"x": -0.35, "y": 1.3, "z": -0.4}
+    event = kitchen.step("TeleportObject", objectId=APPLE, positions=[inside, above], forceKinematic=True)
+    assert event, event.metadata["errorMessage"]
+    assert position(event, APPLE)[2] == pytest.approx(-0.4, abs=0.05)
+    assert_at_rest_and_apart(kitchen, [APPLE])
+
+
+def test_what_is_held_is_teleported_only_if_that_is_asked_for(kitchen) -> None:
+    assert kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    there = {"x": -0.35, "y": 1.25, "z": 0.2}
+    refused = kitchen.step("TeleportObject", objectId=APPLE, position=there)
+    assert "allowTeleportOutOfHand" in refused.metadata["errorMessage"]
+    event = kitchen.step("TeleportObject", objectId=APPLE, position=there, allowTeleportOutOfHand=True)
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["inventoryObjects"] == []
+    for wrong, text in ((FRIDGE, "neither pickupable nor moveable"), ("Apple|9", "unknown object")):
+        assert text in kitchen.step("TeleportObject", objectId=wrong, position=there).metadata["errorMessage"]
+    with pytest.raises(ValueError, match="missing the following arguments: position"):
+        kitchen.step("TeleportObject", objectId=APPLE)

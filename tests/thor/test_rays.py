@@ -56,3 +56,26 @@ def test_what_is_held_is_in_no_rays_way(kitchen) -> None:
     assert kitchen.step("PerformRaycast", **ray).metadata["actionReturn"]["objectId"] == apple
     kitchen.step("PickupObject", objectId=apple, forceAction=True)
     assert not kitchen.step("PerformRaycast", **ray)
+
+
+@pytest.mark.slow
+def test_points_of_an_object_are_on_its_surface_and_apart(kitchen) -> None:
+    for object_id in ("Fridge|-02.10|+00.00|+01.07", "Fork|+00.95|+00.77|-02.37"):
+        record = kitchen.last_event.get_object(object_id)
+        points = kitchen.step("GetVisibilityPoints", objectId=object_id).metadata["actionReturn"]
+        found = np.array([[p["x"], p["y"], p["z"]] for p in points])
+        assert 4 <= len(found) <= 30
+        corners = np.array(record["axisAlignedBoundingBox"]["cornerPoints"])
+        assert (found >= corners.min(axis=0) - 0.005).all()
+        assert (found <= corners.max(axis=0) + 0.005).all()
+        apart = np.linalg.norm(found[:, None] - found[None], axis=2)[~np.eye(len(found), dtype=bool)]
+        assert apart.min() > 0.005
+        assert np.ptp(found, axis=0) == pytest.approx(np.ptp(corners, axis=0), abs=0.1)
+
+
+def test_ids_of_a_type(kitchen) -> None:
+    every = [o["objectId"] for o in kitchen.last_event.metadata["objects"] if o["objectType"] == "Drawer"]
+    assert len(every) > 3
+    assert kitchen.step("ObjectTypeToObjectIds", objectType="Drawer").metadata["actionReturn"] == every
+    assert kitchen.step("ObjectTypeToObjectIds", objectType="Bathtub").metadata["actionReturn"] == []
+    assert "Drawr" in kitchen.step("ObjectTypeToObjectIds", objectType="Drawr").metadata["errorMessage"]

@@ -80,3 +80,23 @@ def test_all_is_sliced_and_states_that_there_are_not(kitchen) -> None:
 def test_what_sets_nothing_is_accepted(kitchen, action, arguments) -> None:
     before = kitchen.step("Pass").metadata
     assert kitchen.step(action, **arguments).metadata == {**before, "lastAction": action}
+
+
+@pytest.mark.slow
+def test_all_objects_of_a_type_get_a_state(kitchen) -> None:
+    def are(event, kind: str, flag: str) -> set[bool]:
+        return {o[flag] for o in event.metadata["objects"] if o["objectType"] == kind}
+
+    for kind, change, flag in (("Fridge", "openable", "isOpen"), ("Mug", "dirtyable", "isDirty")):
+        before = kitchen.last_event
+        asked = {"objectType": kind, "stateChange": change, flag: True}
+        event = kitchen.step("SetObjectStates", SetObjectStates=asked)
+        assert event, event.metadata["errorMessage"]
+        assert are(before, kind, flag) == {False}
+        assert are(event, kind, flag) == {True}
+        others = [o for o in event.metadata["objects"] if o["objectType"] != kind]
+        assert [o[flag] for o in others] == [o[flag] for o in before.metadata["objects"] if o["objectType"] != kind]
+        event = kitchen.step("SetObjectStates", SetObjectStates={**asked, flag: False})
+        assert are(event, kind, flag) == {False}
+    wrong = kitchen.step("SetObjectStates", SetObjectStates={"stateChange": "burning"})
+    assert "choose one of openable" in wrong.metadata["errorMessage"]

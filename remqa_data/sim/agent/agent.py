@@ -187,7 +187,9 @@ class Agent(Body):
                 return refusal
         return ActionResult(True, value=self.world.move(object_id, position))
 
-    def push(self, object_id: str, distance_m: float = 0.25, angle_deg: float = 0.0) -> ActionResult:
+    def push(
+        self, object_id: str, distance_m: float = 0.25, angle_deg: float = 0.0, force: bool = False
+    ) -> ActionResult:
         """Slide an object away from the agent, or at an angle counter-clockwise from that; it stops before obstacles.
 
         The result's value is the distance that it was moved, metres.
@@ -196,7 +198,7 @@ class Agent(Body):
             raise ActionError(f"a push goes more than 0 and at most {self.embodiment.push_m} m, not {distance_m}")
         if not _can_be_moved(self.world, object_id):
             return ActionResult(False, f"{object_id} is not moveable")
-        refusal = self.refusal(object_id) or self.reach(object_id)
+        refusal = None if force else self.refusal(object_id) or self.reach(object_id)
         if refusal is not None:
             return refusal
         x, y, _ = self.world.state(object_id).position
@@ -204,7 +206,7 @@ class Agent(Body):
         slide = handling.slide(
             self.world, object_id, heading, distance_m, lambda position: self._body_at(object_id, position)
         )
-        if slide.distance_m == 0.0:
+        if slide.distance_m == 0.0 and slide.blocked_by:
             return ActionResult(False, f"{slide.blocked_by} is blocking {object_id}")
         return ActionResult(True, value=slide.distance_m)
 

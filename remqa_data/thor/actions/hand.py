@@ -10,7 +10,6 @@ import math
 
 import numpy as np
 
-from remqa_data.catalog import object_type
 from remqa_data.errors import MisuseError
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
@@ -134,7 +133,7 @@ def throw_object(simulator: SimulatorState, moveMagnitude: float, forceAction: b
         return ActionResult(False, "Nothing in Hand to Throw!")
     if moveMagnitude <= 0.0:
         return ActionResult(False, f"moveMagnitude {moveMagnitude:g} is not a force: give newtons")
-    mass = object_type(world.type_of(agent.held)).mass_kg or 1.0
+    mass = simulator.room.records.mass_kg(agent.held)
     ahead = agent.camera().rotation()[2]
     x, y, z = arithmetic.snapped(min(moveMagnitude * PUSH_S / mass, MOST_THROW_M_S) * ahead).tolist()
     released = handling.drop_at(world, [agent.hand_at(), *agent.drop_spots()], (x, y, z))

@@ -5,17 +5,24 @@ from __future__ import annotations
 import math
 
 from remqa_data.catalog import object_type
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import rotation_of
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.frames import PartialVector, whole
 from remqa_data.thor.state.simulator import SimulatorState
 
 SHUT_WHEN_ON = frozenset({"Microwave"})
 """Must be off to be opened, and closed to be switched on."""
+NO_OBJECT = "not a sim object, a structure was touched"
+"""AI2-THOR's words for a wall or the floor."""
 NO_PLACE = "No valid positions to place object found"
 """AI2-THOR's words, which its clients look for."""
+UPRIGHT = 0.999
+"""Cosine of the angle from which a thing counts as tilted."""
 PUSH_S = 0.02
 """A push in newtons acts for one physics step of AI2-THOR; then the object slides until friction stops it."""
 
@@ -84,7 +91,12 @@ def put_object(
     target = target_of(simulator, "PutObject", receptacleObjectId or objectId, x, y)
     if isinstance(target, ActionResult):
         return target
+    world, held = simulator.room.world, simulator.agent.held
+    turned = None if held is None else world.state(held).quaternion
+    _stand_up(simulator)
     result = simulator.agent.put(target, forceAction)
+    if held is not None and turned is not None and not result.success:
+        world.move_alone(held, world.state(held).position, turned)
     return ActionResult(False, NO_PLACE) if result.error.startswith("no free place") else _plain(result)
 
 
@@ -130,6 +142,55 @@ def directional_push(
     return _push(simulator, target_of(simulator, "DirectionalPush", objectId, x, y), moveMagnitude, pushAngle)
 
 
+def touch_then_apply_force(
+    simulator: SimulatorState,
+    x: float,
+    y: float,
+    direction: PartialVector | None = None,
+    moveMagnitude: float = 0.0,
+    handDistance: float | None = None,
+) -> ActionResult:
+    """Reach for what a point of the frame shows, as far as `handDistance`, and push it, in newtons; returns what is touched.
+
+    A direction is as the agent faces; what of it goes up or down is lost to friction.
+    """
+    if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
+        return ActionResult(False, f"x and y must be in [0:1] not (x={x:g}, y={y:g}).")
+    room, agent = simulator.room, simulator.agent
+    reach = simulator.settings.visibility_distance if handDistance is None else handDistance
+    camera = room.frame_camera()
+    depth, _ = room.view.depth_and_instances(camera)
+    row, column = min(int(y * depth.shape[0]), depth.shape[0] - 1), min(int(x * depth.shape[1]), depth.shape[1] - 1)
+    away = math.dist(camera.unproject(depth)[row, column], camera.position) if depth[row, column] > 0 else math.inf
+    if away > reach:
+        return ActionResult(True, value={"didHandTouchSomething": False, "objectId": "", "armsLength": reach})
+    touched = agent.object_at(x, y, camera)
+    value = {"didHandTouchSomething": True, "objectId": touched or NO_OBJECT, "armsLength": away}
+    ahead = whole(direction or {})
+    kind = object_type(room.world.type_of(touched)) if touched is not None else None
+    share = math.hypot(ahead["x"], ahead["z"]) / (math.hypot(ahead["x"], ahead["y"], ahead["z"]) or 1.0)
+    if touched is not None and kind is not None and (kind.pickupable or kind.moveable) and moveMagnitude * share > 0.0:
+        angle = math.degrees(math.atan2(ahead["x"], ahead["z"]))
+        _push(simulator, touched, moveMagnitude * share, angle, force=True)
+    return ActionResult(True, value=value)
+
+
+def set_mass_properties(
+    simulator: SimulatorState, objectId: str, mass: float, drag: float = 0.0, angularDrag: float = 0.0
+) -> ActionResult:
+    """Let an object weigh something else, kilograms; a push or throw sends it as far as that lets it go."""
+    target = target_of(simulator, "SetMassProperties", objectId, None, None)
+    if isinstance(target, ActionResult):
+        return target
+    kind = object_type(simulator.room.world.type_of(target))
+    if not (kind.pickupable or kind.moveable):
+        return ActionResult(False, f"{target} is neither pickupable nor moveable")
+    if mass < 0.0:
+        return ActionResult(False, f"mass {mass:g} is negative: give kilograms")
+    simulator.room.records.set_mass(target, mass)
+    return ActionResult(True)
+
+
 def toggle_object_on(
     simulator: SimulatorState,
     objectId: str | None = None,
@@ -162,8 +223,10 @@ ACTIONS: dict[str, Action] = {
     "PullObject": pull_object,
     "PushObject": push_object,
     "PutObject": put_object,
+    "SetMassProperties": set_mass_properties,
     "ToggleObjectOff": toggle_object_off,
     "ToggleObjectOn": toggle_object_on,
+    "TouchThenApplyForce": touch_then_apply_force,
 }
 
 
@@ -172,16 +235,30 @@ def _plain(result: ActionResult) -> ActionResult:
     return ActionResult(result.success, result.error)
 
 
-def _push(simulator: SimulatorState, target: str | ActionResult, newtons: float, angle_deg: float) -> ActionResult:
+def _stand_up(simulator: SimulatorState) -> None:
+    """Turn what is held and has been tilted to how it lay or stood when the room was loaded, as it is put down so."""
+    world, loaded = simulator.room.world, simulator.room.at_rest.states
+    held = simulator.agent.held
+    if held is None or held not in loaded:
+        return
+    state = world.state(held)
+    upright = loaded[held].quaternion
+    if float(arithmetic.dot(rotation_of(state.quaternion)[2], rotation_of(upright)[2])) < UPRIGHT:
+        world.move_alone(held, state.position, upright)
+
+
+def _push(
+    simulator: SimulatorState, target: str | ActionResult, newtons: float, angle_deg: float, force: bool = False
+) -> ActionResult:
     if isinstance(target, ActionResult):
         return target
     if newtons <= 0:
         return ActionResult(False, f"moveMagnitude {newtons:g} is not a force: give newtons")
-    agent, world = simulator.agent, simulator.room.world
-    distance = _slide_m(newtons, object_type(world.type_of(target)).mass_kg or 1.0)
-    x, y, _ = world.state(target).position
+    agent, room = simulator.agent, simulator.room
+    distance = _slide_m(newtons, room.records.mass_kg(target))
+    x, y, _ = room.world.state(target).position
     away_deg = math.degrees(math.atan2(y - agent.y, x - agent.x))
-    return _plain(agent.push(target, distance, agent.yaw_deg - angle_deg - away_deg))
+    return _plain(agent.push(target, distance, agent.yaw_deg - angle_deg - away_deg, force))
 
 
 def _slide_m(newtons: float, mass_kg: float) -> float:

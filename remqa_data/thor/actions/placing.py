@@ -14,6 +14,7 @@ import numpy as np
 from typing_extensions import TypedDict
 
 from remqa_data.catalog import object_type
+from remqa_data.errors import MisuseError
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent import handling
@@ -140,6 +141,46 @@ def place_object_at_point(
     return ActionResult(True)
 
 
+def teleport_object(
+    simulator: SimulatorState,
+    objectId: str,
+    position: PartialVector | None = None,
+    rotation: PartialVector | None = None,
+    positions: list[PartialVector] | None = None,
+    forceAction: bool = False,
+    allowTeleportOutOfHand: bool = False,
+    forceKinematic: bool = False,
+    makeUnbreakable: bool = False,
+) -> ActionResult:
+    """Put an object to a position, or to the first of some where there is room, with what is in or on it.
+
+    A position is that of its metadata. It comes to rest from there, with `forceKinematic` too; with `forceAction` it may be
+    put into other things, and physics drives them apart.
+    """
+    room, world = simulator.room, simulator.room.world
+    if _is_away(room, objectId):
+        return ActionResult(False, f"{objectId} is not in the scene")
+    if not _is_loose(world, objectId):
+        return ActionResult(False, f"{objectId} is neither pickupable nor moveable")
+    if objectId == world.held and not allowTeleportOutOfHand:
+        return ActionResult(False, f"{objectId} is in the hand, and allowTeleportOutOfHand is not set")
+    places = positions or ([] if position is None else [position])
+    if not places:
+        raise MisuseError("MissingArguments", "action: TeleportObject is missing the following arguments: position")
+    turn = room.records.turn(objectId) if rotation is None else turn_of_euler(whole(rotation))
+    before, blocker = world.save(), None
+    for place in places:
+        if objectId == world.held:
+            world.put(world.state(objectId).position)
+        pivot, quaternion = room.records.pose_of(objectId, to_room(whole(place)), turn)
+        moved = [objectId, *world.move(objectId, pivot, quaternion)]
+        blocker = (None if forceAction else _sunken(world, moved)) or _come_to_rest(room, moved)
+        if blocker is None:
+            return ActionResult(True)
+        world.restore(before)
+    return ActionResult(False, f"{blocker} is in the way of {objectId}")
+
+
 def get_spawn_coordinates_above_receptacle(
     simulator: SimulatorState, objectId: str, anywhere: bool = True
 ) -> ActionResult:
@@ -172,6 +213,7 @@ ACTIONS: dict[str, Action] = {
     "PlaceObjectAtPoint": place_object_at_point,
     "RemoveFromScene": remove_from_scene,
     "SetObjectPoses": set_object_poses,
+    "TeleportObject": teleport_object,
 }
 
 

@@ -17,6 +17,8 @@ from remqa_data.thor.state.settings import FrameSize, Images, Settings
 from remqa_data.thor.state.simulator import SCENE_SUFFIX, SimulatorState
 
 MOST_AGENTS = 8
+EYE = "FirstPersonCharacter"
+"""AI2-THOR's name of the agent's camera."""
 NO_EFFECT = frozenset(
     {
         "alwaysReturnVisibleRange",
@@ -113,6 +115,18 @@ def change_resolution(simulator: SimulatorState, x: int, y: int) -> ActionResult
     return ActionResult(True)
 
 
+def change_fov(simulator: SimulatorState, fieldOfView: float, camera: str | None = None) -> ActionResult:
+    """Give the eyes of all agents another field of view; `camera` may name no other one."""
+    if camera not in (None, "", EYE):
+        return ActionResult(False, f"camera {camera!r} is not {EYE!r}: see UpdateThirdPartyCamera for others")
+    if not 0.0 < fieldOfView < 180.0:
+        return ActionResult(False, f"fieldOfView {fieldOfView:g} is not in (0, 180)")
+    simulator.settings = replace(simulator.settings, field_of_view=fieldOfView)
+    for agent in simulator.room.agents:
+        agent.change_field_of_view(fieldOfView)
+    return ActionResult(True)
+
+
 def do_nothing(simulator: SimulatorState) -> ActionResult:
     """Only take a picture."""
     return ActionResult(True)
@@ -203,6 +217,7 @@ def update_third_party_camera(
 ACTIONS: dict[str, Action] = {
     "AddThirdPartyCamera": add_third_party_camera,
     "AdvancePhysicsStep": advance_physics,
+    "ChangeFOV": change_fov,
     "ChangeResolution": change_resolution,
     "Done": do_nothing,
     "GetMapViewCameraProperties": get_map_view_camera_properties,

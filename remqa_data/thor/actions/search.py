@@ -9,8 +9,12 @@ from itertools import product
 
 import networkx as nx
 import numpy as np
+import numpy.typing as npt
 
+from remqa_data.catalog import object_type
 from remqa_data.errors import MisuseError
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import F64
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.ground import Ground
@@ -24,6 +28,8 @@ Plan = tuple[float, float]
 
 ROTATIONS_DEG, HORIZONS_DEG, STANDINGS = (0.0, 90.0, 180.0, 270.0), (-30.0, 0.0, 30.0, 60.0), (True, False)
 MOST_STEPS = 10_000
+SURFACE_POINTS, APART_M = 30, 0.005
+"""So many points stand for an object's surface, or fewer where they would be nearer to each other."""
 
 
 def get_reachable_positions(
@@ -95,26 +101,12 @@ def get_shortest_path(
     allowedError: float | None = None,
 ) -> ActionResult:
     """The corners of the shortest way from a position (by default the agent's) to the place nearest to an object."""
-    world = simulator.room.world
-    if objectId is None:
-        if objectType is None:
-            raise MisuseError(
-                "MissingArguments", "action: GetShortestPath is missing the following arguments: objectId"
-            )
-        ids = [name for name in world.ids if world.type_of(name) == objectType]
-        if len(ids) != 1:
-            return ActionResult(False, f"there are {len(ids)} objects of type {objectType}: give an objectId")
-        objectId = ids[0]
-    world.type_of(objectId)  # names the nearest ids if there is no such object
-    low, high = world.box(objectId)[:, :2]
-    middle = (low + high) / 2
-
-    def distance(place: Plan) -> tuple[float, float]:
-        return math.dist(place, np.clip(place, low, high)), math.dist(place, middle)
-
-    grid = simulator.agent.grid
-    goal = min(grid.cells, key=lambda cell: distance(grid.position(cell)))
-    return _way(simulator, position, grid.position(goal))
+    target = object_meant(simulator, "GetShortestPath", objectId, objectType)
+    if isinstance(target, ActionResult):
+        return target
+    low, high = simulator.room.world.box(target)[:, :2]
+    agent = simulator.agent
+    return _way(simulator, position, agent.grid.position(nearest_cell(agent, low, high)))
 
 
 def get_shortest_path_to_point(
@@ -150,14 +142,70 @@ def get_visible_objects(simulator: SimulatorState, maxDistance: float | None = N
     return ActionResult(True, value=simulator.agent.visible_objects(distance))
 
 
+def object_type_to_object_ids(simulator: SimulatorState, objectType: str) -> ActionResult:
+    """The ids of all objects of a type that are in the scene."""
+    return ActionResult(True, value=_of_type(simulator, object_type(objectType).name))
+
+
+def get_visibility_points(simulator: SimulatorState, objectId: str) -> ActionResult:
+    """Some points of an object's surface, as far apart as can be; which of them are seen is not asked."""
+    world = simulator.room.world
+    links = zip(world.link_poses(objectId), world.assets[objectId].links, strict=True)
+    corners = [arithmetic.moved(surface.vertices, pose) for pose, link in links for surface in link.surfaces]
+    return ActionResult(True, value=[to_thor(point) for point in _spread(np.concatenate(corners), SURFACE_POINTS)])
+
+
 ACTIONS: dict[str, Action] = {
     "GetInteractablePoses": get_interactable_poses,
     "GetObjectInFrame": get_object_in_frame,
     "GetReachablePositions": get_reachable_positions,
     "GetShortestPath": get_shortest_path,
     "GetShortestPathToPoint": get_shortest_path_to_point,
+    "GetVisibilityPoints": get_visibility_points,
     "GetVisibleObjects": get_visible_objects,
+    "ObjectTypeToObjectIds": object_type_to_object_ids,
 }
+
+
+def object_meant(
+    simulator: SimulatorState, action: str, object_id: str | None, type_name: str | None
+) -> str | ActionResult:
+    """The id of the object that is named by its id or, if there is one of them, by its type; or why there is none."""
+    if object_id is None:
+        if type_name is None:
+            raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
+        ids = _of_type(simulator, type_name)
+        if len(ids) != 1:
+            return ActionResult(False, f"there are {len(ids)} objects of type {type_name}: give an objectId")
+        object_id = ids[0]
+    simulator.room.world.type_of(object_id)  # names the nearest ids if there is no such object
+    return object_id
+
+
+def nearest_cell(agent: ThorAgent, low: npt.ArrayLike, high: npt.ArrayLike) -> Cell:
+    """The reachable cell that is nearest to a box in plan, given as two (2,) corners; of several the one by its middle."""
+    middle = np.add(low, high) / 2
+
+    def distance(cell: Cell) -> tuple[float, float]:
+        place = agent.grid.position(cell)
+        return math.dist(place, np.clip(place, low, high)), math.dist(place, middle)
+
+    return min(agent.grid.cells, key=distance)
+
+
+def _of_type(simulator: SimulatorState, type_name: str) -> list[str]:
+    world, away = simulator.room.world, simulator.room.records.away
+    return [name for name in world.ids if world.type_of(name) == type_name and name not in away]
+
+
+def _spread(points: F64, count: int) -> F64:
+    """At most so many of (n, 3) points, each as far from those before it as can be; the highest is the first."""
+    chosen = [int(np.lexsort((points[:, 0], points[:, 1], points[:, 2]))[-1])]
+    away = arithmetic.length(points - points[chosen[0]])
+    while len(chosen) < count and away.max() > APART_M:
+        chosen.append(int(away.argmax()))
+        away = np.minimum(away, arithmetic.length(points - points[chosen[-1]]))
+    return points[chosen]
 
 
 def _flood(ground: Ground, start: Plan, step_m: float, heading_deg: float, most: int) -> list[Plan] | None:

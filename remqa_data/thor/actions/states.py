@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Required
 
 from typing_extensions import TypedDict
 
@@ -35,6 +36,35 @@ def set_object_toggles(simulator: SimulatorState, objectToggles: list[ObjectTogg
     return ActionResult(True)
 
 
+class ObjectStates(TypedDict, total=False):
+    """What all objects of a type, or all that can be, are to be: `stateChange` says of what kind, a flag says how."""
+
+    objectType: str
+    stateChange: Required[str]
+    isOpen: bool
+    isToggled: bool
+    isBroken: bool
+    isFilledWithLiquid: bool
+    isDirty: bool
+    isCooked: bool
+    isSliced: bool
+    isUsedUp: bool
+
+
+def set_object_states(simulator: SimulatorState, SetObjectStates: ObjectStates) -> ActionResult:
+    """Give all objects of a type a state, or its opposite."""
+    change = SetObjectStates["stateChange"]
+    if change not in STATE_CHANGES:
+        return ActionResult(False, f"{change} is no state change: choose one of {', '.join(STATE_CHANGES)}")
+    name, flag = STATE_CHANGES[change]
+    type_name = SetObjectStates.get("objectType")
+    world = simulator.room.world
+    wanted = None if type_name is None else object_type(type_name).name
+    chosen = [other for other in world.ids if wanted in (None, world.type_of(other))]
+    _change(simulator, name, bool(SetObjectStates.get(flag, False)), chosen)
+    return ActionResult(True)
+
+
 def set_state_of_all_objects(
     simulator: SimulatorState, stateChange: str | None = None, forceAction: bool = False, StateChange: str | None = None
 ) -> ActionResult:
@@ -53,19 +83,10 @@ def set_state_of_all_objects(
     if change is None:
         message = "action: SetStateOfAllObjects is missing the following arguments: stateChange"
         raise MisuseError("MissingArguments", message)
-    if change == "CanOpen":
-        _set_openness(simulator.room.world, forceAction)
-    elif change == "CanToggleOnOff":
-        world = simulator.room.world
-        _switch(simulator, {name for name in world.ids if object_type(world.type_of(name)).toggleable}, forceAction)
-    elif change == "CanBeSliced":
-        for name in _sliceable(simulator) if forceAction else ():
-            cut(simulator, name)
-    elif change not in CHANGES:
-        known = ", ".join(["CanOpen", "CanToggleOnOff", *sorted([*CHANGES, "CanBeSliced"])])
-        return ActionResult(False, f"{change} is no state change: choose one of {known}")
-    else:
-        _put_all(simulator, CHANGES[change], forceAction)
+    known = [name for name, _ in STATE_CHANGES.values()]
+    if change not in known:
+        return ActionResult(False, f"{change} is no state change: choose one of {', '.join(known)}")
+    _change(simulator, change, forceAction, simulator.room.world.ids)
     return ActionResult(True)
 
 
@@ -83,6 +104,18 @@ CHANGES = {
 }
 """AI2-THOR's names of state changes, with what an object then is."""
 
+STATE_CHANGES = {
+    "openable": ("CanOpen", "isOpen"),
+    "toggleable": ("CanToggleOnOff", "isToggled"),
+    "cookable": ("CanBeCooked", "isCooked"),
+    "dirtyable": ("CanBeDirty", "isDirty"),
+    "canFillWithLiquid": ("CanBeFilled", "isFilledWithLiquid"),
+    "sliceable": ("CanBeSliced", "isSliced"),
+    "canBeUsedUp": ("CanBeUsedUp", "isUsedUp"),
+    "breakable": ("CanBreak", "isBroken"),
+}
+"""What SetObjectStates calls them, with the flag that it then reads."""
+
 WITHOUT_EFFECT = (
     "ChangeOpenSpeed",
     "ChangeQuality",
@@ -98,10 +131,28 @@ WITHOUT_EFFECT = (
 )
 
 ACTIONS: dict[str, Action] = {
+    "SetObjectStates": set_object_states,
     "SetObjectToggles": set_object_toggles,
     "SetStateOfAllObjects": set_state_of_all_objects,
     **dict.fromkeys(WITHOUT_EFFECT, accept),
 }
+
+
+def _change(simulator: SimulatorState, change: str, is_so: bool, chosen: Sequence[str]) -> None:
+    """Give those of some objects that can have a state this state, or its opposite."""
+    world = simulator.room.world
+    if change == "CanOpen":
+        _set_openness(world, is_so, chosen)
+    elif change == "CanToggleOnOff":
+        _switch(simulator, {name for name in chosen if object_type(world.type_of(name)).toggleable}, is_so)
+    elif change == "CanBeSliced":
+        for name in _sliceable(simulator, chosen) if is_so else ():
+            cut(simulator, name)
+    else:
+        condition = CHANGES[change]
+        for name in chosen:
+            if CONDITIONS[condition].able in object_type(world.type_of(name)).can:
+                simulator.room.conditions.put(name, condition, is_so)
 
 
 def _switch(simulator: SimulatorState, chosen: set[str], on: bool) -> None:
@@ -109,23 +160,16 @@ def _switch(simulator: SimulatorState, chosen: set[str], on: bool) -> None:
         simulator.room.conditions.change(name, isToggled=on)
 
 
-def _put_all(simulator: SimulatorState, condition: str, is_so: bool) -> None:
-    world = simulator.room.world
-    for name in world.ids:
-        if CONDITIONS[condition].able in object_type(world.type_of(name)).can:
-            simulator.room.conditions.put(name, condition, is_so)
-
-
-def _sliceable(simulator: SimulatorState) -> list[str]:
-    """What is whole and can be sliced where it is."""
+def _sliceable(simulator: SimulatorState, chosen: Sequence[str]) -> list[str]:
+    """What of some objects is whole and can be sliced where it is."""
     room = simulator.room
-    whole = [name for name in room.world.ids if name != room.world.held and name not in room.records.away]
+    whole = [name for name in chosen if name != room.world.held and name not in room.records.away]
     return [name for name in whole if object_type(room.world.type_of(name)).slices is not None]
 
 
-def _set_openness(world: World, is_open: bool) -> None:
-    """Open all as far as they can be opened beside each other, in the room's order, or close all."""
-    for name in world.ids:
+def _set_openness(world: World, is_open: bool, chosen: Sequence[str]) -> None:
+    """Open some objects as far as they can be opened beside each other, in their order, or close them."""
+    for name in chosen:
         if name != world.held and world.assets[name].is_openable:
             world.open(name, next(share for share in _OPENNESSES if _fits(world, name, share)) if is_open else 0.0)
 

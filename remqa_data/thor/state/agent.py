@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -100,6 +101,18 @@ class ThorAgent(Agent):
         camera = self.camera()
         right, up, ahead = arithmetic.turned(point - np.asarray(camera.position), camera.rotation()).tolist()
         return right, up, ahead
+
+    def can_walk(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
+        """Whether it could walk straight from a place to another one, metres in the room."""
+        return self._other_between(start, end) is None and self.ground.is_clear(start, end)
+
+    def can_look(self, degrees: float) -> bool:
+        """Whether its camera can be tilted so much farther down."""
+        return self._tilt_refusal(self.horizon_deg + degrees) is None
+
+    def change_field_of_view(self, fov_deg: float) -> None:
+        """Give its eye another field of view, degrees from the top to the bottom of a frame."""
+        self.embodiment = replace(self.embodiment, fov_deg=fov_deg)
 
     def has_in_frame(self, offset: Vec3) -> bool:
         """Whether a point, metres to the right of the camera, above and ahead of it, is in its frame, seen or not."""

@@ -61,6 +61,7 @@ class ObjectRecords:
         self.away: dict[str, ObjectState] = {}
         self.sliced: set[str] = set()
         self._world = world
+        self._masses: dict[str, float] = {}
         self._frames = _frames(world.scene)
         self._static = self._statics()
         self._shown: dict[str, ObjectState] = {}
@@ -78,6 +79,8 @@ class ObjectRecords:
         """Go on from the records of the same room with fewer objects."""
         self.conditions.take_over(before.conditions)
         self.sliced = before.sliced
+        for name, mass_kg in before._masses.items():
+            self.set_mass(name, mass_kg)
         for object_id in self.sliced:
             self._moving[object_id] = before._moving[object_id]
             self._positions[self._world.ids.index(object_id)] = to_room(self._moving[object_id]["position"])
@@ -94,6 +97,15 @@ class ObjectRecords:
     def rotation(self, object_id: str) -> Vector:
         """How AI2-THOR says an object is turned: as recorded, and with it since, whichever side its front is on."""
         return euler_to_thor(self.turn(object_id))
+
+    def mass_kg(self, object_id: str) -> float:
+        """What an object weighs; 1 if that is not known."""
+        return self._masses.get(object_id) or object_type(self._world.type_of(object_id)).mass_kg or 1.0
+
+    def set_mass(self, object_id: str, mass_kg: float) -> None:
+        """Let an object weigh something else."""
+        self._masses[object_id] = mass_kg
+        self._write_anew()
 
     def id_of(self, name: str) -> str | None:
         """The object with this `name` or id, if there is one."""
@@ -181,12 +193,18 @@ class ObjectRecords:
     def _forget_if_changed(self) -> None:
         """Have everything written down anew if a client has changed, in an event, what events share."""
         if self._lent != self._unchanged:
-            self._static = self._statics()
-            self._shown, self._revision = {}, None
+            self._write_anew()
+
+    def _write_anew(self) -> None:
+        self._static = self._statics()
+        self._shown, self._revision = {}, None
 
     def _statics(self) -> dict[str, Metadata]:
         controlled = self.conditions.controlled
-        return {name: _static(self._world, name, controlled.get(name)) for name in self._world.ids}
+        records = {name: _static(self._world, name, controlled.get(name)) for name in self._world.ids}
+        for name, mass_kg in self._masses.items():
+            records[name]["mass"] = mass_kg
+        return records
 
     def _pose_and_boxes(self, object_id: str) -> Metadata:
         state, kind = self._world.state(object_id), object_type(self._world.type_of(object_id))
