@@ -40,6 +40,28 @@ class Controller(ThorController):  # type: ignore[misc]  # AI2-THOR has no types
     def __init__(self, *args: Any, **parameters: Any) -> None:
         super().__init__(*args, **{**parameters, "start_unity": False})
 
+    def start(
+        self,
+        port: int = 0,
+        start_unity: bool = True,
+        width: int = 300,
+        height: int = 300,
+        *args: Any,
+        player_screen_width: float | None = None,
+        player_screen_height: float | None = None,
+        **where: Any,
+    ) -> None:
+        """Start; once that is done, as it is after construction, only set the size of the pictures, as old clients do.
+
+        `player_screen_width` and `player_screen_height` are old names of `width` and `height`.
+        """
+        width, height = int(player_screen_width or width), int(player_screen_height or height)
+        if self.server is None:
+            super().start(port, False, width, height, *args, **where)
+        elif (width, height) != (self.width, self.height):
+            self.width, self.height = width, height
+            self.step(action="ChangeResolution", x=width, y=height)
+
     def reset(self, scene: str | None = None, **init_params: Any) -> Event:
         """Load a room, or the same room again, and place the agent at its start.
 

@@ -99,6 +99,9 @@ class Session:
 
     def _images(self, request: Mapping[str, Any]) -> Images:
         """The pictures that Initialize has asked for, and those that this action asks for."""
+        for name in ("renderNormalsImage", "renderFlowImage"):
+            if request.get(name):
+                raise MisuseError("InvalidArgument", f"{name} is not supported here")
         always = self._simulator.settings.images
         return Images(
             color=bool(request.get("renderImage", True)),

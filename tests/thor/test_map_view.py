@@ -91,3 +91,14 @@ def test_ceilings_do_not_hide_a_room_from_above(kitchen, bathroom) -> None:
         assert np.array_equal(own.frame, controller.last_event.frame)
         up = {"position": {**below["position"], "y": 1.0}, "rotation": {"x": -90, "y": 0, "z": 0}}
         assert len(controller.step("AddThirdPartyCamera", **up).third_party_instance_masks[3]) < len(seen)
+
+
+def test_a_third_party_camera_loses_and_gets_its_perspective(kitchen) -> None:
+    camera = kitchen.step("GetMapViewCameraProperties").metadata["actionReturn"]
+    above = kitchen.step("AddThirdPartyCamera", **camera, skyboxColor="white", farClippingPlane=50)
+    assert above, above.metadata["errorMessage"]
+    pose = {name: camera[name] for name in ("position", "rotation")}
+    changed = kitchen.step("UpdateThirdPartyCamera", **pose, orthographic=False, fieldOfView=100)
+    assert not np.array_equal(changed.third_party_camera_frames[0], above.third_party_camera_frames[0])
+    again = kitchen.step("UpdateThirdPartyCamera", orthographic=True, orthographicSize=camera["orthographicSize"])
+    assert np.array_equal(again.third_party_camera_frames[0], above.third_party_camera_frames[0])

@@ -42,15 +42,23 @@ class ObjectPose(TypedDict):
     rotation: PartialVector
 
 
-def remove_from_scene(simulator: SimulatorState, objectId: str) -> ActionResult:
-    """Take an object out of the scene; what lay on it falls."""
+def remove_from_scene(
+    simulator: SimulatorState, objectId: str | None = None, objectIds: list[str] | None = None
+) -> ActionResult:
+    """Take an object, or some, out of the scene; what lay on them falls."""
     room = simulator.room
-    if _is_away(room, objectId):
-        return ActionResult(False, f"{objectId} is not in the scene")
-    bears = room.world.bears_something(objectId)
-    room.take_away(objectId)
-    if bears:
-        handling.settle(room.world)
+    names = objectIds if objectId is None else [objectId]
+    if names is None:
+        message = "action: RemoveFromScene is missing the following arguments: objectId"
+        raise MisuseError("MissingArguments", message)
+    for name in names:
+        if _is_away(room, name):
+            return ActionResult(False, f"{name} is not in the scene")
+    for name in dict.fromkeys(names):
+        bears = room.world.bears_something(name)
+        room.take_away(name)
+        if bears:
+            handling.settle(room.world)
     return ActionResult(True)
 
 

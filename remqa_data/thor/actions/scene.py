@@ -17,6 +17,8 @@ from remqa_data.thor.state.settings import FrameSize, Images, Settings
 from remqa_data.thor.state.simulator import SCENE_SUFFIX, SimulatorState
 
 MOST_AGENTS = 8
+ORTHOGRAPHIC_SIZE = 5.0
+"""Half of the height, metres, that a camera without perspective shows if it is not told."""
 EYE = "FirstPersonCharacter"
 """AI2-THOR's name of the agent's camera."""
 NO_EFFECT = frozenset(
@@ -178,11 +180,7 @@ def add_third_party_camera(
     rotation: PartialVector,
     fieldOfView: float = 90.0,
     orthographic: bool = False,
-    orthographicSize: float = 5.0,
-    skyboxColor: str | None = None,
-    nearClippingPlane: float | None = None,
-    farClippingPlane: float | None = None,
-    antiAliasing: str | None = None,
+    orthographicSize: float = ORTHOGRAPHIC_SIZE,
 ) -> ActionResult:
     """Add a camera; its pictures come with every event. Its skybox and clipping planes are not the caller's to choose."""
     size = orthographicSize if orthographic else None
@@ -197,7 +195,8 @@ def update_third_party_camera(
     position: PartialVector | None = None,
     rotation: PartialVector | None = None,
     fieldOfView: float | None = None,
-    skyboxColor: str | None = None,
+    orthographic: bool | None = None,
+    orthographicSize: float | None = None,
 ) -> ActionResult:
     """Change a camera; what is not given stays as it is."""
     if not 0 <= thirdPartyCameraId < len(simulator.cameras):
@@ -205,11 +204,15 @@ def update_third_party_camera(
             False, f"there is no third party camera {thirdPartyCameraId}: {len(simulator.cameras)} were added"
         )
     camera = simulator.cameras[thirdPartyCameraId]
+    size = camera.orthographic_size if orthographicSize is None else orthographicSize
+    if orthographic is not None:
+        size = (size or ORTHOGRAPHIC_SIZE) if orthographic else None
     camera = replace(
         camera,
         position=_changed(camera.position, position),
         rotation=_changed(camera.rotation, rotation),
         field_of_view=camera.field_of_view if fieldOfView is None else fieldOfView,
+        orthographic_size=size,
     )
     return _keep(simulator, thirdPartyCameraId, camera)
 

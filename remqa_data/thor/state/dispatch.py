@@ -40,6 +40,46 @@ WITH_EVERY_ACTION = frozenset(
 )
 """What AI2-THOR's Python side may add to any action, which pictures it asks for, and how long things take to move: here
 they are there at once. An action that has such a parameter gets it; from the others it is kept away."""
+MEANS_NOTHING = frozenset(
+    {
+        "allowAgentsToIntersect",
+        "allowAutoSimulation",
+        "antiAliasing",
+        "enablePhysicsJitter",
+        "farClippingPlane",
+        "forceAction",
+        "forceKinematic",
+        "forceVisible",
+        "gridColor",
+        "gridWidth",
+        "ignoreAgentInTransition",
+        "manualInteract",
+        "markAsKinematic",
+        "maxNumRepeats",
+        "nearClippingPlane",
+        "noise",
+        "physicsInterval",
+        "placeStationary",
+        "putNearXY",
+        "randomSeed",
+        "randomizeOpen",
+        "renderFlowImage",
+        "renderNormalsImage",
+        "rotateOnTeleport",
+        "simSeconds",
+        "skyboxColor",
+        "snapToGrid",
+        "stopAtNonStaticCol",
+        "tempRenderChange",
+        "timestep",
+        "useGripper",
+        "visibilityScheme",
+        "visualize",
+        "waitForFixedUpdate",
+    }
+)
+"""Arguments of some actions, in this version or an earlier one, that choose among ways to simulate or draw where there is one
+here. They are kept away from actions that have no such parameter, too."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +125,7 @@ def call(actions: Mapping[str, CheckedAction], simulator: object, request: Mappi
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         raise MisuseError("InvalidAction", f"Invalid action: {name}{hint}")
     action = actions[name]
-    ignored = WITH_EVERY_ACTION - action.parameters
+    ignored = (WITH_EVERY_ACTION | MEANS_NOTHING) - action.parameters
     try:
         return action.execute(simulator, **{key: value for key, value in request.items() if key not in ignored})
     except ValidationError as error:
