@@ -213,9 +213,30 @@ def test_a_hand_that_cannot_be_turned_stays_as_it_is(before_apple) -> None:
     assert event.metadata["arm"] == before
 
 
-def test_the_elbow_says_why_it_cannot_be_turned(armed) -> None:
+@pytest.mark.parametrize("degrees", [15.0, -10.0])
+def test_the_elbow_turns_about_the_line_from_shoulder_to_hand(armed, degrees) -> None:
+    def at(event, joint: int) -> np.ndarray:
+        return np.array(list(event.metadata["arm"]["joints"][joint]["position"].values()))
+
+    assert armed.step("MoveArmBase", y=0.6)
+    before = armed.step("MoveArm", position={"x": 0.1, "y": 0.1, "z": 0.5})
+    assert before, before.metadata["errorMessage"]
+    event = armed.step("RotateElbowRelative", degrees=degrees)
+    assert event, event.metadata["errorMessage"]
+    assert list(hand(event).values()) == pytest.approx(list(hand(before).values()), abs=1e-5)
+    shoulder = at(event, 0)
+    assert shoulder.tolist() == at(before, 0).tolist()
+    moved = [np.linalg.norm(at(event, joint) - at(before, joint)) for joint in range(4)]
+    elbow = int(np.argmax(moved))
+    assert moved[elbow] > 0.02
+    away = armed.step("RotateElbowRelative", degrees=-degrees)
+    assert np.linalg.norm(at(away, elbow) - at(before, elbow)) < 0.3 * moved[elbow]  # the hand may point elsewhere then
+
+
+def test_an_elbow_that_cannot_be_turned_so_far_stays(armed) -> None:
+    assert armed.step("MoveArm", position={"x": 0.1, "y": 0.1, "z": 0.5})
     before = armed.last_event.metadata["arm"]
-    event = armed.step("RotateElbowRelative", degrees=20.0)
+    event = armed.step("RotateElbowRelative", degrees=175.0)
     assert not event
-    assert "cannot be turned: " in event.metadata["errorMessage"]
+    assert event.metadata["errorMessage"]
     assert event.metadata["arm"] == before

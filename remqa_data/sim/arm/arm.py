@@ -16,6 +16,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.body import robot_poses, robot_surfaces
+from remqa_data.sim.arm.elbow import elbow_way
 from remqa_data.sim.arm.obstacles import Obstacles
 from remqa_data.sim.arm.postures import HOME, ArmBase, ArmState, link_poses, postures_at
 from remqa_data.sim.arm.search import HandGoals, Search, Way
@@ -124,6 +125,14 @@ class Arm:
         pose = self.link_poses(base)[jaco.HAND]
         pose[:3, :3] = arithmetic.product(rotation, pose[:3, :3])
         return self._after(self._search(base).to_one_of(postures_at(base, pose, self.state.posture())))
+
+    def turn_elbow(self, base: ArmBase, angle: float) -> ArmMove:
+        """Lead the elbow round the line from the shoulder to the hand, radians; see `elbow_angle`.
+
+        The hand's middle and the column stay where they are; where the hand points changes as little as need be.
+        """
+        way = elbow_way(base, self.state.posture(), angle)
+        return self._after(None if way is None else self._search(base).along(*way))
 
     def set_base_height(self, base: ArmBase, height_m: float) -> ArmMove:
         """Slide the shoulder to a height above the floor, metres, as far as it is free; the joints stay as they are."""

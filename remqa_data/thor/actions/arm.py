@@ -127,10 +127,9 @@ def rotate_wrist_relative(
 
 
 def rotate_elbow_relative(simulator: SimulatorState, degrees: float, returnToStart: bool = True) -> ActionResult:
-    """Refuse to turn the elbow: six joints have no freedom left once the hand is where it is."""
-    return ActionResult(
-        False, "the elbow cannot be turned: the arm has six joints, and the hand's place takes them all"
-    )
+    """Turn the elbow about the line from the shoulder to the hand, whose middle stays where it is; the hand turns with it."""
+    agent = simulator.agent
+    return _or_back(simulator, returnToStart, lambda: agent.turn_elbow(-math.radians(degrees)))
 
 
 ACTIONS: dict[str, Action] = {

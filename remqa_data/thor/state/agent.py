@@ -13,6 +13,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, I32, Vec3
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
+from remqa_data.sim.arm import jaco
 from remqa_data.sim.metadata import scaled_min_pixels
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
@@ -138,14 +139,29 @@ class ThorAgent(Agent):
     def turn_hand(self, rotation: F64) -> ActionResult:
         """Turn the arm's hand, and what it holds with it, by a (3, 3) rotation about axes of the room."""
         turned = self.arm.turn_hand(self.base, rotation)
-        if turned.success and self.held is not None:
-            world, held = self.world, self.held
-            state = world.state(held)
-            from_hand = self._grasp + state.position - world.box(held).mean(axis=0)
-            quaternion = snapped_quaternion(quaternion_of(arithmetic.product(rotation, rotation_of(state.quaternion))))
-            world.move_alone(held, state.position, quaternion)
-            self._grasp = arithmetic.turned(from_hand, rotation) - state.position + world.box(held).mean(axis=0)
+        if turned.success:
+            self._turn_held(rotation)
         return ActionResult(turned.success, turned.error)
+
+    def turn_elbow(self, angle: float) -> ActionResult:
+        """Lead the arm's elbow round the line from shoulder to hand, radians; what the hand holds turns with it."""
+        before = self.arm.link_poses(self.base)[jaco.HAND][:3, :3]
+        turned = self.arm.turn_elbow(self.base, angle)
+        after = self.arm.link_poses(self.base)[jaco.HAND][:3, :3]
+        if turned.success:
+            self._turn_held(arithmetic.product(after, before.T))
+        return ActionResult(turned.success, turned.error)
+
+    def _turn_held(self, rotation: F64) -> None:
+        """Turn what is held by a (3, 3) rotation about axes of the room, about the middle of the hand."""
+        world, held = self.world, self.held
+        if held is None:
+            return
+        state = world.state(held)
+        from_hand = self._grasp + state.position - world.box(held).mean(axis=0)
+        quaternion = snapped_quaternion(quaternion_of(arithmetic.product(rotation, rotation_of(state.quaternion))))
+        world.move_alone(held, state.position, quaternion)
+        self._grasp = arithmetic.turned(from_hand, rotation) - state.position + world.box(held).mean(axis=0)
 
     def held_at(self) -> Vec3:
         """Where the middle of the box of what it holds is, metres in the room."""

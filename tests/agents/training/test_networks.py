@@ -41,7 +41,7 @@ def short(name: str, folder: Path) -> Path:
     """A network that comes with the package, which learns for one epoch from small pictures."""
     config = load_network_config(name).model_dump(mode="json")
     config["schedule"]["epochs"] = 1
-    if config["network"]["kind"] in ("detector", "refiner"):
+    if "side_px" in config["network"]:
         config["network"]["side_px"] = 64
     if "walks" in config["network"]:
         config["network"]["walks"] = 4
