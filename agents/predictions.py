@@ -10,7 +10,7 @@ from typing import Any
 import torch
 
 from remqa_data.agents.detection_scores import score_detector
-from remqa_data.agents.networks.answerer import ManipulationAnswerer, agreed, likeliest
+from remqa_data.agents.networks.answerer import ManipulationAnswerer, likeliest
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.detection.refiner import Refiner, TwoStageDetector
 from remqa_data.agents.networks.detection.regions import AnyDetector
@@ -27,7 +27,7 @@ from remqa_data.evaluation.submission.tracks import Track
 from remqa_data.files import atomic_path
 from remqa_data.storage.manifest import load_manifest
 
-AT_ONCE = 4
+AT_ONCE = 16
 """Questions that are answered together."""
 
 Progress = Callable[[int], None]
@@ -99,15 +99,12 @@ def predict_answers(
     network = network.to(device)
     for first in range(0, len(views), AT_ONCE):
         places = range(first, min(first + AT_ONCE, len(views)))
-        asked = [views.rows[place] for place in places]
-        seen = torch.stack([views.looks(place) for place in places])
-        questions = [row["question"] for row in asked for _ in range(seen.shape[1])]
-        numbers = torch.from_numpy(vocabulary.encode_batch(questions)[0]).to(device)
-        said = network(numbers, seen.flatten(0, 1).to(device)).answers.unflatten(0, seen.shape[:2])
-        answers = likeliest(agreed(said), [row["kind"] for row in asked], vocabulary.answers)
-        rows += [
-            {"question_id": row["question_id"], "answer": answer} for row, answer in zip(asked, answers, strict=True)
-        ]
+        asked = [views.view(place) for place in places]
+        numbers = torch.from_numpy(vocabulary.encode_batch([one.question for one in asked])[0]).to(device)
+        said = network(numbers, torch.stack([one.views for one in asked]).to(device))
+        answers = likeliest(said.answers, [one.kind for one in asked], vocabulary.answers)
+        for place, answer in zip(places, answers, strict=True):
+            rows.append({"question_id": views.rows[place]["question_id"], "answer": answer})
         if progress is not None:
             progress(len(asked))
     return rows

@@ -146,11 +146,6 @@ def _changes(views: Tensor) -> Tensor:
     return functional.avg_pool2d(change, STRIDE, ceil_mode=True)[:, 0].clamp(min=LEAST_CHANGE).log()
 
 
-def agreed(logits: Tensor) -> Tensor:
-    """(n, answers) logits of what (n, looks, answers) logits of several looks say together: the mean of their shares."""
-    return logits.softmax(-1).mean(1).log()
-
-
 def likeliest(logits: Tensor, kinds: Sequence[str], answers: Sequence[str]) -> list[str]:
     """The likeliest answer of each row of (n, answers) logits: a number where one is asked for, else yes or no."""
     is_number = torch.tensor([answer.isdigit() for answer in answers], device=logits.device)

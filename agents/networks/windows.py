@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
 
 import cv2
 import numpy as np
 import numpy.typing as npt
-
-from remqa_data.geometry.types import U8
 
 SIDE_PX = 192
 """Of the square that an answerer sees, if its configuration does not say another."""
 
 AROUND, LEAST_PX = 1.5, 120.0
 """It shows so many times the target's box, and at least so many pixels of the view."""
-
-ZOOMS = (1.0, 1.25)
-"""Who answers looks twice, the second time from nearer by, and each time also in a mirror: chosen in val rooms."""
 
 
 def window(box: Sequence[float] | npt.NDArray[np.floating] | None, size: tuple[int, int]) -> tuple[float, float, float]:
@@ -37,16 +31,6 @@ def window(box: Sequence[float] | npt.NDArray[np.floating] | None, size: tuple[i
         float(np.clip(y, side / 2, height - side / 2)),
         float(side),
     )
-
-
-def looks(pictures: Sequence[U8], box: Sequence[float] | npt.NDArray[np.floating] | None, side_px: int = SIDE_PX) -> U8:
-    """(looks, pictures, 3, side_px, side_px) several looks at the same part of some pictures, (h, w, 3) each."""
-    x, y, side = window(box, pictures[0].shape[:2])
-    seen = [
-        [cut(picture, (x, y, side / zoom), side_px, mirrored=mirrored) for picture in pictures]
-        for zoom, mirrored in product(ZOOMS, (False, True))
-    ]
-    return np.ascontiguousarray(np.array(seen).transpose(0, 1, 4, 2, 3))
 
 
 def cut(

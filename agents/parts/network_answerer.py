@@ -8,9 +8,9 @@ import numpy as np
 import torch
 
 from remqa_data.agents.knowledge.reading import Question
-from remqa_data.agents.networks.answerer import ManipulationAnswerer, agreed, likeliest
+from remqa_data.agents.networks.answerer import ManipulationAnswerer, likeliest
 from remqa_data.agents.networks.threads import one_thread
-from remqa_data.agents.networks.windows import looks
+from remqa_data.agents.networks.windows import cut, window
 from remqa_data.agents.parts.interfaces import Percept, Sighting
 from remqa_data.datasets.vocabulary import Vocabulary
 
@@ -35,8 +35,11 @@ class NetworkAnswerer:
         """See `remqa_data.agents.parts.interfaces.Answerer`."""
         height, width = before.depth.shape
         box = None if sighting is None else np.array(sighting.box) * (width, height, width, height)
-        views = torch.from_numpy(looks([before.rgb, after.rgb], box, self.network.side_px))
-        numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.text] * len(views))[0])
+        place = window(box, (height, width))
+        views = np.stack([cut(percept.rgb, place, self.network.side_px) for percept in (before, after)]).transpose(
+            0, 3, 1, 2
+        )
+        numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.text])[0])
         with one_thread():
-            said = agreed(self.network(numbers, views).answers[None])
-        return likeliest(said, [asked.kind], self.vocabulary.answers)[0]
+            said = self.network(numbers, torch.from_numpy(np.ascontiguousarray(views))[None])
+        return likeliest(said.answers, [asked.kind], self.vocabulary.answers)[0]

@@ -20,7 +20,7 @@ from remqa_data.agents.networks.answerer import VIEWS, Answered, ManipulationAns
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.detection.detector_loss import heat_loss, wanted_of
 from remqa_data.agents.networks.detection.pyramid import STRIDE
-from remqa_data.agents.networks.windows import SIDE_PX, cut, looks, window
+from remqa_data.agents.networks.windows import SIDE_PX, cut, window
 from remqa_data.agents.training.pictures import detector_types, relit
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.catalog import object_type, plural, with_article
@@ -123,12 +123,6 @@ class AskedViews:
 
     def __len__(self) -> int:
         return len(self.rows)
-
-    def looks(self, index: int) -> Tensor:
-        """(looks, 2, 3, side, side) what is looked at to answer a question, before and after."""
-        row = self.rows[index]
-        pictures = [decode_rgb(data) for data in self._reader.images(row["place"], IMAGES[:2])]
-        return torch.from_numpy(looks(pictures, row["start_target_box_2d"] if self.with_box else None, self.side_px))
 
     def view(self, index: int, rng: np.random.Generator | None = None, others: Others | None = None) -> Asked:
         """A question; with a generator varied, and then perhaps for another of the things that can be asked for."""

@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from remqa_data.agents.networks.answerer import ManipulationAnswerer, View, _counts, _evidence, agreed, likeliest
+from remqa_data.agents.networks.answerer import ManipulationAnswerer, View, _counts, _evidence, likeliest
 
 ANSWERS = ("0", "1", "2", "no", "yes")
 WORDS, TYPES = 20, 6
@@ -59,13 +59,3 @@ def test_padding_and_other_questions_of_the_batch_do_not_matter() -> None:
 def test_a_number_is_the_answer_where_one_is_asked_for_and_nowhere_else() -> None:
     logits = torch.tensor([[0.0, 1.0, 5.0, 9.0, 2.0], [0.0, 9.0, 5.0, 1.0, 2.0]])
     assert likeliest(logits, ["COUNTING", "EXISTENCE"], ANSWERS) == ["2", "yes"]
-
-
-def test_looks_agree_on_what_most_of_them_say_most_surely() -> None:
-    sure, unsure, other = [5.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 2.0, 0.0]
-    said = agreed(torch.tensor([[sure, unsure, other], [unsure, other, other]]))
-    assert said.shape == (2, 3)
-    assert said.argmax(1).tolist() == [0, 1]
-    assert torch.allclose(said.exp().sum(1), torch.ones(2))
-    alone = torch.tensor([[[0.3, -1.0, 2.0]]])
-    assert torch.allclose(agreed(alone), alone[:, 0].log_softmax(1))

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from remqa_data.agents.networks.windows import AROUND, LEAST_PX, SIDE_PX, ZOOMS, cut, looks, window
+from remqa_data.agents.networks.windows import AROUND, LEAST_PX, SIDE_PX, cut, window
 
 
 @given(st.tuples(*(st.floats(0, 300) for _ in range(4))))
@@ -31,17 +31,3 @@ def test_what_is_cut_out_is_enlarged_and_perhaps_mirrored() -> None:
     assert (seen[:, : SIDE_PX // 2 - 1] == 0).all()
     assert (cut(picture, place, mirrored=True)[:, : SIDE_PX // 2 - 1] == 7).all()
     assert cut(np.zeros((300, 300, 3), np.uint8), place).shape == (SIDE_PX, SIDE_PX, 3)
-
-
-def test_several_looks_show_the_same_part_from_nearer_by_and_in_a_mirror() -> None:
-    picture = np.zeros((300, 300, 3), dtype=np.uint8)
-    picture[140:160, 100:140] = 255
-    seen = looks([picture, np.flip(picture, 1)], (100, 100, 200, 200), 96)
-    assert seen.shape == (2 * len(ZOOMS), 2, 3, 96, 96)
-    assert seen.dtype == np.uint8
-    for index, zoom in enumerate(ZOOMS):
-        plain, mirrored = seen[2 * index : 2 * index + 2, 0, 0]
-        assert ((mirrored > 127) == (plain[:, ::-1] > 127)).mean() > 0.98  # but for a pixel at the edges
-        share = (plain > 127).mean()
-        assert abs(share - zoom**2 * 20 * 40 / (AROUND * 100) ** 2) < 0.01
-    assert ((seen[0, 0] > 127) == (seen[1, 1] > 127)).mean() > 0.98  # one picture is the other's mirror image
