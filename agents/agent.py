@@ -9,9 +9,22 @@ import numpy as np
 
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.reading import Question
-from remqa_data.agents.parts.interfaces import Answerer, Localizer, Manipulator, Navigator, Percept, Remembering
+from remqa_data.agents.parts.interfaces import (
+    Answerer,
+    Localizer,
+    Manipulator,
+    Navigator,
+    Percept,
+    Persistent,
+    Remembering,
+    Sighting,
+    Walker,
+)
 from remqa_data.env.actions import Command
 from remqa_data.sim.agent.actions import DONE, Action
+
+MOST_TRIES = 3
+"""Where nothing can be done to the target from so many places, the agent answers without."""
 
 Act = Callable[[Command], Percept]
 """Does something in the room and says what the agent perceives then: all that an agent has of the environment."""
@@ -50,20 +63,36 @@ class Agent:
             For parts that draw.
         """
         walker = self.navigator.begin(asked, memory, rng)
-        before = first
-        for _ in range(self.most_steps):
-            action = walker.next_action(before)
-            if action is None:
+        before, steps = self._walk(walker, first, act, self.most_steps)
+        for tries_left in reversed(range(MOST_TRIES)):
+            if isinstance(walker, Remembering):
+                memory = walker.memory
+            sighting = self.localizer.locate(asked, memory, before, rng) if self.localizer else None
+            after = self._manipulate(asked, memory, before, sighting, act)
+            if after is before or after.succeeded or not tries_left or not isinstance(walker, Persistent):
                 break
-            before = act(Command(Action(action)))
-        if isinstance(walker, Remembering):
-            memory = walker.memory
-        sighting = self.localizer.locate(asked, memory, before, rng) if self.localizer else None
+            walker.leave(before)
+            there, steps = self._walk(walker, before, act, steps)
+            if there.pose == before.pose:
+                break
+            before = there
         box = sighting.box if sighting else None
-        after = before
-        for manipulation in self.manipulator.actions(asked, memory, before, sighting) if self.manipulator else ():
-            after = act(Command(manipulation, box=box))
-            if after.succeeded:
-                break
         answer = self.answerer.answer(asked, before, after, sighting) if self.answerer else None
         act(Command(Action(DONE), box=box) if answer is None else Command(answer=answer, box=box))
+
+    def _walk(self, walker: Walker, percept: Percept, act: Act, most_steps: int) -> tuple[Percept, int]:
+        """Walk until the walker is there; what is perceived then, and how many steps are left."""
+        while most_steps and (action := walker.next_action(percept)) is not None:
+            percept, most_steps = act(Command(Action(action))), most_steps - 1
+        return percept, most_steps
+
+    def _manipulate(
+        self, asked: Question, memory: WalkMemory, before: Percept, sighting: Sighting | None, act: Act
+    ) -> Percept:
+        """Try what is to be done until it succeeds; what is perceived then. `before` itself if nothing was tried."""
+        after = before
+        for manipulation in self.manipulator.actions(asked, memory, before, sighting) if self.manipulator else ():
+            after = act(Command(manipulation, box=sighting.box if sighting else None))
+            if after.succeeded:
+                break
+        return after

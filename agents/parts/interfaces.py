@@ -69,6 +69,14 @@ class Walker(Protocol):
 
 
 @runtime_checkable
+class Persistent(Protocol):
+    """A walker that knows from where else something could be done to the target."""
+
+    def leave(self, percept: Percept) -> None:
+        """Hear that nothing could be done from here; the next actions lead elsewhere, if there is anywhere to go."""
+
+
+@runtime_checkable
 class Remembering(Protocol):
     """A walker that says what the agent knows of the room in the end: what it was told, or has found out itself."""
 

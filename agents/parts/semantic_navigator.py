@@ -80,6 +80,13 @@ class SemanticMapWalker:
         self._last = action, percept.pose
         return action
 
+    def leave(self, percept: Percept) -> None:
+        """See `remqa_data.agents.parts.interfaces.Persistent`: it goes on to the best pose in another cell."""
+        self._waiting = [goal for goal in self._waiting if goal.pose.cell != percept.pose.cell]
+        self._last = None
+        if self._graph is not None:
+            self._plan_from(percept.pose)
+
     def _grid(self) -> ReachableGrid:
         assert self._graph is not None, "the walk has begun"
         return ReachableGrid(tuple(sorted(self._graph)), self._graph, (), self.memory.plan.floor_z, self.memory.body)

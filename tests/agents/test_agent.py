@@ -83,3 +83,42 @@ def test_without_the_other_parts_it_only_walks() -> None:
     room = Room()
     Agent(Parts(1)).play(ASKED, MEMORY, FIRST, room.act, np.random.default_rng(0))
     assert [str(command) for command in room.commands] == ["MoveAhead", "Done"]
+
+
+@dataclass
+class Persistent(Parts):
+    """The same, and it knows of more places, each a step away."""
+
+    places: int = 1
+
+    def leave(self, percept):
+        self.places -= 1
+        self.steps = 1 if self.places >= 0 else 0
+
+
+@dataclass
+class Corridor(Room):
+    """Steps lead to other cells, and nothing can be done before the last of them."""
+
+    at: int = 0
+    last: int = 1
+
+    def act(self, command: Command) -> Percept:
+        self.commands.append(command)
+        name = command.action.name if command.action else "Answer"
+        self.at += name == "MoveAhead"
+        return percept_of(AgentPose((self.at, 0), 0), succeeded=self.at >= self.last or name == "MoveAhead")
+
+
+def test_where_nothing_can_be_done_it_is_tried_elsewhere() -> None:
+    tries = ["PushObject @0.2,0.3", "PullObject @0.2,0.3"]
+    assert played(Persistent(0), Corridor()) == [*tries, "MoveAhead", tries[0], "Answer yes"]
+    assert played(Persistent(0, places=0), Corridor()) == [*tries, "Answer yes"]  # there is nowhere to go
+    everywhere = [*tries, "MoveAhead", *tries, "MoveAhead", *tries, "Answer yes"]
+    assert played(Persistent(0, places=9), Corridor(last=9)) == everywhere  # it has tried three times
+    assert played(Persistent(0, places=9), Corridor(last=9), most_steps=1) == [
+        *tries,
+        "MoveAhead",
+        *tries,
+        "Answer yes",
+    ]

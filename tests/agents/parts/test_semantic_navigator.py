@@ -51,6 +51,18 @@ def test_the_walk_leads_straight_to_the_front_of_the_target() -> None:
     assert actions.count("RotateLeft") == 1
 
 
+def test_where_nothing_could_be_done_it_goes_to_another_cell() -> None:
+    memory = memory_of([FRIDGE], BOUNDS)
+    instance = choose_instance(QUESTION.target, memory)
+    walker, pose, cells = SemanticMapNavigator().begin(QUESTION, memory, RNG), START, []
+    for _ in range(4):
+        _, pose = walk(walker, pose, instance)
+        cells.append(pose.cell)
+        walker.leave(percept_of(pose))
+    assert len(set(cells)) == 4
+    assert max(math.dist((x * 0.25, y * 0.25), (0.0, -0.3)) for x, y in cells) < 1.3
+
+
 def test_a_way_round_is_found_where_the_map_knows_an_obstacle() -> None:
     shelf = thing("Shelf|1", (0.0, -1.5, 0.0), (2.0, 0.3, 1.0))
     memory = memory_of([FRIDGE, shelf], BOUNDS)
