@@ -31,6 +31,20 @@ def test_the_same_seed_gives_the_same_weights_and_another_seed_others(tmp_path: 
     assert found[0] == found[1] != found[2]
 
 
+def test_it_learns_in_bfloat16_with_weights_of_float32(tmp_path: Path) -> None:
+    short = replace(SCHEDULE, epochs=40, precision="bfloat16")
+    tasks = [Sums() for _ in range(3)]
+    scores = [
+        train(task, schedule, tmp_path / str(place))
+        for place, (task, schedule) in enumerate(
+            zip(tasks, (short, short, replace(short, precision="float32")), strict=True)
+        )
+    ]
+    assert scores[0]["val_error"] < 0.15
+    assert {weights.dtype for weights in tasks[0].model.parameters()} == {torch.float32}
+    assert checksum(tasks[0].model) == checksum(tasks[1].model) != checksum(tasks[2].model)
+
+
 def test_a_run_that_was_stopped_goes_on_where_it_was_to_the_same_weights(tmp_path: Path) -> None:
     whole, stopped = Sums(), Sums()
     train(whole, SCHEDULE, tmp_path / "whole")
