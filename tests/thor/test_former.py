@@ -68,6 +68,14 @@ def test_the_arm_takes_an_apple_and_lets_it_go(armed) -> None:
     assert armed.last_event.metadata["arm"]["heldObjects"] == []
 
 
+def test_looks_along_a_heading_and_at_an_angle(kitchen) -> None:
+    event = kitchen.step({"action": "Rotate", "rotation": 215.0})
+    assert event.metadata["agent"]["rotation"]["y"] == pytest.approx(215.0)
+    event = kitchen.step({"action": "Look", "horizon": 30})
+    assert event.metadata["agent"]["cameraHorizon"] == pytest.approx(30.0)
+    assert not kitchen.step({"action": "Look", "horizon": 80})
+
+
 @pytest.mark.parametrize("rotation", [0.0, 90.0, 200.0])
 def test_steps_along_the_axes_of_the_room(kitchen, rotation) -> None:
     start = {"x": 1.25, "y": 0.9, "z": 1.25}

@@ -6,7 +6,7 @@ from typing import Any
 
 from remqa_data.geometry import arithmetic
 from remqa_data.sim.agent.agent import ActionResult
-from remqa_data.thor.actions import arm, hand, objects, search
+from remqa_data.thor.actions import arm, hand, navigation, objects, search
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector
 from remqa_data.thor.state.simulator import SimulatorState
@@ -43,6 +43,16 @@ def move(
     agent = simulator.agent
     sine, cosine = arithmetic.sin_cos_deg(agent.yaw_deg)
     return agent.move(float(x * cosine + z * sine), float(x * sine - z * cosine), forceAction)
+
+
+def rotate(simulator: SimulatorState, rotation: PartialVector) -> ActionResult:
+    """Look along a heading, degrees."""
+    return navigation.rotate_look(simulator, rotation)
+
+
+def look(simulator: SimulatorState, horizon: float) -> ActionResult:
+    """Tilt the camera to an angle, degrees."""
+    return navigation.rotate_look(simulator, horizon=horizon)
 
 
 def move_hand(
@@ -103,6 +113,7 @@ def rotate_continuous(simulator: SimulatorState, degrees: float, **ignored: Any)
 
 
 ACTIONS: dict[str, Action] = {
+    "Look": look,
     "Move": move,
     "MoveHand": move_hand,
     "MoveHandAhead": hand.move_held_object_ahead,
@@ -114,6 +125,7 @@ ACTIONS: dict[str, Action] = {
     "MoveHandUp": hand.move_held_object_up,
     "PlaceHeldObject": objects.put_object,
     "PositionsFromWhichItemIsInteractable": positions_from_which_item_is_interactable,
+    "Rotate": rotate,
     "RotateHand": rotate_hand,
     "RotateHandRelative": rotate_hand_relative,
 }
