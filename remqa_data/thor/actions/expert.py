@@ -122,8 +122,8 @@ def _spot(place: Plan, step_m: float) -> Cell:
 
 def _turns(step_deg: float) -> list[int]:
     """How many turns to the right (or, negative, to the left) lead to each heading, the fewest first."""
-    count = max(1, round(360.0 / step_deg)) if step_deg > 0 else 1
-    return sorted(range(-((count - 1) // 2), count // 2 + 1), key=lambda turn: (abs(turn), -turn))
+    around = max(1, round(360.0 / step_deg)) if step_deg > 0 else 1
+    return sorted(range(-((around - 1) // 2), around // 2 + 1), key=lambda turn: (abs(turn), -turn))
 
 
 class _MetresLeft:
