@@ -54,6 +54,7 @@ def test_an_object_is_seen_in_the_end(kitchen) -> None:
 
 def test_it_gets_there_with_steps_that_fit_no_grid(kitchen) -> None:
     positions = kitchen.step("GetReachablePositions").metadata["actionReturn"]
+    assert len(positions) > 100
     kitchen.reset(gridSize=0.5, rotateStepDegrees=20)
     for place in positions[::37]:
         follow(kitchen, position=place)

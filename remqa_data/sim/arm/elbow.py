@@ -87,7 +87,7 @@ def _slope(base: ArmBase, posture: F64, axis: int) -> float:
 def _pointed(base: ArmBase, posture: F64, tilt: F64) -> F64 | None:
     """The posture with the hand in its place, tilted by (2,) radians along its own axes, the arm bent as it is; or None."""
     hand = link_poses(base, posture[None])[0, jaco.HAND]
-    axis = hand[:3, 2] + hand[:3, :2] @ tilt
+    axis = arithmetic.turned(np.append(tilt, 1.0), hand[:3, :3])
     axis = axis / float(arithmetic.length(axis))
     found = postures_to(base, hand[:3, 3], posture[None, :2], axis[None], posture)
     if not len(found) or float(np.abs(found[0] - posture).max()) > MOST_TRAVEL_RAD:

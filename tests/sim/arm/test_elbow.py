@@ -49,7 +49,9 @@ def test_the_elbow_goes_round_and_the_hand_stays(degrees: float) -> None:
 
 
 def test_the_angle_is_that_about_the_line_from_shoulder_to_hand() -> None:
-    for start in starts(10):
+    found = starts(10)
+    assert len(found) == 10
+    for start in found:
         shoulder, elbow, hand = placed(start)
         line = (hand - shoulder) / np.linalg.norm(hand - shoulder)
         above = np.array([0.0, 0.0, 1.0]) - line[2] * line
