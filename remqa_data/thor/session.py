@@ -67,6 +67,7 @@ class Session:
         code = None
         try:
             self._let_act(request.get("agentId"))
+            _refuse_pictures(request)
             result = call(actions, self._simulator, request)
         except MisuseError as error:
             result, code = ActionResult(False, str(error)), error.code
@@ -99,9 +100,6 @@ class Session:
 
     def _images(self, request: Mapping[str, Any]) -> Images:
         """The pictures that Initialize has asked for, and those that this action asks for."""
-        for name in ("renderNormalsImage", "renderFlowImage"):
-            if request.get(name):
-                raise MisuseError("InvalidArgument", f"{name} is not supported here")
         always = self._simulator.settings.images
         return Images(
             color=bool(request.get("renderImage", True)),
@@ -109,3 +107,10 @@ class Session:
             instances=always.instances or bool(request.get("renderInstanceSegmentation")),
             types=always.types or bool(request.get("renderSemanticSegmentation")),
         )
+
+
+def _refuse_pictures(request: Mapping[str, Any]) -> None:
+    """Pictures that AI2-THOR has and we have not, asked for by Initialize or by any other action, are an error."""
+    for name in ("renderNormalsImage", "renderFlowImage"):
+        if request.get(name):
+            raise MisuseError("InvalidArgument", f"{name} is not supported here")

@@ -91,12 +91,13 @@ def _step_towards(simulator: SimulatorState, goal: Cell) -> str | None:
     agent, step_m, turn_deg = simulator.agent, simulator.settings.grid_size, simulator.settings.rotate_step_degrees
     metres_left, numbers, start = _MetresLeft(agent, goal), count(), (agent.x, agent.y)
     nearest = _Reached(0.0, next(numbers), start, metres_left(start), 0.0, 0, None)
-    queue, seen = [nearest], set[tuple[int, int]]()
+    queue, seen = [nearest], set[Cell]()
     while queue and len(seen) < MOST_PLACES:
         here = heappop(queue)
-        if _spot(here.place, step_m) in seen:
+        spot = _spot(here.place, step_m)
+        if spot in seen:
             continue
-        seen.add(_spot(here.place, step_m))
+        seen.add(spot)
         if here.left_m < nearest.left_m - LEAST_GAIN_M:
             nearest = here
         if here.left_m <= step_m / 2:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import wraps
 from typing import Any
 
 from remqa_data.geometry import arithmetic
@@ -12,20 +13,10 @@ from remqa_data.thor.state.frames import PartialVector
 from remqa_data.thor.state.simulator import SimulatorState
 
 
-def positions_from_which_item_is_interactable(
-    simulator: SimulatorState,
-    objectId: str,
-    positions: list[PartialVector] | None = None,
-    rotations: list[float] | None = None,
-    horizons: list[float] | None = None,
-    standings: list[bool] | None = None,
-    maxDistance: float | None = None,
-    maxPoses: int | None = None,
-) -> ActionResult:
-    """What `GetInteractablePoses` finds, as a list for each of x, y, z, rotation, standing and horizon."""
-    found = search.get_interactable_poses(
-        simulator, objectId, positions, rotations, horizons, standings, maxDistance, maxPoses
-    )
+@wraps(search.get_interactable_poses, assigned=("__annotations__",))
+def positions_from_which_item_is_interactable(simulator: SimulatorState, **asked: Any) -> ActionResult:
+    """What `GetInteractablePoses`, whose parameters it has, finds, as a list for each of x, y, z, rotation, ..."""
+    found = search.get_interactable_poses(simulator, **asked)
     if not found.success:
         return found
     names = ("x", "y", "z", "rotation", "standing", "horizon")

@@ -10,6 +10,7 @@ from remqa_data.geometry.rotations import rotation_of
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
+from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, whole
@@ -154,24 +155,18 @@ def touch_then_apply_force(
 
     A direction is as the agent faces; what of it goes up or down is lost to friction.
     """
-    if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
-        return ActionResult(False, f"x and y must be in [0:1] not (x={x:g}, y={y:g}).")
-    room, agent = simulator.room, simulator.agent
+    shown = shown_at(simulator, x, y)
+    if isinstance(shown, ActionResult):
+        return shown
     reach = simulator.settings.visibility_distance if handDistance is None else handDistance
-    camera = room.frame_camera()
-    depth, _ = room.view.depth_and_instances(camera)
-    row, column = min(int(y * depth.shape[0]), depth.shape[0] - 1), min(int(x * depth.shape[1]), depth.shape[1] - 1)
-    away = math.dist(camera.unproject(depth)[row, column], camera.position) if depth[row, column] > 0 else math.inf
-    if away > reach:
+    if shown.away_m > reach:
         return ActionResult(True, value={"didHandTouchSomething": False, "objectId": "", "armsLength": reach})
-    touched = agent.object_at(x, y, camera)
-    value = {"didHandTouchSomething": True, "objectId": touched or NO_OBJECT, "armsLength": away}
-    ahead = whole(direction or {})
-    kind = object_type(room.world.type_of(touched)) if touched is not None else None
+    touched, ahead = shown.object_id, whole(direction or {})
     share = math.hypot(ahead["x"], ahead["z"]) / (math.hypot(ahead["x"], ahead["y"], ahead["z"]) or 1.0)
-    if touched is not None and kind is not None and (kind.pickupable or kind.moveable) and moveMagnitude * share > 0.0:
+    if touched is not None and moveMagnitude * share > 0.0:  # what cannot be moved stays
         angle = math.degrees(math.atan2(ahead["x"], ahead["z"]))
         _push(simulator, touched, moveMagnitude * share, angle, force=True)
+    value = {"didHandTouchSomething": True, "objectId": touched or NO_OBJECT, "armsLength": shown.away_m}
     return ActionResult(True, value=value)
 
 

@@ -107,8 +107,7 @@ def set_object_poses(
     }
     for name in gone:
         world.put_away(name)
-    blocker = None if forceAction else _sunken(world, moved)
-    blocker = blocker or _come_to_rest(room, moved)
+    blocker = _put_down(room, moved, forceAction)
     if blocker is not None:
         world.restore(before)
         return ActionResult(False, f"the poses put an object into {blocker}")
@@ -125,10 +124,8 @@ def place_object_at_point(
 ) -> ActionResult:
     """Put the bottom of an object's box at a point, with what is in or on it, and let it come to rest."""
     room, world = simulator.room, simulator.room.world
-    if _is_away(room, objectId):
-        return ActionResult(False, f"{objectId} is not in the scene")
-    if not _is_loose(world, objectId):
-        return ActionResult(False, f"{objectId} is neither pickupable nor moveable")
+    if (refusal := _stays(room, objectId)) is not None:
+        return refusal
     before = world.save()
     if objectId == world.held:
         world.put(world.state(objectId).position)
@@ -142,7 +139,7 @@ def place_object_at_point(
         world.state(objectId).position + np.asarray(to_room(whole(position))) - bottom
     ).tolist()
     world.move(objectId, (x, y, z))
-    blocker = _sunken(world, moved) or _come_to_rest(room, moved)
+    blocker = _put_down(room, moved)
     if blocker is not None:
         world.restore(before)
         return ActionResult(False, f"spawn area not clear ({blocker} is in the way), can't place object at that point")
@@ -166,10 +163,8 @@ def teleport_object(
     put into other things, and physics drives them apart.
     """
     room, world = simulator.room, simulator.room.world
-    if _is_away(room, objectId):
-        return ActionResult(False, f"{objectId} is not in the scene")
-    if not _is_loose(world, objectId):
-        return ActionResult(False, f"{objectId} is neither pickupable nor moveable")
+    if (refusal := _stays(room, objectId)) is not None:
+        return refusal
     if objectId == world.held and not allowTeleportOutOfHand:
         return ActionResult(False, f"{objectId} is in the hand, and allowTeleportOutOfHand is not set")
     places = positions or ([] if position is None else [position])
@@ -182,7 +177,7 @@ def teleport_object(
             world.put(world.state(objectId).position)
         pivot, quaternion = room.records.pose_of(objectId, to_room(whole(place)), turn)
         moved = [objectId, *world.move(objectId, pivot, quaternion)]
-        blocker = (None if forceAction else _sunken(world, moved)) or _come_to_rest(room, moved)
+        blocker = _put_down(room, moved, forceAction)
         if blocker is None:
             return ActionResult(True)
         world.restore(before)
@@ -231,6 +226,15 @@ def _is_away(room: LoadedFloorPlan, object_id: str) -> bool:
     return object_id in room.records.away
 
 
+def _stays(room: LoadedFloorPlan, object_id: str) -> ActionResult | None:
+    """Why an object cannot be put elsewhere, if it cannot."""
+    if _is_away(room, object_id):
+        return ActionResult(False, f"{object_id} is not in the scene")
+    if not _is_loose(room.world, object_id):
+        return ActionResult(False, f"{object_id} is neither pickupable nor moveable")
+    return None
+
+
 def _is_loose(world: World, object_id: str) -> bool:
     kind = object_type(world.type_of(object_id))
     return kind.pickupable or kind.moveable
@@ -248,6 +252,11 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
         if apart < SAME_M and abs(float(arithmetic.dot(known.quaternion, quaternion))) > SAME_COSINE:
             return known
     return wanted
+
+
+def _put_down(room: LoadedFloorPlan, moved: Sequence[str], force: bool = False) -> str | None:
+    """Let what was moved come to rest; what is in its way before that, if it is not forced, or where it ends."""
+    return (None if force else _sunken(room.world, moved)) or _come_to_rest(room, moved)
 
 
 def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str]) -> str | None:

@@ -70,8 +70,6 @@ def initialize(
     renderDepthImage: bool = False,
     renderInstanceSegmentation: bool = False,
     renderSemanticSegmentation: bool = False,
-    renderNormalsImage: bool = False,
-    renderFlowImage: bool = False,
     **others: Any,
 ) -> ActionResult:
     """Set what holds until the next Initialize."""
@@ -81,8 +79,6 @@ def initialize(
         )
     if not 1 <= agentCount <= MOST_AGENTS:
         raise MisuseError("InvalidArgument", f"agentCount {agentCount} is not between 1 and {MOST_AGENTS}")
-    if renderNormalsImage or renderFlowImage:
-        raise MisuseError("InvalidArgument", "renderNormalsImage and renderFlowImage are not supported here")
     if not 0.0 < gridSize <= 5.0:
         return ActionResult(False, f"gridSize {gridSize:g} is not in (0, 5]")
     if not 0.0 < fieldOfView < 180.0:

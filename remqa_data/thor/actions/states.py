@@ -13,7 +13,7 @@ from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.handling import OVERLAP_M
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.conditions import cut
-from remqa_data.thor.state.conditions import CONDITIONS, FILLED
+from remqa_data.thor.state.conditions import BROKEN, CONDITIONS, FILLED
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -56,12 +56,12 @@ def set_object_states(simulator: SimulatorState, SetObjectStates: ObjectStates) 
     change = SetObjectStates["stateChange"]
     if change not in STATE_CHANGES:
         return ActionResult(False, f"{change} is no state change: choose one of {', '.join(STATE_CHANGES)}")
-    name, flag = STATE_CHANGES[change]
+    _, flag = STATE_CHANGES[change]
     type_name = SetObjectStates.get("objectType")
     world = simulator.room.world
     wanted = None if type_name is None else object_type(type_name).name
     chosen = [other for other in world.ids if wanted in (None, world.type_of(other))]
-    _change(simulator, name, bool(SetObjectStates.get(flag, False)), chosen)
+    _change(simulator, flag, bool(SetObjectStates.get(flag, False)), chosen)
     return ActionResult(True)
 
 
@@ -83,10 +83,10 @@ def set_state_of_all_objects(
     if change is None:
         message = "action: SetStateOfAllObjects is missing the following arguments: stateChange"
         raise MisuseError("MissingArguments", message)
-    known = [name for name, _ in STATE_CHANGES.values()]
-    if change not in known:
-        return ActionResult(False, f"{change} is no state change: choose one of {', '.join(known)}")
-    _change(simulator, change, forceAction, simulator.room.world.ids)
+    flags = dict(STATE_CHANGES.values())
+    if change not in flags:
+        return ActionResult(False, f"{change} is no state change: choose one of {', '.join(flags)}")
+    _change(simulator, flags[change], forceAction, simulator.room.world.ids)
     return ActionResult(True)
 
 
@@ -95,26 +95,17 @@ def accept(simulator: SimulatorState, **ignored: Any) -> ActionResult:
     return ActionResult(True)
 
 
-CHANGES = {
-    "CanBeCooked": "isCooked",
-    "CanBeDirty": "isDirty",
-    "CanBeFilled": FILLED,
-    "CanBeUsedUp": "isUsedUp",
-    "CanBreak": "isBroken",
-}
-"""AI2-THOR's names of state changes, with what an object then is."""
-
 STATE_CHANGES = {
     "openable": ("CanOpen", "isOpen"),
     "toggleable": ("CanToggleOnOff", "isToggled"),
     "cookable": ("CanBeCooked", "isCooked"),
     "dirtyable": ("CanBeDirty", "isDirty"),
-    "canFillWithLiquid": ("CanBeFilled", "isFilledWithLiquid"),
+    "canFillWithLiquid": ("CanBeFilled", FILLED),
     "sliceable": ("CanBeSliced", "isSliced"),
     "canBeUsedUp": ("CanBeUsedUp", "isUsedUp"),
-    "breakable": ("CanBreak", "isBroken"),
+    "breakable": ("CanBreak", BROKEN),
 }
-"""What SetObjectStates calls them, with the flag that it then reads."""
+"""State changes as SetObjectStates calls them, with their names in SetStateOfAllObjects, and what an object then is."""
 
 WITHOUT_EFFECT = (
     "ChangeOpenSpeed",
@@ -138,21 +129,20 @@ ACTIONS: dict[str, Action] = {
 }
 
 
-def _change(simulator: SimulatorState, change: str, is_so: bool, chosen: Sequence[str]) -> None:
-    """Give those of some objects that can have a state this state, or its opposite."""
+def _change(simulator: SimulatorState, flag: str, is_so: bool, chosen: Sequence[str]) -> None:
+    """Set a flag of those of some objects that can have it."""
     world = simulator.room.world
-    if change == "CanOpen":
+    if flag == "isOpen":
         _set_openness(world, is_so, chosen)
-    elif change == "CanToggleOnOff":
+    elif flag == "isToggled":
         _switch(simulator, {name for name in chosen if object_type(world.type_of(name)).toggleable}, is_so)
-    elif change == "CanBeSliced":
+    elif flag == "isSliced":
         for name in _sliceable(simulator, chosen) if is_so else ():
             cut(simulator, name)
     else:
-        condition = CHANGES[change]
         for name in chosen:
-            if CONDITIONS[condition].able in object_type(world.type_of(name)).can:
-                simulator.room.conditions.put(name, condition, is_so)
+            if CONDITIONS[flag].able in object_type(world.type_of(name)).can:
+                simulator.room.conditions.put(name, flag, is_so)
 
 
 def _switch(simulator: SimulatorState, chosen: set[str], on: bool) -> None:
