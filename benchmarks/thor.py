@@ -5,9 +5,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
+from ai2thor.server import Event
 from measure import Benchmark, Facts, Headline, Table, median_ms, times_ms
 
 from remqa_data.floorplans.ithor.scenes import load_scene
@@ -57,6 +59,7 @@ def steps_ms() -> dict[str, float]:
         ("step with colour", {}),
         ("step with colour, depth, instances, classes", _ALL_IMAGES),
         ("step without pictures", {"renderImage": False}),
+        ("step without pictures, objects read", {"renderImage": False}),
     ):
         always = {} if "renderImage" in images else images
         with Controller(scene=ROOM, **always) as controller:
@@ -65,13 +68,20 @@ def steps_ms() -> dict[str, float]:
             for position in positions[:: len(positions) // POSES][:POSES]:
                 controller.step("Teleport", position=position, rotation=0)
                 per_step = {} if always else images
-                turns = [partial(controller.step, "RotateRight", **per_step)] * HEADINGS
+                turn = partial(controller.step, "RotateRight", **per_step)
+                turns = [partial(read_objects, turn) if "read" in name else turn] * HEADINGS
                 times.append(median_ms(turns))
                 controller.step("RotateRight", **per_step)
                 again.append(median_ms(turns))
             found[name] = float(np.median(times))
             found[f"{name}, again"] = float(np.median(again))
             found["reset of the same room"] = times_ms([controller.reset])[0]
+    return found
+
+
+def read_objects(step: Callable[[], Event]) -> list[dict[str, object]]:
+    """A step, and the objects of its event."""
+    found: list[dict[str, object]] = step().metadata["objects"]
     return found
 
 

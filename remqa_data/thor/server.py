@@ -9,6 +9,7 @@ from ai2thor.server import Event, NumpyAwareEncoder
 from ai2thor.server import Server as ThorServer
 
 from remqa_data.errors import MisuseError
+from remqa_data.thor.event_metadata import EventMetadata
 from remqa_data.thor.session import Session
 
 
@@ -58,4 +59,9 @@ class Server(ThorServer):  # type: ignore[misc]  # AI2-THOR has no types
         """The event of the action that was sent last."""
         reply = self._reply
         metadata = {"sequenceId": self.sequence_id, "activeAgentId": reply.active, "agents": reply.metadata}
-        return self.create_event(metadata, self._reply.files)
+        event = self.create_event(metadata, reply.files)
+        agents = getattr(event, "events", [event])
+        for one, rest, listing in zip(agents, reply.metadata, reply.objects, strict=True):
+            one.metadata = EventMetadata(rest, listing)
+        event.metadata = agents[reply.active].metadata
+        return event

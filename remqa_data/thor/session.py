@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
+from weakref import WeakSet
 
 from remqa_data.errors import MisuseError, RemqaError
 from remqa_data.sim.agent.agent import ActionResult
@@ -22,7 +23,7 @@ from remqa_data.thor.actions import search as actions_search
 from remqa_data.thor.actions import spawning as actions_spawning
 from remqa_data.thor.actions import states as actions_states
 from remqa_data.thor.state.dispatch import call, checked
-from remqa_data.thor.state.events import Outcome, Reply, reply
+from remqa_data.thor.state.events import Listing, Outcome, Reply, reply
 from remqa_data.thor.state.settings import FrameSize, Images
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -44,6 +45,7 @@ ACTIONS = checked(
 """What the agent without an arm can do."""
 ARM_ACTIONS = ACTIONS | checked(actions_arm.ACTIONS | actions_former.ARM_ACTIONS)
 """What the agent with an arm can do; it picks up and lets go in its own way."""
+LEAVES_ROOM_AS_IT_IS = frozenset(actions_navigation.ACTIONS) | {"Done", "Pass"}
 
 
 class Session:
@@ -58,11 +60,14 @@ class Session:
     def __init__(self, width: int, height: int) -> None:
         self._simulator = SimulatorState(FrameSize(width, height))
         self._outcomes: dict[int, Outcome] = {}
+        self._unread: WeakSet[Listing] = WeakSet()
 
     def execute(self, request: Mapping[str, Any]) -> Reply:
         """Execute an action: "action" and its arguments. What cannot be done is said in the reply's metadata."""
         if request.get("action") in ("Reset", "Initialize"):
             self._outcomes.clear()
+        if request.get("action") not in LEAVES_ROOM_AS_IT_IS:
+            self._read_all()
         actions = ARM_ACTIONS if self._simulator.settings.has_arm else ACTIONS
         code = None
         try:
@@ -75,7 +80,9 @@ class Session:
             result = ActionResult(False, str(error))
         number = self._simulator.room.active if self._simulator.has_room else 0
         self._outcomes[number] = Outcome(str(request.get("action")), result, code)
-        return reply(self._simulator, self._outcomes, self._images(request))
+        replied = reply(self._simulator, self._outcomes, self._images(request))
+        self._unread.update(replied.objects)
+        return replied
 
     def resize(self, width: int, height: int) -> None:
         """Change the size of all pictures."""
@@ -87,7 +94,14 @@ class Session:
 
     def close(self) -> None:
         """Give the simulator's memory back."""
+        self._read_all()
         self._simulator.close()
+
+    def _read_all(self) -> None:
+        """Work out, as the room is about to change, the objects of those events that somebody has kept."""
+        for listing in list(self._unread):
+            listing.read()
+        self._unread.clear()
 
     def _let_act(self, agent: object) -> None:
         """Choose who acts: the agent of a number, which Unity reads from text too; the first if there is none."""

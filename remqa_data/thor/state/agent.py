@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -210,6 +211,10 @@ class ThorAgent(Agent):
             return self.seen_in(self.view.instances(self.camera()))
         seen = self._sight.visible(self.camera(), distance_m)
         return [name for name in self.world.ids if name in seen]
+
+    def look_around(self, distance_m: float) -> Callable[[], Collection[str]]:
+        """What gives the ids of the objects within a distance in plan that its frame shows now, while the room is as it is."""
+        return partial(self._sight.visible, self.camera(), distance_m)
 
     def seen_in(self, objects: I32, distance_m: float | None = None) -> list[str]:
         """Ids of the objects that a (h, w) image of object indices shows; with a distance, those nearer in plan."""

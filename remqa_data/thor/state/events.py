@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from remqa_data.geometry.types import Vec3
@@ -19,6 +19,28 @@ from remqa_data.thor.state.simulator import LoadedFloorPlan, SimulatorState
 Files = dict[str, list[bytes]]
 
 
+class Listing:
+    """The `objects` of an event, worked out when they are first read.
+
+    Most of a step without pictures would go into them: some 80 records of 40 facts, and a look at what is visible.
+
+    Parameters
+    ----------
+    work_out : callable
+        What gives them while the room is as it was at the event. It must be `read` before the room changes.
+    """
+
+    def __init__(self, work_out: Callable[[], list[Metadata]]) -> None:
+        self._work_out: Callable[[], list[Metadata]] | None = work_out
+        self._found: list[Metadata] = []
+
+    def read(self) -> list[Metadata]:
+        """The objects, the same list each time."""
+        if self._work_out is not None:
+            self._found, self._work_out = self._work_out(), None
+        return self._found
+
+
 @dataclass(frozen=True)
 class Reply:
     """What AI2-THOR's Python side makes an event of.
@@ -28,6 +50,8 @@ class Reply:
     active : int
         Number of the agent that has acted.
     metadata : list of dict
+        Of each agent, without the objects.
+    objects : list of Listing
         Of each agent.
     files : dict of str to list of bytes
         Pictures by their names, in the order of the agents, or of the third party cameras.
@@ -35,6 +59,7 @@ class Reply:
 
     active: int
     metadata: list[Metadata]
+    objects: list[Listing]
     files: Files
 
 
@@ -72,20 +97,22 @@ def reply(simulator: SimulatorState, outcomes: Mapping[int, Outcome], images: Im
     files: Files = defaultdict(list)
     if not simulator.has_room:
         files["image"].append(bytes(3 * simulator.frame.width * simulator.frame.height))
-        return Reply(0, [_outcome(outcomes.get(0, NOTHING_DONE), 0) | _about(simulator)], files)
+        return Reply(0, [_outcome(outcomes.get(0, NOTHING_DONE), 0) | _about(simulator)], [Listing(list)], files)
     room, active = simulator.room, simulator.room.active
-    seen_by_all = []
+    room.show_conditions()
+    metadata, objects = [], []
     for number in range(len(room.agents)):
         room.active = number
         outcome = _outcome(outcomes.get(number, NOTHING_DONE), number)
-        seen_by_all.append(outcome | _about(simulator) | _state(simulator, images, files))
+        metadata.append(outcome | _about(simulator) | _state(simulator, images))
+        objects.append(_listing(simulator, _seen(simulator, images, files)))
     room.active = active
     if not images.none:
         for third in simulator.cameras:
             camera = third.camera(simulator.frame)
             drawn = room.picture(camera, room.shown_to(camera))
             _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, simulator.settings.far_plane)
-    return Reply(active, seen_by_all, files)
+    return Reply(active, metadata, objects, files)
 
 
 def _about(simulator: SimulatorState) -> Metadata:
@@ -96,23 +123,34 @@ def _about(simulator: SimulatorState) -> Metadata:
     }
 
 
-def _state(simulator: SimulatorState, images: Images, files: Files) -> Metadata:
-    """What the agent that acts finds; its pictures are added to the files."""
+def _seen(simulator: SimulatorState, images: Images, files: Files) -> Callable[[], Collection[str]]:
+    """What gives the ids of the objects that the agent sees, while the room is as it is; its pictures go to the files."""
     room, distance = simulator.room, simulator.settings.visibility_distance
-    room.show_conditions()
+    look = room.agent.look_around(distance)
     if images.none:
-        visible = room.agent.visible_objects(distance)
-    else:
-        camera = room.frame_camera()
-        only = room.shown_to(camera)
-        seen = room.picture(camera, only)
-        is_sight = only is None and not room.shows_map
-        visible = room.agent.seen_in(seen.objects, distance) if is_sight else room.agent.visible_objects(distance)
-        _add(files, _AGENT_FILES, seen, images, room.palette, simulator.settings.far_plane)
+        return look
+    camera = room.frame_camera()
+    only = room.shown_to(camera)
+    shown = room.picture(camera, only)
+    _add(files, _AGENT_FILES, shown, images, room.palette, simulator.settings.far_plane)
+    if only is not None or room.shows_map:
+        return look
+    visible = room.agent.seen_in(shown.objects, distance)
+    return lambda: visible
+
+
+def _listing(simulator: SimulatorState, visible: Callable[[], Collection[str]]) -> Listing:
+    """The objects as the agent that acts finds them."""
+    room, only = simulator.room, simulator.shown_objects
+    records, agent = room.records, room.agent_position()
+    hand = agent if room.world.held is None else room.holder.held_at()
+    return Listing(lambda: records.listing(agent, frozenset(visible()), hand, only))
+
+
+def _state(simulator: SimulatorState, images: Images) -> Metadata:
+    """What the agent that acts finds, but for the objects."""
+    room = simulator.room
     metadata: Metadata = {
-        "objects": room.records.listing(
-            room.agent_position(), frozenset(visible), room.holder.held_at(), simulator.shown_objects
-        ),
         "sceneBounds": box_metadata(room.box()),
         "colors": room.palette.metadata() if images.colors else None,
         "thirdPartyCameras": [camera.metadata(index) for index, camera in enumerate(simulator.cameras)],
@@ -149,7 +187,6 @@ def _outcome(done: Outcome, agent: int) -> Metadata:
     action, result, code = done.action, done.result, done.code
     is_blocked = " is blocking Agent" in result.error
     return {
-        "objects": [],
         "isSceneAtRest": True,
         "agent": None,
         "heldObjectPose": None,

@@ -71,6 +71,7 @@ class ObjectRecords:
         self._moving: dict[str, Metadata] = {}
         self._records: dict[str, Metadata] = {}
         self._lent: list[list[Any]] = []
+        self._is_lent = False
         self._unchanged: list[list[Any]] = []
         self._contents: dict[str, list[str]] = {}
         self._positions = np.zeros((len(world.ids), 3))
@@ -137,10 +138,11 @@ class ObjectRecords:
         visible : collection of str
             Ids of the objects that the agent sees within its visibility distance.
         hand : tuple of float
-            Where a held object is, metres in the room.
+            Where a held object is, metres in the room; means nothing if none is held.
         only : collection of str, optional
             Ids of the objects to list, by default all.
         """
+        self._is_lent = True
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
         listed, changed = [], self.conditions.changed
         for object_id, distance in zip(self._world.ids, distances, strict=True):
@@ -187,12 +189,13 @@ class ObjectRecords:
             object_id: {**self._static[object_id], **self._moving[object_id], **holding[object_id]}
             for object_id in world.ids
         }
+        self._is_lent = False
         self._lent = [[record[name] for name in _SHARED] for record in self._records.values()]
         self._unchanged = marshal.loads(marshal.dumps(self._lent))  # the quickest copy of plain lists and dicts
 
     def _forget_if_changed(self) -> None:
         """Have everything written down anew if a client has changed, in an event, what events share."""
-        if self._lent != self._unchanged:
+        if self._is_lent and self._lent != self._unchanged:
             self._write_anew()
 
     def _write_anew(self) -> None:
