@@ -21,7 +21,7 @@ from remqa_data.sim.agent.actions import Action
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import object_metadata
 from remqa_data.sim.navigation.grid import ReachableGrid
-from remqa_data.sim.navigation.viewpoints import AgentPose, pixels_per_object
+from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.sim.physics.world import Snapshot
 from remqa_data.tables.images import RgbFormat
 from remqa_data.tables.rows import QuestionRow
@@ -90,7 +90,7 @@ class AuditedRoom:
         if goal not in self._types_in_view:
             self.start_over(goal)
             world = self.replay.world
-            pixels = pixels_per_object(self.replay.view, goal.camera(self.grid))
+            pixels = self.replay.view.pixels(goal.camera(self.grid))
             shown = frozenset(world.type_of(name) for name, n in zip(world.ids, pixels, strict=False) if n)
             self._types_in_view[goal] = shown
         return self._types_in_view[goal]

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.types import F64, I64, Flags, Vec3
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import ReachableGrid
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, pixels_per_object
-from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.navigation.viewpoints import FRAME_PX
+from remqa_data.sim.render.camera import Windows
 from remqa_data.sim.render.view import WorldView
 
 MOST_PIXELS = 3
@@ -48,42 +49,71 @@ def most_pixels_anywhere(
     Returns
     -------
     Pixels of images as sharp as the agent's of 300 x 300 in their middle; 0 if none of the objects shows at all. Up to
-    the limit, those that show past what hides the objects, and past all else those are fewer; beyond, as soon as so
-    many are found.
+    the limit, those that show past what hides the objects, and past all else those are fewer; beyond, the first that
+    are found.
     """
     world = view.world
     boxes = {object_id: world.box(object_id) for object_id in object_ids}
     low = np.min([box[0] for box in boxes.values()], axis=0)
     high = np.max([box[1] for box in boxes.values()], axis=0)
     index = {object_id: world.ids.index(object_id) for object_id in object_ids}
-    together = (_ball(low, high), list(index.values()))
-    apart = [(_ball(*box), [index[object_id]]) for object_id, box in boxes.items()]
+    looks = _looks(
+        grid,
+        _Target(*_ball(low, high), list(index.values())),
+        [_Target(*_ball(*box), [index[object_id]]) for object_id, box in boxes.items()],
+    )
     hiding = view.parts_of((*hidden_by, *object_ids)) if hidden_by else None
-    most = 0
+    most = _most(view, looks, hiding)
+    if hiding is not None:
+        for i in np.flatnonzero(most > limit).tolist():
+            most[i] = _most(view, looks[i : i + 1])[0]
+            if most[i] > limit:
+                break
+    too_many = np.flatnonzero(most > limit)
+    return int(most[: too_many[0] + 1].max() if len(too_many) else most.max(initial=0))
+
+
+class _Target(NamedTuple):
+    """A ball around objects, and which these are."""
+
+    middle: Vec3
+    radius: float
+    objects: list[int]
+
+
+class _Look(NamedTuple):
+    """From where one looks straight at what."""
+
+    eye: Vec3
+    target: _Target
+    half_px: int
+
+
+def _looks(grid: ReachableGrid, together: _Target, apart: Sequence[_Target]) -> list[_Look]:
+    """From each cell, standing and crouched: at all at once from afar, and at one after the other from near by."""
+    looks = []
     for cell in grid.cells:
         px, py = grid.position(cell)
         for height in (AGENT.camera_height_m, AGENT.crouched_camera_height_m):
             eye = (px, py, grid.floor_z + height)
-            ball = together[0]
-            for (middle, radius), shown in [together] if math.dist(eye, ball[0]) > FAR * ball[1] else apart:
-                half_px = math.ceil(FRAME_PX / 2 * radius / max(math.dist(eye, middle) - radius, NEAREST_M))
-                window = _window(eye, middle, min(half_px, FRAME_PX // 2))
-                pixels = int(pixels_per_object(view, window, hiding)[shown].max())
-                if pixels > limit and hiding is not None:
-                    pixels = int(pixels_per_object(view, window)[shown].max())
-                most = max(most, pixels)
-            if most > limit:
-                return most
-    return most
+            for target in [together] if math.dist(eye, together.middle) > FAR * together.radius else apart:
+                away = max(math.dist(eye, target.middle) - target.radius, NEAREST_M)
+                half_px = min(math.ceil(FRAME_PX / 2 * target.radius / away), FRAME_PX // 2)
+                looks.append(_Look(eye, target, half_px))
+    return looks
+
+
+def _most(view: WorldView, looks: Sequence[_Look], only: Flags | None = None) -> I64:
+    """(looks,) the most pixels that one of the objects shows that are looked at, in the middle of the agent's picture."""
+    eyes, targets = (
+        np.array(points).reshape(-1, 3) for points in zip(*((e, t.middle) for e, t, _ in looks), strict=True)
+    )
+    side = np.array([2 * look.half_px for look in looks], dtype=np.int32)
+    counts = view.pixels_in_windows(Windows.looking_at(eyes, targets, side, FRAME_PX / 2), only)
+    return np.array([counts[i, look.target.objects].max() for i, look in enumerate(looks)])
 
 
 def _ball(low: F64, high: F64) -> tuple[Vec3, float]:
     """Middle and radius of a ball around a box."""
     x, y, z = (float(v) for v in (low + high) / 2)
     return (x, y, z), float(arithmetic.length(high - low)) / 2 + MARGIN_M
-
-
-def _window(eye: Vec3, target: Vec3, half_px: int) -> Camera:
-    """The middle of what the agent's camera shows, looking straight at a point."""
-    half_deg = math.degrees(arithmetic.arctan2(half_px, FRAME_PX / 2))
-    return Camera.look_at(eye, target, fov_deg=2 * half_deg, width=2 * half_px, height=2 * half_px)

@@ -17,7 +17,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.language.inner import Partner, clearly_related
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, pixels_per_object
+from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.contrast import contrast_de
@@ -203,7 +203,7 @@ class _Looks:
         """By object, before the manipulation."""
         key = place.key
         if key not in self._before:
-            self._before[key] = pixels_per_object(self.view, goal_camera(place))
+            self._before[key] = self.view.pixels(goal_camera(place))
         return self._before[key]
 
     def share(self, place: HidingPlace, type_: str, ids: Sequence[str]) -> float:
@@ -225,7 +225,7 @@ class _Looks:
         key = place.key
         if key not in self._after:
             with manipulated(self.world, self.view, place):
-                self._after[key] = pixels_per_object(self.view, goal_camera(place))
+                self._after[key] = self.view.pixels(goal_camera(place))
         return self._after[key]
 
 

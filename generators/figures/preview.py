@@ -14,7 +14,6 @@ from remqa_data.opencv import cv2
 from remqa_data.scene import Light, Scene
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
-from remqa_data.sim.navigation.viewpoints import pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera, TopDownCamera
 from remqa_data.sim.render.view import WorldView
@@ -86,7 +85,7 @@ def spread_views(view: WorldView, grid: ReachableGrid, size_px: int, count: int 
         x, y = positions[index]
         eye = (float(x), float(y), grid.floor_z + AGENT.camera_height_m)
         options = [Camera(eye, yaw, HORIZON_DEG, width=SCOUT_PX, height=SCOUT_PX) for yaw in range(0, 360, 30)]
-        shown = [pixels_per_object(view, option) >= SCOUT_MIN_PX for option in options]
+        shown = [view.pixels(option) >= SCOUT_MIN_PX for option in options]
         best = max(range(len(options)), key=lambda i: float(np.sum(shown[i] / (1.0 + 2.0 * seen))))
         seen += shown[best]
         cameras.append(replace(options[best], width=size_px, height=size_px))

@@ -4,7 +4,7 @@ import numpy as np
 
 from remqa_data.geometry.types import F64
 from remqa_data.sim.navigation.grid import ReachableGrid, cells_in_reach
-from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, AgentPose, facing_poses, pixels_per_object
+from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, AgentPose, facing_poses
 from remqa_data.sim.render.view import WorldView
 
 
@@ -18,6 +18,6 @@ def pose_that_sees_and_reaches(view: WorldView, grid: ReachableGrid, object_id: 
     cells = cells_in_reach(grid, points)
     for is_standing in (True, False):
         for pose in facing_poses(grid, cells, middle, is_standing=is_standing):
-            if pixels_per_object(view, pose.camera(grid))[index] >= MIN_PIXELS:
+            if view.pixels(pose.camera(grid))[index] >= MIN_PIXELS:
                 return pose
     return None

@@ -14,7 +14,7 @@ from remqa_data.sim.agent.results import DONE, ActionResult
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.grid import ReachableGrid, reach_distance
 from remqa_data.sim.navigation.ground import Ground
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, pixels_per_object
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import AnyCamera, Camera
 from remqa_data.sim.render.view import WorldView
@@ -89,7 +89,7 @@ class Body:
 
     def visible_objects(self, distance_m: float | None = None) -> list[str]:
         """Ids of the objects that it sees, in the scene's order; with a distance, those nearer in plan, metres."""
-        seen = pixels_per_object(self.view, self.camera()) >= MIN_PIXELS
+        seen = self.view.pixels(self.camera()) >= MIN_PIXELS
         ids = [self.world.ids[index] for index in np.flatnonzero(seen)]
         return ids if distance_m is None else [name for name in ids if self.plan_distance(name) <= distance_m]
 

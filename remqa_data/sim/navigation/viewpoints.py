@@ -13,7 +13,7 @@ import numpy.typing as npt
 from remqa_data.catalog import types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
-from remqa_data.geometry.types import F64, I32, Flags
+from remqa_data.geometry.types import F64, I32
 from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.render.camera import Camera
@@ -46,11 +46,6 @@ class AgentPose:
         height = body.camera_height_m if self.is_standing else body.crouched_camera_height_m
         eye = (*body.centre_of(self.cell), floor_z + height)
         return Camera(eye, float(self.yaw_deg), float(self.horizon_deg), body.fov_deg, size_px, size_px)
-
-
-def pixels_per_object(view: WorldView, camera: Camera, only: Flags | None = None) -> npt.NDArray[np.int64]:
-    """(objects,) number of pixels that show each object, in the scene's order; with `only`, see `WorldView.instances`."""
-    return pixel_counts(view.instances(camera, only), len(view.world.ids))
 
 
 def pixel_counts(image: I32, objects: int) -> npt.NDArray[np.int64]:

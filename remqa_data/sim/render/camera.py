@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.types import F64, I32, Vec3
 
 NEAR_M = 0.02
 """Nothing closer than this is drawn: short, because cameras can be close to doors."""
@@ -45,6 +45,38 @@ class View(NamedTuple):
         """A view with its inverse."""
         inverse = axes.T / arithmetic.dot(axes, axes)  # the axes are at right angles
         return cls(np.array(eye, dtype=np.float64), axes, inverse, pinhole, width, height)
+
+
+class Windows(NamedTuple):
+    """Many square pinhole views, each of which looks straight at a point; as `View`."""
+
+    eye: F64
+    """(n, 3) metres."""
+    axes: F64
+    """(n, 3, 3)."""
+    inverse: F64
+    """(n, 3, 3)."""
+    side: I32
+    """(n,) pixels along each side."""
+
+    @classmethod
+    def looking_at(cls, eyes: F64, targets: F64, side: I32, focal_px: float) -> Windows:
+        """Views from (n, 3) eyes to (n, 3) targets, of some sides in pixels, and of one focal length.
+
+        Each is the middle of what a level camera there shows, to the last bit: `Camera.look_at(...).view()`.
+        """
+        half_deg = np.degrees(arithmetic.arctan2(side / 2, np.full(len(side), focal_px)))
+        sine, cosine = arithmetic.sin_cos_deg(2 * half_deg / 2)
+        focal = (0.5 * side * cosine / sine)[:, None]
+        dx, dy, dz = (targets - eyes).T
+        sin_yaw, cos_yaw = arithmetic.sin_cos_deg(np.degrees(arithmetic.arctan2(dy, dx)))
+        sin_pitch, cos_pitch = arithmetic.sin_cos_deg(np.degrees(arithmetic.arctan2(-dz, np.sqrt(dx * dx + dy * dy))))
+        right = np.column_stack([sin_yaw, -cos_yaw, np.zeros_like(dx)])
+        up = np.column_stack([sin_pitch * cos_yaw, sin_pitch * sin_yaw, cos_pitch])
+        ahead = np.column_stack([cos_pitch * cos_yaw, cos_pitch * sin_yaw, -sin_pitch])
+        axes = np.stack([right * focal, -up * focal, ahead], axis=1)
+        inverse = np.swapaxes(axes, 1, 2) / arithmetic.dot(axes, axes)[:, None, :]
+        return cls(eyes, axes, np.ascontiguousarray(inverse), side)
 
 
 class AnyCamera(Protocol):

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from remqa_data.compiled import exact
-from remqa_data.geometry.types import F32, F64, I32, Flags
-from remqa_data.sim.render.camera import NEAR_M, View
+from remqa_data.geometry.types import F32, F64, I32, I64, Flags
+from remqa_data.sim.render.camera import NEAR_M, View, Windows
 from remqa_data.sim.render.outline import face_bounds, rows_of_side, side
 
 FAR_M = 128.0
@@ -138,6 +138,42 @@ def rasterise(geometry: Geometry, placed: Placed, view: View, buffers: Buffers) 
         drawn += 1
     buffers.drawn[drawn, 0] = -1
     return count
+
+
+@exact
+def count_labels(geometry: Geometry, labels: I32, buffers: Buffers, counts: I64) -> None:
+    """Add to each label of (s,) surfaces how many pixels show it; those of label -1 are not counted."""
+    slots = buffers.slot.ravel()
+    last = np.int32(-1)
+    label = np.int32(-1)
+    for slot in slots:
+        if slot != last:
+            last = slot
+            label = labels[geometry.face_surface[buffers.record_face[slot]]] if slot >= 0 else np.int32(-1)
+        if label >= 0:
+            counts[label] += 1
+
+
+@exact
+def count_in_windows(
+    geometry: Geometry, placed: Placed, windows: Windows, buffers: Buffers, pinhole: bool, labels: I32, counts: I64
+) -> None:
+    """The same for the pixels of each of some windows, into (n, labels) counts; `pinhole` is True."""
+    keys, slots = buffers.key.ravel(), buffers.slot.ravel()
+    for i in range(len(windows.side)):
+        side = int(windows.side[i])
+        window = Buffers(
+            keys[: side * side].reshape(side, side),
+            slots[: side * side].reshape(side, side),
+            buffers.records,
+            buffers.record_face,
+            buffers.drawn,
+            buffers.candidates,
+            buffers.image,
+        )
+        view = View(windows.eye[i], windows.axes[i], windows.inverse[i], pinhole, side, side)
+        rasterise(geometry, placed, view, window)
+        count_labels(geometry, labels, window, counts[i])
 
 
 @exact

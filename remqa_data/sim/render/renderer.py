@@ -11,13 +11,22 @@ import numpy.typing as npt
 
 from remqa_data.assets.core.model import Material
 from remqa_data.geometry.arithmetic import turned
-from remqa_data.geometry.types import F32, F64, I32, U8, Flags, Vec3
+from remqa_data.geometry.types import F32, F64, I32, I64, U8, Flags, Vec3
 from remqa_data.sim.light.patches import Patches, light_faces, patches
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render.antialias import smooth_edges
-from remqa_data.sim.render.camera import AnyCamera, View
+from remqa_data.sim.render.camera import AnyCamera, View, Windows
 from remqa_data.sim.render.mirrors import Mirrors, no_mirrors
-from remqa_data.sim.render.raster import Buffers, Geometry, Placed, part_faces, place_part, rasterise
+from remqa_data.sim.render.raster import (
+    Buffers,
+    Geometry,
+    Placed,
+    count_in_windows,
+    count_labels,
+    part_faces,
+    place_part,
+    rasterise,
+)
 from remqa_data.sim.render.scene_arrays import (
     RenderPart,
     build_geometry,
@@ -119,6 +128,10 @@ class Renderer:
         self.set_light(volume, mirrors)
         self.set_poses(range(count), poses)
 
+    def labels_of_surfaces(self, labels: I32) -> I32:
+        """(s,) the label of each surface, of labels by `RenderPart.instance`; the last of them is that of -1."""
+        return labels.take(self._instances)
+
     def set_light(self, volume: Volume | None, mirrors: Mirrors | None = None) -> None:
         """Light everything by what was baked; parameters as of the class."""
         self._volume = volume
@@ -181,8 +194,8 @@ class Renderer:
         view = camera.view()
         if shadows:
             self._draw_stale_maps()
-        self._light_stale_parts()
         buffers, depth, instances = self._rasterise(view, only)
+        self._light_stale_parts(buffers.drawn[:, 0])
         rgb = np.empty((view.height, view.width, 3), dtype=np.uint8)
         shade(
             self._geometry,
@@ -209,6 +222,33 @@ class Renderer:
         _, depth, instances = self._rasterise(camera.view(), only)
         return depth, instances
 
+    def count(self, camera: AnyCamera, labels: I32, bins: int, only: Flags | None = None) -> I64:
+        """(bins,) how many pixels of the frame that `render` would draw show a surface of each label.
+
+        Parameters
+        ----------
+        camera, only
+            As of `render`.
+        labels : (s,) array
+            Of the surfaces of all parts, less than `bins`; -1 for those that are not counted.
+        bins : int
+            How many labels there are.
+        """
+        view = camera.view()
+        buffers = self._buffers(view.height, view.width)
+        rasterise(self._geometry, self._shown(only), view, buffers)
+        counts = np.zeros(bins, dtype=np.int64)
+        count_labels(self._geometry, labels, buffers, counts)
+        return counts
+
+    def count_in_windows(self, windows: Windows, labels: I32, bins: int, only: Flags | None = None) -> I64:
+        """(windows, bins) the same for each of some windows, many times quicker than one by one."""
+        side = int(windows.side.max(initial=1))
+        counts = np.zeros((len(windows.side), bins), dtype=np.int64)
+        placed, buffers = self._shown(only), self._buffers(side, side)
+        count_in_windows(self._geometry, placed, windows, buffers, True, labels, counts)
+        return counts
+
     def extents(self, camera: AnyCamera) -> Extents:
         """What the boxes of the parts take up of a picture, without drawing anything."""
         view = camera.view()
@@ -223,14 +263,16 @@ class Renderer:
 
     def _rasterise(self, view: View, only: Flags | None = None) -> tuple[Buffers, F32, I32]:
         buffers = self._buffers(view.height, view.width)
-        placed = self._placed
-        if only is not None:
-            placed = placed._replace(visible=placed.visible & only)
-        rasterise(self._geometry, placed, view, buffers)
+        rasterise(self._geometry, self._shown(only), view, buffers)
         depth = np.empty((view.height, view.width), dtype=np.float32)
         instances = np.empty((view.height, view.width), dtype=np.int32)
         write_depth_and_instances(self._geometry, self._instances, buffers, view.pinhole, depth, instances)
         return buffers, depth, instances
+
+    def _shown(self, only: Flags | None) -> Placed:
+        """The parts where they are, of which only some are visible."""
+        placed = self._placed
+        return placed if only is None else placed._replace(visible=placed.visible & only)
 
     def _mark_shadows(self, part: int) -> None:
         """Note which shadow maps show a part where it is now."""
@@ -244,12 +286,16 @@ class Renderer:
             summarise(self._shadows, face)
         self._stale_maps[:] = False
 
-    def _light_stale_parts(self) -> None:
-        """Look up the indirect light of the parts that are elsewhere than when it was looked up."""
+    def _light_stale_parts(self, drawn: I32) -> None:
+        """Look up the indirect light of the parts that are elsewhere than when it was looked up, if they are drawn.
+
+        `drawn` ends with the first -1.
+        """
         if self._volume is None:
             return
         geometry, placed = self._geometry, self._placed
-        for part in np.flatnonzero(self._stale_light & placed.visible).tolist():
+        parts = drawn[: np.argmax(drawn < 0)]
+        for part in parts[self._stale_light[parts]].tolist():
             first, stop = part_faces(geometry, part)
             light_faces(
                 self._patches,

@@ -13,7 +13,7 @@ from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.scene import SceneObject
 from remqa_data.sim.agent.pictures import Pictures
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
-from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose, pixels_per_object
+from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.camera import AnyCamera, Camera, OrthographicCamera
@@ -334,6 +334,6 @@ def _start_pose(view: WorldView, grid: ReachableGrid) -> tuple[tuple[float, floa
     cell = grid.cells[nearest]
 
     def seen(heading: int) -> int:
-        return int((pixels_per_object(view, AgentPose(cell, heading).camera(grid)) >= MIN_PIXELS).sum())
+        return int((view.pixels(AgentPose(cell, heading).camera(grid)) >= MIN_PIXELS).sum())
 
     return grid.position(cell), float(max(HEADINGS_DEG, key=seen))

@@ -20,7 +20,6 @@ from remqa_data.generators.arrangement.wished_things import WishedThings
 from remqa_data.generators.questions.questions import confusable
 from remqa_data.language.inner import Partner
 from remqa_data.sim.metadata import object_metadata
-from remqa_data.sim.navigation.viewpoints import pixels_per_object
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 from tests.helpers.places import places_of
@@ -83,9 +82,9 @@ def test_hidden_things_show_no_pixel_before_and_enough_after(room: str, number: 
         for wish, ids in made.hidden:
             rows = [world.ids.index(object_id) for object_id in ids]
             camera = goal_camera(wish.place)
-            assert not pixels_per_object(view, camera)[rows].any()
+            assert not view.pixels(camera)[rows].any()
             with manipulated(world, view, wish.place):
-                assert (pixels_per_object(view, camera)[rows] >= 120).all()
+                assert (view.pixels(camera)[rows] >= 120).all()
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from remqa_data.generators.arrangement.hiding_check import goal_camera, manipula
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places, surface_points
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import reach_distance, reachable_grid
-from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, front_points, pixels_per_object
+from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, front_points
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 from tests.helpers.places import places_of
@@ -122,7 +122,7 @@ def test_goals_stand_on_the_grid_see_the_object_and_reach_it(room: tuple[WorldVi
         others = [o for o in view.world.ids if not view.world.state(o).is_fixed and o != place.object_id]
         for other in others:
             view.hide(other)
-        seen = pixels_per_object(view, place.goal.camera(grid))[view.world.ids.index(place.object_id)]
+        seen = view.pixels(place.goal.camera(grid))[view.world.ids.index(place.object_id)]
         for other in others:
             view.hide(other, False)
         assert seen >= MIN_PIXELS

@@ -10,7 +10,7 @@ from remqa_data.generators.walks.walk import WalkFrame, WalkSettings, breadth_fi
 from remqa_data.sim.metadata import AgentState
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid, reachable_grid
-from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, AgentPose, pixels_per_object
+from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, AgentPose
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
@@ -120,7 +120,7 @@ def test_together_the_frames_see_nearly_all_that_can_be_seen(
     for cell in grid.cells:
         for heading in SETTINGS.headings_deg:
             for horizon in SETTINGS.horizons_deg:
-                best = np.maximum(best, pixels_per_object(view, AgentPose(cell, heading, horizon).camera(grid)))
+                best = np.maximum(best, view.pixels(AgentPose(cell, heading, horizon).camera(grid)))
     seen = {thing.id for frame in frames for thing in frame.metadata.objects}
     assert len(seen) >= 0.95 * np.count_nonzero(best >= MIN_PIXELS)
 
@@ -139,7 +139,7 @@ def test_chosen_poses_see_more_than_drawn_ones(room: tuple[WorldView, ReachableG
 
 
 def seen_by(view: WorldView, grid: ReachableGrid, poses: list[AgentPose]) -> int:
-    return int(np.any([pixels_per_object(view, pose.camera(grid)) >= MIN_PIXELS for pose in poses], axis=0).sum())
+    return int(np.any([view.pixels(pose.camera(grid)) >= MIN_PIXELS for pose in poses], axis=0).sum())
 
 
 def test_the_same_generator_gives_the_same_frames(
@@ -184,7 +184,7 @@ def test_poses_that_see_too_little_give_no_frame(room: tuple[WorldView, Reachabl
     floor = [view.world.type_of(object_id) == "Floor" for object_id in view.world.ids].index(True)
 
     def things(pose: AgentPose) -> int:
-        shown = pixels_per_object(view, pose.camera(grid)) >= MIN_PIXELS
+        shown = view.pixels(pose.camera(grid)) >= MIN_PIXELS
         return int(np.count_nonzero(np.delete(shown, floor)))
 
     worth_a_frame = [pose for pose in every if things(pose) >= 20]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from remqa_data.sim.render.camera import Camera, OrthographicCamera, TopDownCamera
+from remqa_data.geometry.arithmetic import arctan2
+from remqa_data.sim.render.camera import Camera, OrthographicCamera, TopDownCamera, Windows
 from remqa_data.thor.state.frames import turn_of_euler
 
 
@@ -46,6 +49,22 @@ def test_look_at_puts_the_target_in_the_middle():
     x, y, depth = camera.project([(3.0, 0.2, 0.4)])[0]
     assert (x, y) == pytest.approx((160, 120))
     assert depth == pytest.approx(np.linalg.norm([2.0, -0.8, -1.2]))
+
+
+@given(
+    st.lists(st.tuples(*[st.floats(-8, 8)] * 6, st.integers(1, 150)), min_size=1, max_size=30),
+    st.sampled_from([150.0, 231.7]),
+)
+def test_windows_are_cameras_that_look_at_their_targets_to_the_last_bit(looks, focal_px):
+    points = np.array([look[:6] for look in looks])
+    side = np.array([2 * look[6] for look in looks], dtype=np.int32)
+    windows = Windows.looking_at(points[:, :3], points[:, 3:], side, focal_px)
+    assert len(windows.side) == len(looks)
+    for i, (*eye, tx, ty, tz, half_px) in enumerate(looks):
+        fov_deg = 2 * math.degrees(arctan2(half_px, focal_px))
+        camera = Camera.look_at(tuple(eye), (tx, ty, tz), fov_deg=fov_deg, width=2 * half_px, height=2 * half_px)
+        for one, other in zip(windows[:3], camera.view()[:3], strict=True):
+            assert one[i].tobytes() == other.tobytes()
 
 
 @pytest.mark.parametrize(

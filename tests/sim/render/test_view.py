@@ -1,3 +1,4 @@
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -5,11 +6,12 @@ import pytest
 
 from remqa_data.assets.core.model import AssetSpec
 from remqa_data.assets.looks.materials import OAK
+from remqa_data.geometry.arithmetic import arctan2
 from remqa_data.scene import Scene, SceneObject, StructureBox
 from remqa_data.sim.agent.agent import Agent
 from remqa_data.sim.agent.third_person import RobotView
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.camera import Camera, Windows
 from remqa_data.sim.render.view import WorldView
 
 FROM_ABOVE = Camera.look_at((0.0, -0.6, 0.8), (0.1, 0.2, 0.05), width=80, height=80)
@@ -93,3 +95,20 @@ def test_some_parts_alone_are_drawn_as_if_there_were_nothing_else(world: World) 
     assert np.count_nonzero(alone >= 0) >= np.count_nonzero(before[1] == world.ids.index("Mug|1")) > 0
     for now, then in zip(view.depth_and_instances(FROM_ABOVE), before, strict=True):
         assert np.array_equal(now, then)
+
+
+def test_pixels_are_counted_as_the_picture_shows_them(world) -> None:
+    view, scene = WorldView(world), world.scene
+    (shown,) = view.pixels(FROM_ABOVE)
+    assert shown == (view.instances(FROM_ABOVE) == 0).sum() > 0
+    eyes = np.array([(0.0, -0.6, 0.8), (0.9, 0.9, 1.5), (0.1, 0.2, 0.9)])
+    targets, side = np.tile(scene.objects[0].position, (3, 1)), np.array([80, 30, 2], dtype=np.int32)
+    windows = Windows.looking_at(eyes, targets, side, 40.0)
+    counts = view.pixels_in_windows(windows)
+    assert counts.shape == (3, 1)
+    assert (counts > 0).all()
+    for eye, target, pixels, count in zip(eyes.tolist(), targets.tolist(), side.tolist(), counts, strict=True):
+        fov_deg = 2 * math.degrees(arctan2(pixels / 2, 40.0))
+        camera = Camera.look_at(tuple(eye), tuple(target), fov_deg=fov_deg, width=pixels, height=pixels)
+        assert count == (view.instances(camera) == 0).sum()
+    assert not view.pixels_in_windows(windows, ~view.parts_of(["Mug|1"])).any()
