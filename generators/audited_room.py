@@ -8,13 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.arrangement.interior_view import looks_about
+from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
+from remqa_data.generators.arrangement.interior_view import looks_about, that_may_show
 from remqa_data.generators.provable import seen_share
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.revealed import Looks, Views
 from remqa_data.generators.seen_anywhere import most_pixels_anywhere
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo
+from remqa_data.geometry.types import F64
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.agent.actions import Action
@@ -56,7 +57,7 @@ class AuditedRoom:
         self.expressions = Expressions(self.graph)
         self._views: dict[tuple[AgentPose, Action], Views] = {}
         self._types_in_view: dict[AgentPose, frozenset[str]] = {}
-        self._looks: dict[tuple[AgentPose, Action], Looks] = {}
+        self._looks: dict[tuple[PlaceKey, AgentPose, Action], Looks] = {}
         self._repeated: dict[tuple[AgentPose, Action], bool] = {}
         self._hides: dict[tuple[str, ...], bool] = {}
 
@@ -95,11 +96,12 @@ class AuditedRoom:
             self._types_in_view[goal] = shown
         return self._types_in_view[goal]
 
-    def looks(self, goal: AgentPose, manipulation: Action) -> Looks:
-        """What who looks about after a manipulation sees, drawn once."""
-        key = (goal, manipulation)
+    def looks(self, hiding: HidingPlace, goal: AgentPose, manipulation: Action, motion: F64 | None) -> Looks:
+        """What who looks about after a manipulation sees of what a place hides, drawn once; `motion` is that of its links."""
+        key = (hiding.key, goal, manipulation)
         if key not in self._looks:
-            cameras = [pose.camera(self.grid) for pose in looks_about(goal)]
+            about = [pose.camera(self.grid) for pose in looks_about(goal)]
+            cameras = that_may_show(about, hiding.interior, motion)
             with self._after(goal, manipulation) as replay:
                 self._looks[key] = tuple((camera, replay.view.depth_and_instances(camera)[0]) for camera in cameras)
         return self._looks[key]

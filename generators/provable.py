@@ -21,6 +21,7 @@ from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, HORIZONS_DEG
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.view import WorldView
 from remqa_data.tables.rows import QuestionRow
 
 LEAST_SHARE = 0.77
@@ -73,7 +74,7 @@ def seen_share(replay: Replay, question: QuestionRow) -> float:
         for horizon_deg in HORIZONS_DEG:
             x, y, floor_z = goal.position
             camera = Camera((x, y, floor_z + height), goal.yaw_deg, float(horizon_deg), width=FRAME_PX, height=FRAME_PX)
-            seen |= _are_seen(points, camera, replay.view.depth_and_instances(camera)[0])
+            seen |= _are_seen(points, camera, replay.view)
     return float((seen.reshape(len(tops), -1).mean(axis=1) >= LEAST_SHOWN).mean())
 
 
@@ -113,16 +114,19 @@ def _tops(low: F64, high: F64, size: F64, rng: np.random.Generator) -> F64:
     return np.concatenate(found) if found else np.empty((0, 25, 3))
 
 
-def _are_seen(points: F64, camera: Camera, depth: F32) -> Flags:
+def _are_seen(points: F64, camera: Camera, view: WorldView) -> Flags:
     """(n,) whether the agent's camera shows points and nothing in front of them."""
     (sin_yaw, sin_down), (cos_yaw, cos_down) = arithmetic.sin_cos_deg([camera.yaw_deg, camera.horizon_deg])
     ahead = np.array([cos_yaw * cos_down, sin_yaw * cos_down, -sin_down])
     right = np.array([sin_yaw, -cos_yaw, 0.0])
     away = points - np.asarray(camera.position)
     z = arithmetic.dot(away, ahead)
-    height, width = depth.shape
+    height, width = camera.height, camera.width
     column = width / 2 + arithmetic.dot(away, right) / z * height / 2
     row = height / 2 - arithmetic.dot(away, np.cross(right, ahead)) / z * height / 2
     inside = (z > 0) & (column >= 0) & (row >= 0) & (column < width) & (row < height)
+    if not inside.any():
+        return np.asarray(inside)
+    depth: F32 = view.depth_and_instances(camera)[0]
     shown = depth[np.where(inside, row, 0).astype(int), np.where(inside, column, 0).astype(int)]
     return np.asarray(inside & (shown > z - NEARER_M))

@@ -198,7 +198,7 @@ def _goal(
     hiding, landmarks = question.place, mentioned_types(question.expression.program[1:])
     goals = [goal for goal in (hiding.goal, *hiding.other_goals) if goal.cell in room.grid.graph]
     refusals: list[Refusal] = []
-    for goal in sorted(goals, key=lambda goal: not landmarks <= room.types_in_view(goal)):
+    for goal in sorted(goals, key=lambda goal: bool(landmarks) and not landmarks <= room.types_in_view(goal)):
         try:
             views = room.views(goal, manipulation)
         except ActionError as error:
@@ -207,7 +207,7 @@ def _goal(
         found = _check_views(room, hiding, answer_ids, views)
         if found is None and not answer_ids:
             motion = views.motion if hiding.relation == "in" else None
-            looks = room.looks(goal, manipulation)
+            looks = room.looks(hiding, goal, manipulation, motion)
             share = share_in_view(hiding.interior, motion, looks, views.revealed, question.type)
             if share < LEAST_SHARE:
                 found = Refusal("provable", f"only {share:.2f} of what {hiding.object_id} hides comes to light")

@@ -26,7 +26,7 @@ from remqa_data.generators.arrangement.hiding_goals import (
     poses_that_reach,
 )
 from remqa_data.generators.arrangement.hiding_rules import HidingRules, hiding_rules
-from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, looks_about, share_in_view
+from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, looks_about, share_in_view, that_may_show
 from remqa_data.generators.arrangement.plausible import plausible_types
 from remqa_data.generators.arrangement.push_targets import push_targets
 from remqa_data.generators.arrangement.sightlines import Sightlines
@@ -347,11 +347,11 @@ class _Finder:
                 world.move_alone(object_id, move_to)
             else:
                 view.hide(object_id)
-            motion = world.motion_since(object_id, closed)
-            cameras = [pose.camera(self.sight.grid) for pose in looks_about(goal)]
+            moved = world.motion_since(object_id, closed) if manipulation == "Open" else None
+            about = [pose.camera(self.sight.grid) for pose in looks_about(goal)]
+            cameras = that_may_show(about, interior, moved)
             looks = [(camera, view.depth_and_instances(camera)[0]) for camera in cameras]
             world.restore(snapshot)
-        moved = motion if manipulation == "Open" else None
         kept = plausible_types(world.type_of(object_id), relation, world.scene.room_type)
         shares = {name: share_in_view(interior, moved, looks, (), name) for name in kept}
         return frozenset(name for name, share in shares.items() if share >= LEAST_SHARE + EMPTY_SHARE)

@@ -13,7 +13,7 @@ from remqa_data.generators.arrangement.hiding_rules import hidden_size
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, Flags
 from remqa_data.sim.navigation.viewpoints import HORIZONS_DEG, AgentPose
-from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.camera import Camera, are_outside
 
 LEAST_SHARE = 0.8
 """Of the ways in which a thing of the asked type could lie there, so many are in view where none is found."""
@@ -26,6 +26,17 @@ LOOK_M, SURFACE_M = 0.015, 0.01
 def looks_about(goal: AgentPose) -> list[AgentPose]:
     """What who stands at a goal may look at without a step or a turn: standing and crouched, with the camera at any tilt."""
     return [replace(goal, horizon_deg=h, is_standing=s) for s in (True, False) for h in HORIZONS_DEG]
+
+
+def that_may_show(cameras: Sequence[Camera], interior: Sequence[Area], motion: F64 | None) -> list[Camera]:
+    """Those of some cameras that have anything of an interior in their picture, or the first one if none has."""
+    corners = []
+    for area in interior:
+        x, y = area.half
+        box = [(side_x, side_y, z) for side_x in (-x, x) for side_y in (-y, y) for z in (0.0, area.height_m)]
+        points = area.to_room(box)
+        corners.append(points if motion is None else arithmetic.moved(points, motion[area.link]))
+    return [c for c in cameras if corners and not are_outside(c.view(), np.stack(corners)).all()] or [*cameras[:1]]
 
 
 def share_in_view(
@@ -47,7 +58,7 @@ def share_in_view(
     motion : (links, 4, 4) array, optional
         How that has moved with what was opened.
     looks : sequence of (Camera, (h, w) array)
-        Depth images of who looks about, with their cameras.
+        Depth images of who looks about, with their cameras; those that show nothing of it may be missing.
     revealed : sequence of (2, 3) array
         Boxes of what lies there.
     type_ : str

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, I32, Vec3
+from remqa_data.geometry.types import F64, I32, Flags, Vec3
 
 NEAR_M = 0.02
 """Nothing closer than this is drawn: short, because cameras can be close to doors."""
@@ -45,6 +45,21 @@ class View(NamedTuple):
         """A view with its inverse."""
         inverse = axes.T / arithmetic.dot(axes, axes)  # the axes are at right angles
         return cls(np.array(eye, dtype=np.float64), axes, inverse, pinhole, width, height)
+
+
+SLACK_PX = 1e-3
+"""So much beyond its border a point still counts as in the picture, for what rounding may do."""
+
+
+def are_outside(view: View, points: F64) -> Flags:
+    """(...,) whether no point between (..., n, 3) points of the room can be in a picture, as all are beyond one border."""
+    x, y, depth = np.moveaxis(arithmetic.turned(points - view.eye, view.axes), -1, 0)
+    scale = depth if view.pinhole else np.ones_like(depth)
+    outside = (depth < 0.0).all(axis=-1)
+    for across, pixels in ((x, view.width), (y, view.height)):
+        edge = 0.5 * pixels * scale + SLACK_PX
+        outside |= (across > edge).all(axis=-1) | (-across > edge).all(axis=-1)
+    return np.asarray(outside)
 
 
 class Windows(NamedTuple):

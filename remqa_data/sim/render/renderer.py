@@ -15,7 +15,7 @@ from remqa_data.geometry.types import F32, F64, I32, I64, U8, Flags, Vec3
 from remqa_data.sim.light.patches import Patches, light_faces, patches
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render.antialias import smooth_edges
-from remqa_data.sim.render.camera import AnyCamera, View, Windows
+from remqa_data.sim.render.camera import AnyCamera, View, Windows, are_outside
 from remqa_data.sim.render.mirrors import Mirrors, no_mirrors
 from remqa_data.sim.render.raster import (
     Buffers,
@@ -34,15 +34,13 @@ from remqa_data.sim.render.scene_arrays import (
     materials_and_texels,
     surface_instances,
 )
-from remqa_data.sim.render.shade import Lights, shade, write_depth_and_instances
+from remqa_data.sim.render.shade import Lights, Materials, shade, write_depth_and_instances
 from remqa_data.sim.render.shadow import empty_shadows, lamp_views, mark_faces, summarise
 
 __all__ = ["Frame", "RenderPart", "Renderer"]
 
 AMBIENT = 0.37
 BACKGROUND = (0.93, 0.94, 0.95)
-_SLACK_PX = 1e-3
-"""So much beyond the border a box still counts as in the picture, for what rounding may do."""
 _NO_SHADOWS = empty_shadows((0.0, 0.0, 0.0), 0)
 _NO_PATCHES = Patches(np.zeros(1, dtype=np.int32), np.zeros(0, dtype=np.int32), np.zeros((0, 3), dtype=np.float32))
 
@@ -107,7 +105,9 @@ class Renderer:
     ) -> None:
         self.parts = tuple(parts)
         self._geometry = build_geometry(self.parts)
-        self._materials, self._texels = build_materials(self.parts)
+        self._paint: tuple[Materials, I32] | None = (
+            None  # the texels of a room are many megabytes, and not all see colours
+        )
         self._instances = surface_instances(self.parts)
         self._lights = room_lights(lights, ambient, background)
         count, vertices = len(self.parts), self._geometry.vertices.shape[1]
@@ -150,7 +150,7 @@ class Renderer:
 
     def set_materials(self, materials: Sequence[Material]) -> None:
         """Paint the surfaces, of which there is one material each in the order of the parts; light and shape stay."""
-        self._materials, self._texels = materials_and_texels(materials)
+        self._paint = materials_and_texels(materials)
 
     def set_pose(self, part: int, pose: npt.ArrayLike) -> None:
         """Put one part elsewhere; `pose` is (4, 4), from its frame to the world."""
@@ -197,13 +197,13 @@ class Renderer:
         buffers, depth, instances = self._rasterise(view, only)
         self._light_stale_parts(buffers.drawn[:, 0])
         rgb = np.empty((view.height, view.width, 3), dtype=np.uint8)
+        self._paint = self._paint or build_materials(self.parts)
         shade(
             self._geometry,
             self._placed,
             view,
             buffers,
-            self._materials,
-            self._texels,
+            *self._paint,
             self._lights,
             self._shadows if shadows else _NO_SHADOWS,
             self._patches,
@@ -251,15 +251,9 @@ class Renderer:
 
     def extents(self, camera: AnyCamera) -> Extents:
         """What the boxes of the parts take up of a picture, without drawing anything."""
-        view = camera.view()
-        x, y, depth = np.moveaxis(turned(self._placed.corners - view.eye, view.axes), 2, 0)
-        scale = depth if view.pinhole else np.ones_like(depth)
-        beyond = depth < 0.0
-        is_out = beyond.all(axis=1)
-        for across, pixels in ((x, view.width), (y, view.height)):
-            edge = 0.5 * pixels * scale + _SLACK_PX
-            is_out |= (across > edge).all(axis=1) | (-across > edge).all(axis=1)
-        return Extents(~is_out, depth.min(axis=1), depth.max(axis=1))
+        view, corners = camera.view(), self._placed.corners
+        depth = turned(corners - view.eye, view.axes)[..., 2]
+        return Extents(~are_outside(view, corners), depth.min(axis=1), depth.max(axis=1))
 
     def _rasterise(self, view: View, only: Flags | None = None) -> tuple[Buffers, F32, I32]:
         buffers = self._buffers(view.height, view.width)

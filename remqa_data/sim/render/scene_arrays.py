@@ -48,22 +48,19 @@ def build_geometry(parts: Sequence[RenderPart]) -> Geometry:
     surfaces = [surface for part in parts for surface in part.surfaces]
     vertex_start = _offsets([len(surface.vertices) for surface in surfaces])
     faces = _join([s.faces + start for s, start in zip(surfaces, vertex_start, strict=False)], (0, 3), np.int32)
-    normals = _join([surface.normals for surface in surfaces], (0, 3), np.float32)
-    corners = normals[faces]
-    flat = (corners[:, 0] == corners[:, 1]).all(axis=1) & (corners[:, 0] == corners[:, 2]).all(axis=1)
     vertices = _join([surface.vertices for surface in surfaces], (0, 3), np.float32)
     return Geometry(
         vertices=np.ascontiguousarray(vertices.T),
-        normals=normals,
+        normals=_join([surface.normals for surface in surfaces], (0, 3), np.float32),
         uv=_join([surface.uv for surface in surfaces], (0, 2), np.float32),
         faces=faces,
         face_surface=np.repeat(np.arange(len(surfaces)), [len(s.faces) for s in surfaces]).astype(np.int32),
-        face_is_flat=flat,
+        face_is_flat=_join([flat_faces(surface) for surface in surfaces], (0,), np.bool_),
         face_of_solid=_join([solid_faces(surface) for surface in surfaces], (0,), np.bool_),
         surface_start=_offsets([len(surface.faces) for surface in surfaces]),
         part_vertex_start=_offsets([sum(len(s.vertices) for s in part.surfaces) for part in parts]),
         part_surface_start=_offsets([len(part.surfaces) for part in parts]),
-        part_corners=np.stack([_corners(part) for part in parts]) if parts else np.empty((0, 8, 3)),
+        part_corners=np.stack([_corners(tuple(part.surfaces)) for part in parts]) if parts else np.empty((0, 8, 3)),
     )
 
 
@@ -101,6 +98,13 @@ def surface_instances(parts: Sequence[RenderPart]) -> I32:
 
 
 @lru_cache(maxsize=1 << 12)  # a room has some 300 surfaces and is loaded many times
+def flat_faces(surface: Surface) -> Flags:
+    """(m,) whether the three normals of each face are equal."""
+    a, b, c = (surface.normals[surface.faces[:, corner]] for corner in range(3))
+    return np.asarray((a == b).all(axis=1) & (a == c).all(axis=1))
+
+
+@lru_cache(maxsize=1 << 12)
 def solid_faces(surface: Surface) -> Flags:
     """(m,) whether each face bounds a solid, so that its back can never be seen from outside.
 
@@ -134,10 +138,11 @@ def structure_groups(scene: Scene) -> list[tuple[StructureKind, Surface]]:
     for index, part in enumerate(scene.structure):
         key = (part.kind, index) if part.kind in ("wall", "outside", "ceiling") else (part.kind, part.finish)
         groups.setdefault(key, []).append(part)
-    return [(parts[0].kind, _boxes(parts)) for parts in groups.values()]
+    return [(parts[0].kind, _boxes(tuple(parts))) for parts in groups.values()]
 
 
-def _boxes(parts: list[StructureBox]) -> Surface:
+@lru_cache(maxsize=1 << 10)
+def _boxes(parts: tuple[StructureBox, ...]) -> Surface:
     material: Material = parts[0].finish
     meshes = []
     for part in parts:
@@ -172,9 +177,10 @@ def _pieces(faces: npt.NDArray[np.int64], points: int) -> npt.NDArray[np.int64]:
         label = lowered
 
 
-def _corners(part: RenderPart) -> F64:
-    """(8, 3) corners of the box around a part; a part without vertices is a point at its origin."""
-    points = [s.vertices.astype(np.float64) for s in part.surfaces if len(s.vertices)]
+@lru_cache(maxsize=1 << 12)
+def _corners(surfaces: tuple[Surface, ...]) -> F64:
+    """(8, 3) corners of the box around a part's surfaces; a part without vertices is a point at its origin."""
+    points = [s.vertices.astype(np.float64) for s in surfaces if len(s.vertices)]
     stacked = np.vstack(points) if points else np.zeros((1, 3))
     return np.array(list(product(*zip(stacked.min(axis=0), stacked.max(axis=0), strict=True))))
 
@@ -186,4 +192,4 @@ def _offsets(lengths: Sequence[int]) -> I32:
 
 def _join(arrays: Sequence[npt.ArrayLike], empty: tuple[int, ...], dtype: type[_Number]) -> npt.NDArray[_Number]:
     """Stack arrays; one of shape `empty` where there are none."""
-    return np.concatenate([np.asarray(array) for array in arrays] or [np.empty(empty)]).astype(dtype)
+    return np.concatenate([np.asarray(array) for array in arrays] or [np.empty(empty)]).astype(dtype, copy=False)
