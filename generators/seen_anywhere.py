@@ -108,7 +108,7 @@ def _most(view: WorldView, looks: Sequence[_Look], only: Flags | None = None) ->
     eyes, targets = (
         np.array(points).reshape(-1, 3) for points in zip(*((e, t.middle) for e, t, _ in looks), strict=True)
     )
-    side = np.array([2 * look.half_px for look in looks], dtype=np.int32)
+    side = np.array([2 * look.half_px for look in looks])
     counts = view.pixels_in_windows(Windows.looking_at(eyes, targets, side, FRAME_PX / 2), only)
     return np.array([counts[i, look.target.objects].max() for i, look in enumerate(looks)])
 

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, I32, Flags, Vec3
+from remqa_data.geometry.types import F64, I64, Flags, Vec3
 
 NEAR_M = 0.02
 """Nothing closer than this is drawn: short, because cameras can be close to doors."""
@@ -43,7 +43,7 @@ class View(NamedTuple):
     @classmethod
     def of(cls, eye: npt.ArrayLike, axes: F64, *, pinhole: bool, width: int, height: int) -> View:
         """A view with its inverse."""
-        inverse = axes.T / arithmetic.dot(axes, axes)  # the axes are at right angles
+        inverse = np.ascontiguousarray(axes.T / arithmetic.dot(axes, axes))  # the axes are at right angles
         return cls(np.array(eye, dtype=np.float64), axes, inverse, pinhole, width, height)
 
 
@@ -71,11 +71,11 @@ class Windows(NamedTuple):
     """(n, 3, 3)."""
     inverse: F64
     """(n, 3, 3)."""
-    side: I32
+    side: I64
     """(n,) pixels along each side."""
 
     @classmethod
-    def looking_at(cls, eyes: F64, targets: F64, side: I32, focal_px: float) -> Windows:
+    def looking_at(cls, eyes: F64, targets: F64, side: I64, focal_px: float) -> Windows:
         """Views from (n, 3) eyes to (n, 3) targets, of some sides in pixels, and of one focal length.
 
         Each is the middle of what a level camera there shows, to the last bit: `Camera.look_at(...).view()`.

@@ -24,6 +24,8 @@ FAR_M = 128.0
 """Greatest depth that a parallel projection shows."""
 _SLACK_PX = 1e-3
 """Bounding boxes are this much wider than their float32 corners say, so that rounding loses no pixel."""
+_SLACK_M = 1e-3
+"""Vertices are rounded to float32, boxes are not."""
 _SMALL_PX = 24
 """Bounding boxes up to this many pixels are tested pixel by pixel; larger ones row by row."""
 
@@ -115,7 +117,7 @@ def rasterise(geometry: Geometry, placed: Placed, view: View, buffers: Buffers) 
     buffers.slot[:] = -1
     near_key = nearest_key(view.pinhole)
     parts = placed.corners.shape[0]
-    extents = np.empty((parts, 6))
+    extents = np.empty((parts, 7))
     for part in range(parts):
         _box_on_screen(placed.corners[part], view, width, height, extents[part])
     count = drawn = 0
@@ -138,6 +140,27 @@ def rasterise(geometry: Geometry, placed: Placed, view: View, buffers: Buffers) 
         drawn += 1
     buffers.drawn[drawn, 0] = -1
     return count
+
+
+@exact
+def mark_relevant(corners: F64, view: View, wanted: Flags, relevant: Flags) -> None:
+    """Set which parts, by their (p, 8, 3) boxes, may be seen of the wanted ones, or before them."""
+    parts = len(corners)
+    extents = np.empty((parts, 7))
+    for part in range(parts):
+        _box_on_screen(corners[part], view, view.width, view.height, extents[part])
+        relevant[part] = wanted[part] and extents[part, 0] <= extents[part, 1] and extents[part, 2] <= extents[part, 3]
+    shown = np.flatnonzero(relevant)
+    for part in range(parts):
+        x_low, x_high, y_low, y_high, nearest = extents[part, :5]
+        if wanted[part] or x_low > x_high or y_low > y_high:
+            continue
+        for other in shown:
+            meets = (x_low <= extents[other, 1]) & (extents[other, 0] <= x_high)
+            meets &= (y_low <= extents[other, 3]) & (extents[other, 2] <= y_high)
+            if meets and nearest <= extents[other, 6] + _SLACK_M:
+                relevant[part] = True
+                break
 
 
 @exact
@@ -191,7 +214,7 @@ def part_faces(geometry: Geometry, part: int) -> tuple[int, int]:
 
 @exact
 def _box_on_screen(corners: F64, view: View, width: int, height: int, extent: F64) -> None:
-    """Write x low, x high, y low, y high (pixels, inclusive, clamped), depth low and nearest key of a box's corners."""
+    """Write x low, x high, y low, y high (pixels, inclusive, clamped), depth low, nearest key and depth high of a box."""
     x_low, x_high, y_low, y_high = 1e30, -1e30, 1e30, -1e30
     depth_low, depth_high = 1e30, -1e30
     axes, eye = view.axes, view.eye
@@ -221,6 +244,7 @@ def _box_on_screen(corners: F64, view: View, width: int, height: int, extent: F6
         extent[3] = min(height - 1.0, math.floor(y_high + 0.5 * height - 0.5 + _SLACK_PX))
     extent[4] = depth_low
     extent[5] = 1.0 / max(depth_low, 1e-6) if view.pinhole else FAR_M - depth_low
+    extent[6] = depth_high
 
 
 @exact

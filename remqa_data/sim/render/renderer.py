@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from remqa_data.assets.core.model import Material
-from remqa_data.geometry.arithmetic import turned
 from remqa_data.geometry.types import F32, F64, I32, I64, U8, Flags, Vec3
 from remqa_data.sim.light.patches import Patches, light_faces, patches
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render.antialias import smooth_edges
-from remqa_data.sim.render.camera import AnyCamera, View, Windows, are_outside
+from remqa_data.sim.render.camera import AnyCamera, View, Windows
 from remqa_data.sim.render.mirrors import Mirrors, no_mirrors
 from remqa_data.sim.render.raster import (
     Buffers,
@@ -23,6 +21,7 @@ from remqa_data.sim.render.raster import (
     Placed,
     count_in_windows,
     count_labels,
+    mark_relevant,
     part_faces,
     place_part,
     rasterise,
@@ -55,17 +54,6 @@ class Frame:
     """(h, w) metres along the camera's forward axis at the pixel's centre, 0 where nothing is."""
     instances: I32
     """(h, w) `Part.instance` at the pixel's centre, -1 where nothing is."""
-
-
-class Extents(NamedTuple):
-    """What the boxes of all parts take up of a picture."""
-
-    may_show: Flags
-    """(n,) False if a part is outside of the picture for sure."""
-    nearest: F64
-    """(n,) metres along the camera's axis."""
-    farthest: F64
-    """(n,) metres along the camera's axis."""
 
 
 class Renderer:
@@ -249,11 +237,11 @@ class Renderer:
         count_in_windows(self._geometry, placed, windows, buffers, True, labels, counts)
         return counts
 
-    def extents(self, camera: AnyCamera) -> Extents:
-        """What the boxes of the parts take up of a picture, without drawing anything."""
-        view, corners = camera.view(), self._placed.corners
-        depth = turned(corners - view.eye, view.axes)[..., 2]
-        return Extents(~are_outside(view, corners), depth.min(axis=1), depth.max(axis=1))
+    def relevant(self, camera: AnyCamera, wanted: Flags) -> Flags:
+        """(n,) which parts a picture needs that is to show (n,) some parts rightly: those, and what may be before them."""
+        relevant = np.zeros(len(self.parts), dtype=np.bool_)
+        mark_relevant(self._placed.corners, camera.view(), wanted, relevant)
+        return relevant
 
     def _rasterise(self, view: View, only: Flags | None = None) -> tuple[Buffers, F32, I32]:
         buffers = self._buffers(view.height, view.width)

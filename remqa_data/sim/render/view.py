@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 STRUCTURE = -1
 """Object index of walls, ceiling and built-in furniture."""
-_SLACK_M = 0.001
-"""Vertices are rounded to float32, boxes are not."""
 
 Shapes = Mapping[str, Sequence[tuple[Surface, ...]]]
 """What is drawn of some objects, link by link, instead of what they were built with."""
@@ -213,14 +211,11 @@ class WorldView:
     def pixels_of(self, camera: AnyCamera, object_ids: Iterable[str]) -> I64:
         """(objects,) how many pixels show each of some objects; those of all others mean nothing.
 
-        Quicker than `pixels`: what is farther than all of them is not drawn, and nothing if they are out of sight.
+        Quicker than `pixels`: nothing is drawn that cannot be before any of them, and nothing if they are out of sight.
         """
         self.sync()
-        extents, wanted = self.renderer.extents(camera), self.parts_of(object_ids)
-        wanted &= extents.may_show
-        if not wanted.any():
-            return np.zeros(len(self._parts_of), dtype=np.int64)
-        return self.pixels(camera, extents.nearest <= extents.farthest[wanted].max() + _SLACK_M)
+        relevant = self.renderer.relevant(camera, self.parts_of(object_ids))
+        return self.pixels(camera, relevant) if relevant.any() else np.zeros(len(self._parts_of), dtype=np.int64)
 
     def _bake(self) -> None:
         """Not before it is seen: most rooms that are planned are never drawn."""

@@ -57,7 +57,7 @@ def test_look_at_puts_the_target_in_the_middle():
 )
 def test_windows_are_cameras_that_look_at_their_targets_to_the_last_bit(looks, focal_px):
     points = np.array([look[:6] for look in looks])
-    side = np.array([2 * look[6] for look in looks], dtype=np.int32)
+    side = np.array([2 * look[6] for look in looks])
     windows = Windows.looking_at(points[:, :3], points[:, 3:], side, focal_px)
     assert len(windows.side) == len(looks)
     for i, (*eye, tx, ty, tz, half_px) in enumerate(looks):

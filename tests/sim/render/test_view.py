@@ -102,7 +102,7 @@ def test_pixels_are_counted_as_the_picture_shows_them(world) -> None:
     (shown,) = view.pixels(FROM_ABOVE)
     assert shown == (view.instances(FROM_ABOVE) == 0).sum() > 0
     eyes = np.array([(0.0, -0.6, 0.8), (0.9, 0.9, 1.5), (0.1, 0.2, 0.9)])
-    targets, side = np.tile(scene.objects[0].position, (3, 1)), np.array([80, 30, 2], dtype=np.int32)
+    targets, side = np.tile(scene.objects[0].position, (3, 1)), np.array([80, 30, 2])
     windows = Windows.looking_at(eyes, targets, side, 40.0)
     counts = view.pixels_in_windows(windows)
     assert counts.shape == (3, 1)
