@@ -70,5 +70,5 @@ def _of_all(name: str) -> Callable[..., Any]:
 
 
 _OF_ALL = ("__delitem__", "__eq__", "__ior__", "__len__", "__ne__", "__or__", "__repr__", "__reversed__", "__ror__")
-for _name in (*_OF_ALL, "clear", "copy", "items", "keys", "pop", "popitem", "values"):
+for _name in (*_OF_ALL, "clear", "copy", "items", "keys", "pop", "popitem", "setdefault", "values"):
     setattr(EventMetadata, _name, _of_all(_name))

@@ -31,6 +31,7 @@ WAYS = {
     "or": lambda metadata: metadata | {},
     "ror": lambda metadata: {} | metadata,
     "get": lambda metadata: {name: metadata.get(name) for name in [*metadata]},
+    "set by default": lambda metadata: {**metadata, "objects": metadata.setdefault("objects", [])},
     "popped": lambda metadata: dict(metadata.popitem() for _ in range(len(metadata))),
 }
 

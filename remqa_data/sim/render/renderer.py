@@ -93,9 +93,8 @@ class Renderer:
     ) -> None:
         self.parts = tuple(parts)
         self._geometry = build_geometry(self.parts)
-        self._paint: tuple[Materials, I32] | None = (
-            None  # the texels of a room are many megabytes, and not all see colours
-        )
+        # Materials and texels, which are many megabytes, once somebody sees colours.
+        self._paint: tuple[Materials, I32] | None = None
         self._instances = surface_instances(self.parts)
         self._lights = room_lights(lights, ambient, background)
         count, vertices = len(self.parts), self._geometry.vertices.shape[1]
