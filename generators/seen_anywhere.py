@@ -105,12 +105,11 @@ def _looks(grid: ReachableGrid, together: _Target, apart: Sequence[_Target]) -> 
 
 def _most(view: WorldView, looks: Sequence[_Look], only: Flags | None = None) -> I64:
     """(looks,) the most pixels that one of the objects shows that are looked at, in the middle of the agent's picture."""
-    eyes, targets = (
-        np.array(points).reshape(-1, 3) for points in zip(*((e, t.middle) for e, t, _ in looks), strict=True)
-    )
-    side = np.array([2 * look.half_px for look in looks])
+    eyes = np.array([look.eye for look in looks]).reshape(-1, 3)
+    targets = np.array([look.target.middle for look in looks]).reshape(-1, 3)
+    side = np.array([2 * look.half_px for look in looks], dtype=np.int64)
     counts = view.pixels_in_windows(Windows.looking_at(eyes, targets, side, FRAME_PX / 2), only)
-    return np.array([counts[i, look.target.objects].max() for i, look in enumerate(looks)])
+    return np.array([counts[i, look.target.objects].max() for i, look in enumerate(looks)], dtype=np.int64)
 
 
 def _ball(low: F64, high: F64) -> tuple[Vec3, float]:

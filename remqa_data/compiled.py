@@ -31,6 +31,7 @@ SOURCES = (
     "sim/light/voxels",
     "sim/render/antialias",
     "sim/render/camera",
+    "sim/render/counting",
     "sim/render/mipmap",
     "sim/render/mirrors",
     "sim/render/outline",
@@ -38,7 +39,6 @@ SOURCES = (
     "sim/render/raster",
     "sim/render/shade",
     "sim/render/shadow",
-    "sim/render/supersample",
 )
 """Modules with compiled functions, or with what these use; tests/kernels/test_compiled.py finds them."""
 

@@ -60,8 +60,7 @@ class Server(ThorServer):  # type: ignore[misc]  # AI2-THOR has no types
         reply = self._reply
         metadata = {"sequenceId": self.sequence_id, "activeAgentId": reply.active, "agents": reply.metadata}
         event = self.create_event(metadata, reply.files)
-        agents = getattr(event, "events", [event])
-        for one, rest, listing in zip(agents, reply.metadata, reply.objects, strict=True):
+        for one, rest, listing in zip(event.events, reply.metadata, reply.objects, strict=True):
             one.metadata = EventMetadata(rest, listing)
-        event.metadata = agents[reply.active].metadata
+        event.metadata = event.events[reply.active].metadata
         return event

@@ -46,6 +46,7 @@ ACTIONS = checked(
 ARM_ACTIONS = ACTIONS | checked(actions_arm.ACTIONS | actions_former.ARM_ACTIONS)
 """What the agent with an arm can do; it picks up and lets go in its own way."""
 LEAVES_ROOM_AS_IT_IS = frozenset(actions_navigation.ACTIONS) | {"Done", "Pass"}
+"""Who does one of these moves only the agent, so the objects of earlier events can still be worked out after it."""
 
 
 class Session:

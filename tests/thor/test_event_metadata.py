@@ -7,6 +7,7 @@ import random
 
 import pytest
 
+from remqa_data.thor.session import LEAVES_ROOM_AS_IT_IS
 from remqa_data.thor.state.objects import ObjectRecords
 
 FRIDGE = "Fridge|-02.10|+00.00|+01.07"
@@ -73,6 +74,25 @@ def test_a_kept_event_tells_of_the_room_as_it_was(kitchen, change, sees) -> None
             known.append(copy.deepcopy(kitchen.step("Teleport", **pose).metadata["objects"]))
     assert kitchen.step(**change)
     assert [event.metadata["objects"] for event in kept] == known
+
+
+@pytest.mark.parametrize("mode", ["default", "arm"])
+def test_what_is_said_to_leave_the_room_as_it_is_does_so_even_with_something_in_the_hand(kitchen, mode) -> None:
+    """Kept events rely on it: they are not read before such an action."""
+    kitchen.reset(agentMode=mode)
+    room = kitchen.server.session._simulator.room
+    room.agent.pick_up(APPLE, force=True)
+    kitchen.step("Pass")
+    place = kitchen.step("GetReachablePositions").metadata["actionReturn"][5]
+    assert len(LEAVES_ROOM_AS_IT_IS) > 10
+    for action in [*sorted(LEAVES_ROOM_AS_IT_IS)] * 2:
+        request = {"position": place, "rotation": 90} if action.startswith("Teleport") else {}
+        kept = kitchen.step("Pass", renderImage=False)
+        known = copy.deepcopy(kitchen.step("Pass", renderImage=False).metadata["objects"])
+        before = room.view.version
+        kitchen.step(action, renderImage=False, **request)
+        assert room.view.version == before, action
+        assert kept.metadata["objects"] == known, action
 
 
 def test_an_event_outlives_its_controller(kitchen) -> None:

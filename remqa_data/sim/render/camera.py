@@ -11,7 +11,7 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,9 @@ from remqa_data.geometry.types import F64, I64, Flags, Vec3
 
 NEAR_M = 0.02
 """Nothing closer than this is drawn: short, because cameras can be close to doors."""
+
+
+_Number = TypeVar("_Number", float, F64)
 
 
 class View(NamedTuple):
@@ -43,8 +46,7 @@ class View(NamedTuple):
     @classmethod
     def of(cls, eye: npt.ArrayLike, axes: F64, *, pinhole: bool, width: int, height: int) -> View:
         """A view with its inverse."""
-        inverse = np.ascontiguousarray(axes.T / arithmetic.dot(axes, axes))  # the axes are at right angles
-        return cls(np.array(eye, dtype=np.float64), axes, inverse, pinhole, width, height)
+        return cls(np.array(eye, dtype=np.float64), axes, _inverse(axes), pinhole, width, height)
 
 
 SLACK_PX = 1e-3
@@ -81,17 +83,14 @@ class Windows(NamedTuple):
         Each is the middle of what a level camera there shows, to the last bit: `Camera.look_at(...).view()`.
         """
         half_deg = np.degrees(arithmetic.arctan2(side / 2, np.full(len(side), focal_px)))
-        sine, cosine = arithmetic.sin_cos_deg(2 * half_deg / 2)
+        sine, cosine = arithmetic.sin_cos_deg(half_deg)
         focal = (0.5 * side * cosine / sine)[:, None]
         dx, dy, dz = (targets - eyes).T
-        sin_yaw, cos_yaw = arithmetic.sin_cos_deg(np.degrees(arithmetic.arctan2(dy, dx)))
-        sin_pitch, cos_pitch = arithmetic.sin_cos_deg(np.degrees(arithmetic.arctan2(-dz, np.sqrt(dx * dx + dy * dy))))
-        right = np.column_stack([sin_yaw, -cos_yaw, np.zeros_like(dx)])
-        up = np.column_stack([sin_pitch * cos_yaw, sin_pitch * sin_yaw, cos_pitch])
-        ahead = np.column_stack([cos_pitch * cos_yaw, cos_pitch * sin_yaw, -sin_pitch])
-        axes = np.stack([right * focal, -up * focal, ahead], axis=1)
-        inverse = np.swapaxes(axes, 1, 2) / arithmetic.dot(axes, axes)[:, None, :]
-        return cls(eyes, axes, np.ascontiguousarray(inverse), side)
+        yaw = arithmetic.sin_cos_deg(np.degrees(arithmetic.arctan2(dy, dx)))
+        pitch = arithmetic.sin_cos_deg(np.degrees(arithmetic.arctan2(-dz, np.sqrt(dx * dx + dy * dy))))
+        right, up, forward = np.moveaxis(_level(*yaw, *pitch), -1, 1)
+        axes = np.stack([right * focal, -up * focal, forward], axis=1)
+        return cls(eyes, axes, _inverse(axes), side)
 
 
 class AnyCamera(Protocol):
@@ -255,18 +254,28 @@ def _looking(yaw_deg: float, horizon_deg: float, roll_deg: float) -> F64:
     """(3, 3) unit rows, right, up and forward, of a camera that looks somewhere."""
     sin_yaw, cos_yaw = (float(v) for v in arithmetic.sin_cos_deg(yaw_deg))
     sin_pitch, cos_pitch = (float(v) for v in arithmetic.sin_cos_deg(horizon_deg))
-    level = np.array(
-        [
-            [sin_yaw, -cos_yaw, 0.0],
-            [sin_pitch * cos_yaw, sin_pitch * sin_yaw, cos_pitch],
-            [cos_pitch * cos_yaw, cos_pitch * sin_yaw, -sin_pitch],
-        ]
-    )
+    level = _level(sin_yaw, cos_yaw, sin_pitch, cos_pitch)
     if roll_deg == 0.0:
         return level
     sin_roll, cos_roll = (float(v) for v in arithmetic.sin_cos_deg(roll_deg))
     right, up, forward = level
     return np.stack([cos_roll * right + sin_roll * up, cos_roll * up - sin_roll * right, forward])
+
+
+def _level(sin_yaw: _Number, cos_yaw: _Number, sin_pitch: _Number, cos_pitch: _Number) -> F64:
+    """(3, 3) or, of (n,) angles each, (3, 3, n) rows: right, up and forward, of cameras that are not rolled."""
+    return np.array(
+        [
+            [sin_yaw, -cos_yaw, sin_yaw - sin_yaw],
+            [sin_pitch * cos_yaw, sin_pitch * sin_yaw, cos_pitch],
+            [cos_pitch * cos_yaw, cos_pitch * sin_yaw, -sin_pitch],
+        ]
+    )
+
+
+def _inverse(axes: F64) -> F64:
+    """Inverses of (..., 3, 3) axes, which are at right angles."""
+    return np.ascontiguousarray(np.swapaxes(axes, -1, -2) / arithmetic.dot(axes, axes)[..., None, :])
 
 
 @lru_cache(maxsize=1024)  # one camera looks, and then points are looked up in its image

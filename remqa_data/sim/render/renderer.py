@@ -14,14 +14,12 @@ from remqa_data.sim.light.patches import Patches, light_faces, patches
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render.antialias import smooth_edges
 from remqa_data.sim.render.camera import AnyCamera, View, Windows
+from remqa_data.sim.render.counting import count_in_windows, count_labels, mark_relevant
 from remqa_data.sim.render.mirrors import Mirrors, no_mirrors
 from remqa_data.sim.render.raster import (
     Buffers,
     Geometry,
     Placed,
-    count_in_windows,
-    count_labels,
-    mark_relevant,
     part_faces,
     place_part,
     rasterise,
@@ -103,7 +101,7 @@ class Renderer:
         self._records = np.empty((len(self._geometry.faces), 9), dtype=np.float32)
         self._record_face = np.empty(len(self._geometry.faces), dtype=np.int32)
         self._candidates = np.empty(len(self._geometry.faces), dtype=np.int32)
-        self._drawn = np.empty((count + 1, 2), dtype=np.int32)
+        self._drawn_parts = np.empty((count + 1, 2), dtype=np.int32)
         self._image = np.empty((5, vertices), dtype=np.float32)
         lamp = self._lights.positions[0]
         self._shadows = empty_shadows(lamp, shadow_size)
@@ -221,9 +219,7 @@ class Renderer:
         bins : int
             How many labels there are.
         """
-        view = camera.view()
-        buffers = self._buffers(view.height, view.width)
-        rasterise(self._geometry, self._shown(only), view, buffers)
+        buffers = self._drawn(camera.view(), only)
         counts = np.zeros(bins, dtype=np.int64)
         count_labels(self._geometry, labels, buffers, counts)
         return counts
@@ -242,9 +238,14 @@ class Renderer:
         mark_relevant(self._placed.corners, camera.view(), wanted, relevant)
         return relevant
 
-    def _rasterise(self, view: View, only: Flags | None = None) -> tuple[Buffers, F32, I32]:
+    def _drawn(self, view: View, only: Flags | None) -> Buffers:
+        """What each pixel of a picture shows."""
         buffers = self._buffers(view.height, view.width)
         rasterise(self._geometry, self._shown(only), view, buffers)
+        return buffers
+
+    def _rasterise(self, view: View, only: Flags | None = None) -> tuple[Buffers, F32, I32]:
+        buffers = self._drawn(view, only)
         depth = np.empty((view.height, view.width), dtype=np.float32)
         instances = np.empty((view.height, view.width), dtype=np.int32)
         write_depth_and_instances(self._geometry, self._instances, buffers, view.pinhole, depth, instances)
@@ -298,7 +299,7 @@ class Renderer:
         return self._frame_buffers[height, width]
 
     def _with_scratch(self, key: F32, slot: I32) -> Buffers:
-        return Buffers(key, slot, self._records, self._record_face, self._drawn, self._candidates, self._image)
+        return Buffers(key, slot, self._records, self._record_face, self._drawn_parts, self._candidates, self._image)
 
 
 def empty_placed(geometry: Geometry) -> Placed:
