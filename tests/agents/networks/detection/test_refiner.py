@@ -110,11 +110,13 @@ def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
     def shown(count: int) -> tuple[torch.Tensor, list[Picture]]:
         made = []
         for _ in range(count):
-            low, size = rng.integers(24, 40, 2), rng.integers(24, 40, 2)
+            low, size = rng.integers(26, 34, 2), rng.integers(32, 41, 2)  # so that the rough box is of the thing
             made.append(picture(*low, *(low + size)))
         return torch.stack([torch.from_numpy(one.rgb).permute(2, 0, 1) for one in made]), made
 
-    for _ in range(40):
+    steps = 60
+    for step in range(steps):
+        optimizer.param_groups[0]["lr"] = 3e-3 * (1 - step / steps)
         rgb, pictures = shown(12)
         voted = first.vote(rgb)
         parts = [propose(one, p.boxes, rng) for one, p in zip(pictures, voted.peaks, strict=True)]
