@@ -17,8 +17,8 @@ class Controller(ThorController):  # type: ignore[misc]  # AI2-THOR has no types
     Parameters
     ----------
     *args, **parameters
-        As of AI2-THOR's Controller: scene, width, height, gridSize, renderDepthImage, agentMode and so on. What chooses a
-        Unity build, a display or a graphics card is accepted and has no effect.
+        As of AI2-THOR's Controller: scene, width, height, quality, gridSize, renderDepthImage, agentMode and so on. What
+        chooses a Unity build, a display or a graphics card is accepted and has no effect.
 
     Examples
     --------
@@ -36,6 +36,7 @@ class Controller(ThorController):  # type: ignore[misc]  # AI2-THOR has no types
     server: Server | None
     width: int
     height: int
+    quality: str
 
     def __init__(self, *args: Any, **parameters: Any) -> None:
         super().__init__(*args, **{**parameters, "start_unity": False})
@@ -85,7 +86,7 @@ class Controller(ThorController):  # type: ignore[misc]  # AI2-THOR has no types
     def _build_server(self, host: str, port: int, width: int, height: int) -> None:
         if self.server is None:
             self.server = Server(
-                Session(width, height),
+                Session(width, height, self.quality),
                 width=width,
                 height=height,
                 timeout=self.server_timeout,

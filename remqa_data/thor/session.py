@@ -24,7 +24,7 @@ from remqa_data.thor.actions import spawning as actions_spawning
 from remqa_data.thor.actions import states as actions_states
 from remqa_data.thor.state.dispatch import call, checked
 from remqa_data.thor.state.events import Listing, Outcome, Reply, reply
-from remqa_data.thor.state.settings import FrameSize, Images
+from remqa_data.thor.state.settings import QUALITIES, FrameSize, Images
 from remqa_data.thor.state.simulator import SimulatorState
 
 ACTIONS = checked(
@@ -56,10 +56,13 @@ class Session:
     ----------
     width, height : int
         Of every picture, pixels.
+    quality : str
+        What pictures are drawn with, a key of QUALITIES.
     """
 
-    def __init__(self, width: int, height: int) -> None:
+    def __init__(self, width: int, height: int, quality: str = "Ultra") -> None:
         self._simulator = SimulatorState(FrameSize(width, height))
+        self._simulator.quality = QUALITIES[quality]
         self._outcomes: dict[int, Outcome] = {}
         self._unread: WeakSet[Listing] = WeakSet()
 

@@ -2,6 +2,7 @@ import random
 
 import numpy as np
 import pytest
+from ai2thor._quality_settings import QUALITY_SETTINGS
 
 from remqa_data.thor import Controller
 from tests.helpers.random_calls import call_at_random
@@ -13,9 +14,10 @@ TOASTER = "Toaster|-01.84|+00.90|+00.13"
 
 def drawn_now(controller: Controller) -> np.ndarray:
     """What the agent's camera sees, drawn anew."""
-    room = controller.server.session._simulator.room
-    camera = room.frame_camera()
-    return room.view.render(camera, only=room.shown_to(camera)).rgb
+    simulator = controller.server.session._simulator
+    room, quality = simulator.room, simulator.quality
+    camera, how = room.frame_camera(), {"shadows": quality.shadows, "antialias": quality.smooth_edges}
+    return room.view.render(camera, only=room.shown_to(camera), **how).rgb
 
 
 def test_a_place_that_is_seen_again_is_not_drawn_again(kitchen, monkeypatch) -> None:
@@ -47,6 +49,33 @@ def test_what_changes_the_room_changes_its_pictures(kitchen, action, arguments) 
     assert event
     assert not np.array_equal(event.frame, before)
     assert np.array_equal(event.frame, drawn_now(kitchen))
+
+
+def test_a_quality_says_what_pictures_are_drawn_with(kitchen) -> None:
+    arguments = {"position": {"x": 0, "y": 2, "z": 0}, "rotation": {"x": 90, "y": 0, "z": 0}, "fieldOfView": 90}
+    kitchen.step("AddThirdPartyCamera", **arguments)
+    kinds = {}
+    for quality in QUALITY_SETTINGS.keys() - {"DONOTUSE"}:
+        event = kitchen.step("ChangeQuality", quality=quality, renderDepthImage=True)
+        assert event, quality
+        assert np.array_equal(event.frame, drawn_now(kitchen))
+        kinds.setdefault(event.frame.tobytes(), []).append((quality, event))
+    assert {frozenset(quality for quality, _ in alike) for alike in kinds.values()} == {
+        frozenset({"Very Low", "Low"}),
+        frozenset({"Medium", "MediumCloseFitShadows", "High"}),
+        frozenset({"Very High", "Ultra", "High WebGL"}),
+    }
+    first, *others = [alike[0][1] for alike in kinds.values()]
+    assert others
+    for event in others:
+        assert np.array_equal(event.depth_frame, first.depth_frame)
+        assert not np.array_equal(event.third_party_camera_frames[0], first.third_party_camera_frames[0])
+    event = kitchen.step("ChangeQuality", quality="Best")
+    assert "choose one of Very Low, Low" in event.metadata["errorMessage"]
+    with Controller(scene="FloorPlan1", quality="Medium") as controller:
+        assert np.array_equal(controller.last_event.frame, drawn_now(controller))
+        assert not controller.server.session._simulator.quality.smooth_edges
+        assert np.array_equal(controller.reset("FloorPlan401").frame, drawn_now(controller))
 
 
 def test_memory_is_bounded(kitchen, monkeypatch) -> None:

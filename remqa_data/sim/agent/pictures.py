@@ -24,17 +24,19 @@ class Pictures:
     def __init__(self, view: WorldView, most_bytes: int) -> None:
         self.most_bytes = most_bytes
         self._view = view
-        self._drawn: dict[tuple[AnyCamera, bytes | None], Observation] = {}
+        self._drawn: dict[tuple[AnyCamera, bytes | None, bool, bool], Observation] = {}
         self._bytes = 0
 
     def __len__(self) -> int:
         return len(self._drawn)
 
-    def of(self, camera: AnyCamera, only: Flags | None = None) -> Observation:
+    def of(
+        self, camera: AnyCamera, only: Flags | None = None, *, shadows: bool = True, antialias: bool = True
+    ) -> Observation:
         """What `WorldView.render` gives; not to be written to, as it may be given again."""
-        key = (camera, None if only is None else only.tobytes())
+        key = (camera, None if only is None else only.tobytes(), shadows, antialias)
         if key not in self._drawn:
-            drawn = self._view.render(camera, only=only)
+            drawn = self._view.render(camera, shadows=shadows, antialias=antialias, only=only)
             size = BYTES_PER_PIXEL * drawn.depth.size
             if size > self.most_bytes:
                 return drawn

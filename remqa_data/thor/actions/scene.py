@@ -13,7 +13,7 @@ from remqa_data.thor.state.cameras import ThirdPartyCamera
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, whole
 from remqa_data.thor.state.objects import box_metadata
-from remqa_data.thor.state.settings import FrameSize, Images, Settings
+from remqa_data.thor.state.settings import QUALITIES, FrameSize, Images, Settings
 from remqa_data.thor.state.simulator import SCENE_SUFFIX, SimulatorState
 
 MOST_AGENTS = 8
@@ -110,6 +110,14 @@ def initialize(
 def change_resolution(simulator: SimulatorState, x: int, y: int) -> ActionResult:
     """Set the size of all pictures."""
     simulator.resize(FrameSize(x, y))
+    return ActionResult(True)
+
+
+def change_quality(simulator: SimulatorState, quality: str) -> ActionResult:
+    """Draw pictures of all rooms in another quality."""
+    if quality not in QUALITIES:
+        return ActionResult(False, f"quality {quality!r} is none: choose one of {', '.join(QUALITIES)}")
+    simulator.quality = QUALITIES[quality]
     return ActionResult(True)
 
 
@@ -217,6 +225,7 @@ ACTIONS: dict[str, Action] = {
     "AddThirdPartyCamera": add_third_party_camera,
     "AdvancePhysicsStep": advance_physics,
     "ChangeFOV": change_fov,
+    "ChangeQuality": change_quality,
     "ChangeResolution": change_resolution,
     "Done": do_nothing,
     "GetMapViewCameraProperties": get_map_view_camera_properties,

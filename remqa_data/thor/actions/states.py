@@ -91,7 +91,7 @@ def set_state_of_all_objects(
 
 
 def accept(simulator: SimulatorState, **ignored: Any) -> ActionResult:
-    """Do nothing: what this sets (how fast, how hot, how breakable, in which quality) means nothing here."""
+    """Do nothing: what this sets (how fast, how hot, how breakable) means nothing here."""
     return ActionResult(True)
 
 
@@ -109,7 +109,6 @@ STATE_CHANGES = {
 
 WITHOUT_EFFECT = (
     "ChangeOpenSpeed",
-    "ChangeQuality",
     "ChangeTimeScale",
     "MakeAllObjectsMoveable",
     "MakeAllObjectsUnbreakable",

@@ -110,7 +110,7 @@ def reply(simulator: SimulatorState, outcomes: Mapping[int, Outcome], images: Im
     if not images.none:
         for third in simulator.cameras:
             camera = third.camera(simulator.frame)
-            drawn = room.picture(camera, room.shown_to(camera))
+            drawn = room.picture(camera, room.shown_to(camera), simulator.quality)
             _add(files, _THIRD_PARTY_FILES, drawn, images, room.palette, simulator.settings.far_plane)
     return Reply(active, metadata, objects, files)
 
@@ -131,7 +131,7 @@ def _seen(simulator: SimulatorState, images: Images, files: Files) -> Callable[[
         return look
     camera = room.frame_camera()
     only = room.shown_to(camera)
-    shown = room.picture(camera, only)
+    shown = room.picture(camera, only, simulator.quality)
     _add(files, _AGENT_FILES, shown, images, room.palette, simulator.settings.far_plane)
     if only is not None or room.shows_map:
         return look

@@ -10,6 +10,27 @@ MOST_PIXELS = 4096
 
 
 @dataclass(frozen=True)
+class Quality:
+    """What a picture is drawn with; depth and masks are the same either way."""
+
+    shadows: bool = True
+    smooth_edges: bool = True
+
+
+QUALITIES = {
+    "Very Low": Quality(shadows=False, smooth_edges=False),
+    "Low": Quality(shadows=False, smooth_edges=False),
+    "Medium": Quality(smooth_edges=False),
+    "MediumCloseFitShadows": Quality(smooth_edges=False),
+    "High": Quality(smooth_edges=False),
+    "Very High": Quality(),
+    "Ultra": Quality(),
+    "High WebGL": Quality(),
+}
+"""AI2-THOR's, with what its Unity project says of shadows and antialiasing (unity/ProjectSettings/QualitySettings.asset)."""
+
+
+@dataclass(frozen=True)
 class Images:
     """Which pictures come with an event."""
 

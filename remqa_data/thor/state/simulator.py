@@ -26,7 +26,7 @@ from remqa_data.thor.state.frames import to_thor
 from remqa_data.thor.state.images import Palette
 from remqa_data.thor.state.looks import Look, Looks
 from remqa_data.thor.state.objects import ObjectRecords
-from remqa_data.thor.state.settings import FrameSize, Settings
+from remqa_data.thor.state.settings import FrameSize, Quality, Settings
 
 AGENT_MIDDLE_M = 0.900999
 """AI2-THOR describes its agent by its middle, which is so high above the floor."""
@@ -223,12 +223,12 @@ class LoadedFloorPlan:
         is_above = camera.view().eye[2] >= self.world.scene.floor_z + self.world.scene.height
         return ~self._hides_room if is_above else None
 
-    def picture(self, camera: AnyCamera, only: Flags | None) -> Observation:
+    def picture(self, camera: AnyCamera, only: Flags | None, quality: Quality) -> Observation:
         """What `WorldView.render` gives; not to be written to, as it is remembered while nothing in the room changes."""
         if self.view.version != self._pictured:
             self._pictured = self.view.version
             self.pictures.forget()
-        return self.pictures.of(camera, only)
+        return self.pictures.of(camera, only, shadows=quality.shadows, antialias=quality.smooth_edges)
 
     def box(self) -> F64:
         """(2, 3) corners of the room inside its walls, metres."""
@@ -249,6 +249,8 @@ class SimulatorState:
     ----------
     settings : Settings
         What Initialize has set.
+    quality : Quality
+        What pictures are drawn with, in all rooms.
     scene_name : str
         As AI2-THOR calls it.
     cameras : list of ThirdPartyCamera
@@ -262,7 +264,7 @@ class SimulatorState:
 
     def __init__(self, frame: FrameSize) -> None:
         self.frame = frame
-        self.settings = Settings()
+        self.settings, self.quality = Settings(), Quality()
         self.scene_name = ""
         self.cameras: list[ThirdPartyCamera] = []
         self.shown_objects: frozenset[str] | None = None
