@@ -119,12 +119,12 @@ def _sample_edges(geometry: Geometry, buffers: Buffers, pinhole: bool, is_edge: 
         key[edge] = least[edge]
     samples = _Samples(first, column, reach, least, key, np.full((len(column), _SAMPLES), -1, dtype=np.int32))
     for i in range(len(buffers.drawn)):
-        part = buffers.drawn[i, 0]
+        part = int(np.int64(buffers.drawn[i, 0]))
         if part < 0:
             break
         start, stop = part_faces(geometry, part)
         cull = buffers.drawn[i, 1] > 0
-        candidates = find_candidates(geometry, start, stop, cull, buffers, _SAMPLES)
+        candidates = find_candidates(geometry, start, stop, cull, buffers, float(_SAMPLES))
         _draw_faces(geometry, buffers.candidates[:candidates], cull, pinhole, buffers.image, samples)
     return samples
 

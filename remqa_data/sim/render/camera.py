@@ -89,7 +89,8 @@ class Windows(NamedTuple):
         yaw = arithmetic.sin_cos_deg(np.degrees(arithmetic.arctan2(dy, dx)))
         pitch = arithmetic.sin_cos_deg(np.degrees(arithmetic.arctan2(-dz, np.sqrt(dx * dx + dy * dy))))
         right, up, forward = np.moveaxis(_level(*yaw, *pitch), -1, 1)
-        axes = np.stack([right * focal, -up * focal, forward], axis=1)
+        # Row after row in memory, as those of other views are: kernels are compiled for each way.
+        axes = np.ascontiguousarray(np.stack([right * focal, -up * focal, forward], axis=1))
         return cls(eyes, axes, _inverse(axes), side)
 
 

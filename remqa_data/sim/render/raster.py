@@ -118,7 +118,7 @@ def rasterise(geometry: Geometry, placed: Placed, view: View, buffers: Buffers) 
     extents = np.empty((parts, 7))
     for part in range(parts):
         box_on_screen(placed.corners[part], view, width, height, extents[part])
-    count = drawn = 0
+    count, drawn = int(np.int64(0)), 0  # else `_draw_faces` is compiled for the constant, too
     for part in np.argsort(-extents[:, 5]):
         x_low, x_high, y_low, y_high = extents[part, 0], extents[part, 1], extents[part, 2], extents[part, 3]
         if not placed.visible[part] or x_low > x_high or y_low > y_high:
@@ -132,7 +132,7 @@ def rasterise(geometry: Geometry, placed: Placed, view: View, buffers: Buffers) 
         first, last = part_faces(geometry, part)
         # From inside a solid, or where the near plane cuts it open, back faces do show.
         cull = not crosses_near
-        candidates = find_candidates(geometry, first, last, cull, buffers, 1)
+        candidates = find_candidates(geometry, first, last, cull, buffers, 1.0)
         count = _draw_faces(geometry, candidates, cull, view.pinhole, near_key, buffers, count)
         buffers.drawn[drawn, 0], buffers.drawn[drawn, 1] = part, cull
         drawn += 1
@@ -217,7 +217,7 @@ def _project_vertices(vertices: F32, start: int, stop: int, view: View, image: F
 
 
 @exact
-def find_candidates(geometry: Geometry, start: int, stop: int, cull: bool, buffers: Buffers, per_pixel: int) -> int:
+def find_candidates(geometry: Geometry, start: int, stop: int, cull: bool, buffers: Buffers, per_pixel: float) -> int:
     """Write which of a range of faces may show; returns how many.
 
     That is those that turn to the viewer and are not between the columns, or the rows, of the points where the image is
