@@ -11,7 +11,7 @@ import hashlib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from numba import njit
 from numba.core import config, event
@@ -42,6 +42,9 @@ SOURCES = (
 )
 """Modules with compiled functions, or with what these use; tests/kernels/test_compiled.py finds them."""
 
+# Nothing calls kernels from C; an entrance for that would take the compiler a while.
+_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+
 
 def exact(function: Function) -> Function:
     """Compile with every rounding as written, so that each processor computes the same bits.
@@ -52,8 +55,7 @@ def exact(function: Function) -> Function:
     usual: str = config.CACHE_DIR  # type: ignore[attr-defined]
     config.CACHE_DIR = _cache_folder(usual)  # type: ignore[attr-defined]
     try:
-        decorate = njit(cache=True, nogil=True, error_model="numpy")
-        return cast(Function, decorate(function))
+        return cast(Function, njit(**_OPTIONS)(function))
     finally:
         config.CACHE_DIR = usual  # type: ignore[attr-defined]
 
