@@ -70,7 +70,7 @@ def test_windows_are_cameras_that_look_at_their_targets_to_the_last_bit(looks, f
 def test_views_of_windows_lie_in_memory_as_those_of_cameras_do():
     """Else the rasteriser would be compiled once more."""
     eyes = np.zeros((3, 3))
-    windows = Windows.looking_at(eyes, eyes + (1.0, 0.5, 0.2), np.array([10, 20, 30]), 150.0)
+    windows = Windows.looking_at(eyes, np.ones((3, 3)) * 0.4, np.array([10, 20, 30]), 150.0)
     view = Camera((0.0, 0.0, 0.0), 0, 0, 90, width=10, height=10).view()
     for one, other in zip(windows[1:3], view[1:3], strict=True):
         assert one[0].flags.c_contiguous
