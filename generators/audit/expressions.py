@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 
 from remqa_data.errors import RemqaError, one_line
 from remqa_data.generators.audit.failures import Broken, Failure
-from remqa_data.generators.audit.truths import CheckedRoom, understood
+from remqa_data.generators.audit.question_words import understood
+from remqa_data.generators.audit.truths import CheckedRoom
 from remqa_data.generators.scene_job import expression_split
 from remqa_data.language.referring import Program, candidates, resolve
 from remqa_data.language.rules import SEEN_AS_ONE, may_be_called

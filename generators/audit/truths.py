@@ -8,23 +8,18 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from functools import lru_cache
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 
-from remqa_data.catalog import catalog, question_types
-from remqa_data.errors import NoPathError, ProgramError, RemqaError, UnknownNameError, one_line
+from remqa_data.errors import NoPathError, RemqaError, UnknownNameError, one_line
 from remqa_data.generators.arrangement.hiding_goals import FRONT_DEG
 from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
+from remqa_data.generators.audit.question_words import asked, understood
 from remqa_data.generators.provable import LEAST_SHARE, seen_share
 from remqa_data.generators.questions.questions import (
     NO,
-    inner_question_program,
-    inner_question_text,
-    question_program,
-    question_text,
 )
 from remqa_data.generators.seen_anywhere import MOST_PIXELS, most_pixels_anywhere
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
@@ -32,12 +27,11 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
-from remqa_data.language.inner import InnerRelation, Partner, inner_of, is_sure, needed
-from remqa_data.language.referring import Program, program_of, resolve
+from remqa_data.language.inner import inner_of, is_sure, needed
+from remqa_data.language.referring import resolve
 from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M, distance_to_goal_m
 from remqa_data.scene import Scene
 from remqa_data.scene_graph.graph import SceneGraph
-from remqa_data.scene_graph.relations import Relation
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, MOVE, OPEN, PICK_UP, parse_actions, walk_and_rest
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import (
@@ -63,16 +57,8 @@ from remqa_data.tables.images import (
     encode_instances,
     encode_rgb,
 )
-from remqa_data.tables.rows import GridCell, Manipulation, QuestionKind, QuestionRow, SceneRow
+from remqa_data.tables.rows import GridCell, Manipulation, QuestionRow, SceneRow
 
-LONGEST_TEXT = 300
-"""Characters; a phrase that leans on one thing has fewer than 100."""
-RELATIONS_OF: dict[QuestionKind, tuple[Relation, ...]] = {
-    "EXISTENCE": ("in",),
-    "COUNTING": ("in", "under"),
-    "SPATIAL": ("in", "under"),
-}
-"""Where a kind of question looks."""
 CHANGED_FACTOR = 4
 """A manipulation changes so many times the pixels that an object needs to be visible."""
 MOST_MOVED_M = 0.001
@@ -165,7 +151,7 @@ class CheckedRoom:
         if meant != [question.target_id]:
             names = ", ".join(meant) or "nothing"
             yield "unique", f"{question.expression!r} picks out {names}, not {question.target_id}"
-        program = _asked(question)
+        program = asked(question)
         if question.program != json.dumps(program):
             yield "answer", "the program is not that of the question's words"
         answer = execute(program, self.graph)
@@ -197,7 +183,7 @@ class CheckedRoom:
                 "visible",
                 f"the box of {question.target_id} is {tight_box(target)}, not {question.start_target_box_2d}",
             )
-        for object_id in needed(_asked(question), question.answer_ids, self.graph):
+        for object_id in needed(asked(question), question.answer_ids, self.graph):
             shown, revealed = (np.count_nonzero(image == _number(question, object_id)) for image in (before, after))
             if shown:
                 yield "necessary", f"{object_id} shows {shown} pixels before the manipulation"
@@ -270,7 +256,7 @@ class CheckedRoom:
                 if action.name in MANIPULATION and not is_manipulated:
                     is_manipulated = True
                     yield from _different(question, replay, "start")
-                    evidence = needed(_asked(question), question.answer_ids, self.graph)
+                    evidence = needed(asked(question), question.answer_ids, self.graph)
                     if evidence:
                         shown = most_pixels_anywhere(replay.view, replay.grid, evidence, [question.target_id])
                         if shown > MOST_PIXELS:
@@ -281,7 +267,7 @@ class CheckedRoom:
                     positions = _corners(replay.world)
                 replay.step(action)
             yield from _different(question, replay, "end")
-            is_none = question.answer in (NO, "0") and inner_of(_asked(question)) is None
+            is_none = question.answer in (NO, "0") and inner_of(asked(question)) is None
             if is_manipulated and is_none and question.goal_poses:
                 share = seen_share(replay, question)
                 if share < LEAST_SHARE:
@@ -309,7 +295,7 @@ class CheckedRoom:
             return
         shown = [question.object_ids[number - 1] for number in revealed]
         records = object_metadata(replay.world)
-        program = _asked(question)
+        program = asked(question)
         if inner_of(program) is not None:
             again = execute(program, SceneGraph.from_objects(records.values()))
             if again.ids != question.answer_ids:
@@ -355,51 +341,6 @@ _TRUTH_OF: dict[str, Truth] = {
 }
 """What an error in each check breaks."""
 _WORD_OF: dict[Manipulation, str] = {"Open": OPEN, "Move": MOVE, "Pickup": PICK_UP}
-
-
-def understood(text: str) -> Program:
-    """The program of a stored phrase.
-
-    Raises
-    ------
-    ProgramError
-        If it is not understood, or longer than any phrase.
-    """
-    if len(text) > LONGEST_TEXT:
-        raise ProgramError(f"{text[:40]!r}...: {len(text):,} characters are no phrase")
-    return program_of(text)
-
-
-def _asked(question: QuestionRow) -> Program:
-    """The program that the words of a question say.
-
-    Raises
-    ------
-    ProgramError
-        If the question says something else than its expression, kind and type make it say.
-    """
-    return _program_of(question.kind, question.answer_type, question.expression, question.question)
-
-
-@lru_cache(maxsize=64)
-def _program_of(kind: QuestionKind, answer_type: str, expression: str, text: str) -> Program:
-    where = understood(expression)
-    if answer_type not in catalog():
-        raise UnknownNameError("object type", answer_type, catalog())
-    if kind == "SPATIAL":
-        for partner in _partners():
-            if text == inner_question_text(answer_type, partner, expression):
-                return inner_question_program(answer_type, partner, where)
-    for relation in RELATIONS_OF[kind]:
-        if text == question_text(kind, answer_type, relation, expression):
-            return question_program(kind, answer_type, relation, where)
-    raise ProgramError(f"the words of the question do not ask for a {answer_type} by {expression!r}")
-
-
-@lru_cache(maxsize=1)
-def _partners() -> tuple[Partner, ...]:
-    """All that a thing may be asked to lie on, next to, behind or between."""
-    return tuple(Partner(relation, name) for relation in get_args(InnerRelation) for name in question_types())
 
 
 def _number(question: QuestionRow, object_id: str) -> int:
