@@ -126,10 +126,11 @@ def read_rows(root: str | os.PathLike[str], row_type: type[R], split: str, **wan
     for path in shard_paths(root, name, split):
         shard = Shard(path, name)
         for group in range(shard.row_groups):
-            keys = shard.read(group, list(wanted))
             is_wanted = np.ones(shard.rows(group), dtype=np.bool_)
-            for column, value in wanted.items():
-                is_wanted &= keys[column].to_numpy() == value
+            if wanted:
+                keys = shard.read(group, list(wanted))
+                for column, value in wanted.items():
+                    is_wanted &= keys[column].to_numpy() == value
             if is_wanted.any():
                 rows = shard.read(group)
                 yield from to_rows(row_type, rows if is_wanted.all() else rows.filter(is_wanted))

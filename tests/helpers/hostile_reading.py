@@ -39,14 +39,20 @@ def read_expressions(root: Path) -> None:
 
 
 def read_rows_(root: Path) -> None:
+    from remqa_data.tables.schema import TABLES
+
+    for table in TABLES:
+        read_rows_of(table, root)
+
+
+def read_rows_of(table: str, root: Path) -> None:
     from remqa_data.storage.manifest import load_manifest
     from remqa_data.storage.shards import read_rows
     from remqa_data.tables.schema import TABLES
 
-    for table, spec in TABLES.items():
-        for split in load_manifest(root).splits(table):
-            for _ in read_rows(root, spec.row_type, split):
-                pass
+    for split in load_manifest(root).splits(table):
+        for _ in read_rows(root, TABLES[table].row_type, split):
+            pass
 
 
 def play_in_env(root: Path) -> None:
