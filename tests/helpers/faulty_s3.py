@@ -13,8 +13,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Thread
 from urllib.parse import parse_qs, urlsplit
 
-HANG_S = 6.0
-"""Longer than pyarrow waits for an answer."""
+HANG_S = 3.0
+"""Longer than an impatient client waits for an answer."""
 ALWAYS = 10**6
 STATUS = {"500": "InternalError", "503": "SlowDown", "403": "AccessDenied", "404": "NoSuchKey"}
 

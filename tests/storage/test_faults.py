@@ -3,19 +3,19 @@
 import hashlib
 import os
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 import boto3
 import pytest
-from pyarrow.fs import AwsStandardS3RetryStrategy, S3FileSystem
+from pyarrow.fs import AwsDefaultS3RetryStrategy, S3FileSystem
 
 from remqa_data.errors import BusyDatasetError, RemqaError, StorageError
 from remqa_data.generators import pipeline
 from remqa_data.generators.config import Config, load_config
-from remqa_data.storage import locks
+from remqa_data.storage import backend, locks
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.bucket import Bucket
 from remqa_data.storage.locks import exclusive
@@ -26,6 +26,8 @@ from tests.helpers.faulty_s3 import Fault, FaultyS3, faulty_s3
 from tests.helpers.s3_server import BUCKET, s3_server
 
 CONFIG = Path(__file__).parents[2] / "configs" / "tiny.yaml"
+PATIENCE_S = 1.5
+"""Of one request; less than a proxy that hangs takes."""
 
 FAULTS = [
     Fault("complete", "lost", 1, MANIFEST),
@@ -75,11 +77,17 @@ def name_of(fault: Fault) -> str:
     return f"{fault.request}: {fault.does} {often} {fault.key}".strip()
 
 
-def opened(bucket: Bucket) -> tuple[S3FileSystem, str]:
-    """As it is, but with three attempts, where pyarrow's own go on for 6 s."""
-    patience = AwsStandardS3RetryStrategy(max_attempts=3)
-    system = S3FileSystem(endpoint_override=os.environ["AWS_ENDPOINT_URL"], retry_strategy=patience)
-    return system, bucket.root.removeprefix("s3://")
+class Impatient(Bucket):
+    """As it is, but with three attempts within a tenth of a second, where pyarrow's own go on for 6 s."""
+
+    @cached_property
+    def _opened(self) -> tuple[S3FileSystem, str]:
+        system = S3FileSystem(
+            endpoint_override=os.environ["AWS_ENDPOINT_URL"],
+            retry_strategy=AwsDefaultS3RetryStrategy(max_attempts=3),
+            request_timeout=PATIENCE_S,
+        )
+        return system, self.root.removeprefix("s3://")
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +98,7 @@ def servers() -> Iterator[tuple[FaultyS3, str]]:
         where = urlsplit(behind)
         with faulty_s3(str(where.hostname), int(where.port or 0)) as (url, proxy):
             monkeypatch.setenv("AWS_ENDPOINT_URL", url)
-            monkeypatch.setattr(Bucket, "_opened", property(opened))
+            monkeypatch.setattr(backend, "Bucket", Impatient)
             monkeypatch.setattr(pipeline, "make_part", made_up_part)
             monkeypatch.setattr(pipeline, "FEWEST_SHARDS", {"train": 1, "val": 1, "test": 1})
             monkeypatch.setattr(locks, "SETTLE_S", 0.0)
