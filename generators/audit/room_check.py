@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 
 from remqa_data.errors import RemqaError, one_line
@@ -139,7 +141,9 @@ def _read(check: RoomCheck) -> RoomRows:
 
 
 def _rows(row_type: type[R], check: RoomCheck, table: str) -> Iterator[R]:
-    for path, group in check.pieces.get(table, ()):
-        data = Shard(path, table).read(group)
-        own = data.filter([scene == check.scene for scene in data["scene"].to_pylist()])
-        yield from to_rows(row_type, own)
+    for path, pieces in groupby(check.pieces.get(table, ()), itemgetter(0)):
+        shard = Shard(path, table)
+        for _, group in pieces:
+            data = shard.read(group)
+            own = data.filter([scene == check.scene for scene in data["scene"].to_pylist()])
+            yield from to_rows(row_type, own)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+from functools import cache
 from typing import Any
 
 import pyarrow as pa
@@ -20,6 +21,8 @@ from remqa_data.version import RELEASED
 CARD, CROISSANT = "README.md", "croissant.json"
 LICENSE_URL = "https://www.apache.org/licenses/LICENSE-2.0"
 DEFAULT_TABLE = "questions"
+_LAST = "recordSet"
+"""The last entry of croissant.json."""
 ABOUT = (
     "Remote embodied manipulation question answering: an agent walks to something in a simulated room, opens, moves or "
     "picks it up with its arm, looks, and answers a question. Every answer was verified in the simulator."
@@ -67,7 +70,8 @@ def dataset_card(manifest: Manifest) -> str:
 
 def croissant_text(manifest: Manifest) -> str:
     """The text of croissant.json."""
-    return json.dumps(croissant(manifest), indent=1, ensure_ascii=False) + "\n"
+    ahead = _json(_described(manifest) | {_LAST: []}).removesuffix(f'"{_LAST}": []\n}}')
+    return ahead + _record_sets_text(_tables(manifest)).removeprefix("{\n ") + "\n"
 
 
 def croissant(manifest: Manifest) -> dict[str, Any]:
@@ -76,7 +80,15 @@ def croissant(manifest: Manifest) -> dict[str, Any]:
     Every shard is a FileObject with its checksum, the shards of a table are a FileSet, read from the folder of this
     file, and every table is a RecordSet with one field for each column.
     """
-    names = [name for name in TABLES if manifest.files_of(name)]
+    return _described(manifest) | {_LAST: _record_sets(_tables(manifest))}
+
+
+def _tables(manifest: Manifest) -> tuple[str, ...]:
+    return tuple(name for name in TABLES if manifest.files_of(name))
+
+
+def _described(manifest: Manifest) -> dict[str, Any]:
+    """All of it but the last entry."""
     return {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
@@ -101,10 +113,23 @@ def croissant(manifest: Manifest) -> dict[str, Any]:
                 }
                 for file in manifest.files
             ),
-            *(_file_set(name) for name in names),
+            *(_file_set(name) for name in _tables(manifest)),
         ],
-        "recordSet": [_record_set(TABLES[name]) for name in names],
     }
+
+
+def _record_sets(tables: tuple[str, ...]) -> list[dict[str, Any]]:
+    return [_record_set(TABLES[name]) for name in tables]
+
+
+@cache
+def _record_sets_text(tables: tuple[str, ...]) -> str:
+    """The last entry, which is most of the text, and the same for all datasets with these tables."""
+    return _json({_LAST: _record_sets(tables)})
+
+
+def _json(values: dict[str, Any]) -> str:
+    return json.dumps(values, indent=1, ensure_ascii=False)
 
 
 def _front_matter(manifest: Manifest, tables: list[TableSpec]) -> list[str]:
@@ -155,13 +180,14 @@ def _snippet(manifest: Manifest) -> list[str]:
     ]
 
 
-def field_table(spec: TableSpec) -> list[str]:
-    """Every field of a table, as a table in Markdown."""
+@cache
+def field_table(spec: TableSpec) -> tuple[str, ...]:
+    """The lines of every field of a table, as a table in Markdown."""
     cells = []
     for doc in field_docs(spec.schema):
         notes = ", ".join(text for text in (doc.unit, f"{doc.frame} frame" if doc.frame else "") if text)
         cells.append([f"`{doc.path}`", doc.type, doc.description + (f" ({notes})" if notes else "")])
-    return _table(["Field", "Type", "Meaning"], cells)
+    return tuple(_table(["Field", "Type", "Meaning"], cells))
 
 
 def _versions(manifest: Manifest) -> list[str]:
