@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 
 from remqa_data.export.rooms import find_scene, write_room
 from remqa_data.views.build import Wanted, cache_views
+from tests.helpers.remade_rooms import RememberedRooms
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -109,8 +110,12 @@ def home(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", list(dict.fromkeys(page for page, _ in OF_REMQA)))
-def test_every_command_of_a_page_does_what_it_says(page: str, home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_command_of_a_page_does_what_it_says(
+    page: str, home: Path, two_rooms: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Verification compares with what is remembered of the rooms; that they are made again is tested in `test_verify`."""
     monkeypatch.chdir(home)
+    RememberedRooms(two_rooms).use(monkeypatch)
     lines = list(dict.fromkeys(line for where, line in OF_REMQA if where == page))
     assert lines
     for line in lines:
