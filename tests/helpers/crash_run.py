@@ -21,7 +21,7 @@ from remqa_data.storage.parts import Part
 from tests.helpers.dataset_rows import scene_rows
 from tests.helpers.executor_jobs import die
 
-SCENES = 24
+SCENES = 12
 
 
 class MadeUpRooms(LocalExecutor):

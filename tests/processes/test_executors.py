@@ -85,7 +85,7 @@ def test_a_process_that_always_dies_is_an_error() -> None:
 
 def test_a_node_that_dies_loses_nothing(cluster: Any, tmp_path: Path) -> None:
     executor = RayExecutor(cluster.address)
-    paths = [tmp_path / str(number) for number in range(12)]
+    paths = [tmp_path / str(number) for number in range(8)]
     done = executor.run(jobs.write_slowly, paths)
     nodes = [next(done)[1] for _ in range(4)]
     victim = next(node for node in cluster.list_all_nodes() if node.node_id == nodes[-1])
@@ -94,7 +94,7 @@ def test_a_node_that_dies_loses_nothing(cluster: Any, tmp_path: Path) -> None:
         nodes += [node for _, node in done]
     finally:
         cluster.add_node(num_cpus=1)
-    assert len(nodes) == 12
+    assert len(nodes) == 8
     assert all(path.read_text() for path in paths)
 
 

@@ -127,7 +127,7 @@ def test_a_run_whose_merging_is_interrupted_leaves_no_half_shard(whole: Path, tm
 
 def test_a_run_that_was_started_to_ignore_ctrl_c_does(tmp_path: Path) -> None:
     """As `nohup` and shells do for commands in the background."""
-    terminal = forked(tmp_path / "out", ignores_ctrl_c=True, CRASH_ROOM_S="0.2")
+    terminal = forked(tmp_path / "out", ignores_ctrl_c=True, CRASH_ROOM_S="0.1")
     terminal.read_until(lambda: "generating" in terminal.shown or terminal.process.poll() is not None)
     terminal.press_ctrl_c()
     terminal.read_until(lambda: terminal.process.poll() is not None)
