@@ -123,7 +123,7 @@ def _are_seen(points: F64, camera: Camera, view: WorldView) -> Flags:
     z = arithmetic.dot(away, ahead)
     height, width = camera.height, camera.width
     column = width / 2 + arithmetic.dot(away, right) / z * height / 2
-    row = height / 2 - arithmetic.dot(away, np.cross(right, ahead)) / z * height / 2
+    row = height / 2 - arithmetic.dot(away, arithmetic.cross(right, ahead)) / z * height / 2
     inside = (z > 0) & (column >= 0) & (row >= 0) & (column < width) & (row < height)
     if not inside.any():
         return np.asarray(inside)

@@ -6,13 +6,16 @@ One machine stands for many, because the libraries can be told to do without wha
 import ast
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
+from remqa_data import compiled
 from tests.helpers.damaged_files import files_of
 from tests.helpers.real_datasets import made_once
 
@@ -73,7 +76,15 @@ BY_THE_PROCESSOR = {f"{module}.{name}" for module in ("np", "math") for name in 
 """Functions whose last digit depends on the processor; math.hypot and math.dist are Python's own, and do not."""
 
 
-def run(command: list[str], environment: dict[str, str], kernels: Path) -> str:
+@dataclass(frozen=True)
+class Caches:
+    """Where kernels for other processors are kept, and light that they have baked."""
+
+    kernels: Path
+    light: Path
+
+
+def run(command: list[str], environment: dict[str, str], caches: Caches) -> str:
     """What a Python process prints on a machine with some environment.
 
     Kernels for another processor are kept in a folder of their own, by Numba under that processor's name; those for this
@@ -81,41 +92,48 @@ def run(command: list[str], environment: dict[str, str], kernels: Path) -> str:
     """
     variables = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
     # Light that this machine has baked is not another one's.
-    variables["REMQA_CACHE"] = str(kernels / ("cache-" + hashlib.sha256(repr(environment).encode()).hexdigest()[:8]))
+    variables["REMQA_CACHE"] = str(caches.light / hashlib.sha256(repr(environment).encode()).hexdigest()[:8])
     if "NUMBA_CPU_NAME" in environment:
-        variables["NUMBA_CACHE_DIR"] = str(kernels)
+        variables["NUMBA_CACHE_DIR"] = str(caches.kernels)
     done = subprocess.run([sys.executable, *command], env=variables, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
 
-def fingerprints(wanted: str, environment: dict[str, str], kernels: Path) -> list[str]:
+def fingerprints(wanted: str, environment: dict[str, str], caches: Caches) -> list[str]:
     """The lines of `tests.helpers.fingerprints`."""
-    return run(["-m", "tests.helpers.fingerprints", *wanted.split()], environment, kernels).splitlines()
+    return run(["-m", "tests.helpers.fingerprints", *wanted.split()], environment, caches).splitlines()
 
 
 @pytest.fixture(scope="session")
-def kernels(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where kernels for other processors are kept: each is compiled once for all tests."""
-    return made_once(tmp_path_factory, "kernels", lambda folder: folder.mkdir())
+def caches(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> Caches:
+    """Kernels are kept from one run of pytest to the next, as those for this processor are: until their sources change."""
+    light = made_once(tmp_path_factory, "light", lambda folder: folder.mkdir())
+    if not hasattr(pytestconfig, "cache"):  # pytest -p no:cacheprovider
+        return Caches(made_once(tmp_path_factory, "kernels", lambda folder: folder.mkdir()), light)
+    kernels = pytestconfig.cache.mkdir("kernels")
+    for old in kernels.iterdir():
+        if old.name != Path(compiled._cache_folder(str(kernels))).name:
+            shutil.rmtree(old, ignore_errors=True)
+    return Caches(kernels, light)
 
 
 @pytest.fixture(scope="session")
-def here(kernels: Path, tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+def here(caches: Caches, tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """All lines of `tests.helpers.fingerprints` on this machine as it is."""
 
     def write(folder: Path) -> None:
         folder.mkdir()
-        (folder / "lines.txt").write_text("\n".join(fingerprints(EVERYTHING, {}, kernels)), encoding="utf-8")
+        (folder / "lines.txt").write_text("\n".join(fingerprints(EVERYTHING, {}, caches)), encoding="utf-8")
 
     return (made_once(tmp_path_factory, "fingerprints", write) / "lines.txt").read_text(encoding="utf-8").splitlines()
 
 
 @pytest.mark.skipif("fma" not in FLAGS, reason="nothing can be taken away from this processor")
-def test_an_old_machine_computes_other_last_digits(kernels: Path) -> None:
+def test_an_old_machine_computes_other_last_digits(caches: Caches) -> None:
     """Else the other tests here would show nothing; less than one sine in a thousand is another one."""
     command = ["-c", "import math; print(hash(tuple(math.sin(k / 7000) for k in range(100_000))))"]
-    assert run(command, {}, kernels) != run(command, OLD_MACHINE, kernels)
+    assert run(command, {}, caches) != run(command, OLD_MACHINE, caches)
 
 
 @pytest.mark.slow
@@ -134,21 +152,21 @@ def test_an_old_machine_computes_other_last_digits(kernels: Path) -> None:
     ],
 )
 def test_what_is_drawn_is_the_same_on_another_machine(
-    here: list[str], wanted: str, environment: dict[str, str], kernels: Path
+    here: list[str], wanted: str, environment: dict[str, str], caches: Caches
 ) -> None:
     expected = [line for line in here if line.split("\t")[0] in wanted.split()]
     assert expected
-    assert fingerprints(wanted, environment, kernels) == expected
+    assert fingerprints(wanted, environment, caches) == expected
 
 
 @pytest.mark.slow
-def test_a_dataset_is_the_same_on_another_machine(one_room: Path, kernels: Path, tmp_path: Path) -> None:
+def test_a_dataset_is_the_same_on_another_machine(one_room: Path, caches: Caches, tmp_path: Path) -> None:
     code = (
         "import sys; from remqa_data.generators.pipeline import generate\n"
         "from tests.helpers.real_datasets import one_room_config\n"
         "generate(sys.argv[1], one_room_config())"
     )
-    run(["-c", code, str(tmp_path / "out")], OLD_MACHINE, kernels)
+    run(["-c", code, str(tmp_path / "out")], OLD_MACHINE, caches)
     assert len(files_of(one_room)) > 5
     assert files_of(tmp_path / "out") == files_of(one_room)
 

@@ -142,8 +142,6 @@ def _read(check: RoomCheck) -> RoomRows:
 
 def _rows(row_type: type[R], check: RoomCheck, table: str) -> Iterator[R]:
     for path, pieces in groupby(check.pieces.get(table, ()), itemgetter(0)):
-        shard = Shard(path, table)
-        for _, group in pieces:
-            data = shard.read(group)
-            own = data.filter([scene == check.scene for scene in data["scene"].to_pylist()])
-            yield from to_rows(row_type, own)
+        data = Shard(path, table).read([group for _, group in pieces])
+        own = data.filter([scene == check.scene for scene in data["scene"].to_pylist()])
+        yield from to_rows(row_type, own)

@@ -150,8 +150,10 @@ def _pieces(root: Path, manifest: Manifest, table: str) -> dict[str, list[Piece]
     found: dict[str, list[Piece]] = {}
     for path in (path for split in manifest.splits(table) for path in shard_paths(root, table, split)):
         shard = Shard(path, table)
+        scenes = shard.read(columns=["scene"])["scene"].to_pylist()
         for group in range(shard.row_groups):
-            for scene in shard.read(group, ["scene"])["scene"].unique().to_pylist():
+            first, scenes = scenes[: shard.rows(group)], scenes[shard.rows(group) :]
+            for scene in dict.fromkeys(first):
                 found.setdefault(scene, []).append((path, group))
     return found
 

@@ -182,8 +182,8 @@ class Shard:
         """Number of rows of a row group."""
         return int(self.file.metadata.row_group(group).num_rows)
 
-    def read(self, group: int | None = None, columns: Sequence[str] | None = None) -> pa.Table:
-        """The rows of one row group, or of all; all columns or some.
+    def read(self, group: int | Sequence[int] | None = None, columns: Sequence[str] | None = None) -> pa.Table:
+        """The rows of one row group, of several that follow each other, or of all; all columns or some.
 
         Raises
         ------
@@ -192,7 +192,7 @@ class Shard:
         ForgedRowError
             If a value is not what `row_checks` lets through; names the file, row and field.
         """
-        groups = list(range(self.row_groups)) if group is None else [group]
+        groups = [group] if isinstance(group, int) else list(range(self.row_groups) if group is None else group)
         try:
             data = self.file.read_row_groups(groups, columns=columns, use_threads=False)
         except (OSError, pa.ArrowException) as error:

@@ -23,6 +23,7 @@ from remqa_data.assets.core.shapes import Shapes
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.cutting import solid_around
 from remqa_data.assets.mesh.primitives import Axis, Mesh
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Box, Vec3
 
 T = TypeVar("T")
@@ -194,7 +195,7 @@ def _frustum(foot: F64, top: F64, height: float) -> Mesh:
     parts = []
     for i, j in enumerate(corners):
         quad = np.array([rings[0][i], rings[0][j], rings[1][j], rings[1][i]])
-        normal = np.cross(quad[1] - quad[0], quad[3] - quad[0])
+        normal = arithmetic.cross(quad[1] - quad[0], quad[3] - quad[0])
         normal /= np.linalg.norm(normal)
         parts.append(Mesh(quad, np.tile(normal, (4, 1)), np.array([[0, 1, 2], [0, 2, 3]])))
     up = np.array([0.0, 0.0, 1.0])

@@ -72,10 +72,12 @@ def with_uv(mesh: Mesh, material: Material, grain: Axis | None) -> Mesh:
     if material.repeat_m is None:
         return mesh
     corners = mesh.vertices[mesh.faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = arithmetic.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     main = np.abs(normal).argmax(axis=1)
     keys = mesh.faces * 3 + main[:, None]
-    unique, faces = np.unique(keys, return_inverse=True)
+    is_used = np.zeros(3 * len(mesh.vertices), dtype=np.bool_)
+    is_used[keys] = True
+    unique, faces = np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[keys]  # without sorting, as np.unique does
     source, axis = unique // 3, unique % 3
     points = mesh.vertices[source]
     first, second = _PLANE_AXES[:, 0][axis], _PLANE_AXES[:, 1][axis]
@@ -85,7 +87,7 @@ def with_uv(mesh: Mesh, material: Material, grain: Axis | None) -> Mesh:
         first, second = np.where(swap, second, first), np.where(swap, first, second)
     rows = np.arange(len(points))
     uv = np.column_stack([points[rows, first], -points[rows, second]]) / material.repeat_m
-    return Mesh(points, mesh.normals[source], faces.reshape(-1, 3), uv)
+    return Mesh(points, mesh.normals[source], faces, uv)
 
 
 _PLANE_AXES = np.array([[1, 2], [0, 2], [0, 1]])
@@ -110,7 +112,7 @@ def largest_material(links: Sequence[Link]) -> Material:
     for link in links:
         for surface in link.surfaces:
             a, b, c = (surface.vertices[surface.faces[:, i]] for i in range(3))
-            total = float(arithmetic.length(np.cross(b - a, c - a)).sum())
+            total = float(arithmetic.length(arithmetic.cross(b - a, c - a)).sum())
             area[surface.material] = area.get(surface.material, 0.0) + total
     return max(area, key=lambda material: area[material])
 

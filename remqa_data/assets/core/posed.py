@@ -7,6 +7,7 @@ import numpy as np
 from remqa_data.assets.core.builder import Builder
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.mesh.primitives import AXES, Axis, Mesh
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 
@@ -44,7 +45,7 @@ class Posed:
         y, z = (other, main) if upright else (main, other)
         columns[y, 1] = 1.0
         columns[z, 2] = 1.0 if z == 2 else -1.0  # what does not point up points to the front or the left
-        columns[:, 0] = np.cross(columns[:, 1], columns[:, 2])
+        columns[:, 0] = arithmetic.cross(columns[:, 1], columns[:, 2])
         self._b, self._rotation = b, columns
         self.stands = main == 2
         self._main = main

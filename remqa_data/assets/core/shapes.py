@@ -9,6 +9,7 @@ from remqa_data.assets.core.fitting import vec
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.primitives import Axis, Mesh
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 
@@ -40,10 +41,10 @@ class Shapes(AssetAssembly):
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2
         normal = primitives.AXES[facing]
         if facing in ("z", "-z"):
-            right, up = np.array([1.0, 0, 0]), np.cross(normal, [1.0, 0, 0])
+            right, up = np.array([1.0, 0, 0]), arithmetic.cross(normal, [1.0, 0, 0])
         else:
             up = np.array([0.0, 0, 1.0])
-            right = np.cross(up, normal)
+            right = arithmetic.cross(up, normal)
         vertices = corners[:, :1] * width * right + corners[:, 1:] * height * up
         uv = np.column_stack([corners[:, 0] + 0.5, 0.5 - corners[:, 1]])
         self.add(Mesh(vertices, np.tile(normal, (4, 1)), np.array([[0, 1, 2], [0, 2, 3]]), uv), material, at)

@@ -69,7 +69,7 @@ def _bottom(link: Link, space: Space) -> Iterator[tuple[Material, float]]:
     for surface in link.surfaces:
         corners = surface.vertices[surface.faces].astype(np.float64)
         middles = corners.mean(axis=1)
-        up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
+        up = arithmetic.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
         is_near = ((middles > low - WALL_M) & (middles < high + WALL_M)).all(axis=1)
         area = float(up[is_near & (up > 0)].sum())
         if area > 0:
@@ -80,7 +80,7 @@ def _areas(links: Sequence[Link]) -> Iterator[tuple[Material, float]]:
     """The material of each surface, and twice its area in square metres."""
     for surface in (surface for link in links for surface in link.surfaces):
         a, b, c = (surface.vertices[surface.faces[:, i]].astype(np.float64) for i in range(3))
-        yield surface.material, float(arithmetic.length(np.cross(b - a, c - a)).sum())
+        yield surface.material, float(arithmetic.length(arithmetic.cross(b - a, c - a)).sum())
 
 
 @cache

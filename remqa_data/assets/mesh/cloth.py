@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remqa_data.assets.mesh.primitives import Mesh, grid_faces, joined
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 
 
@@ -24,7 +25,7 @@ def slab(grid: F64, thickness: float) -> Mesh:
         With texture coordinates: u along the rows, v down the columns, 0 to 1 on both sides.
     """
     rows, columns, _ = grid.shape
-    normals = np.cross(np.gradient(grid, axis=0), np.gradient(grid, axis=1))
+    normals = arithmetic.cross(np.gradient(grid, axis=0), np.gradient(grid, axis=1))
     normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
     offset = normals * thickness / 2
     u, v = np.meshgrid(np.linspace(0, 1, rows), np.linspace(1, 0, columns), indexing="ij")
@@ -36,7 +37,7 @@ def slab(grid: F64, thickness: float) -> Mesh:
     index = np.arange(rows * columns).reshape(rows, columns)
     rim = np.concatenate([index[:, 0], index[-1, 1:], index[-2::-1, -1], index[0, -2:0:-1]])
     upper, lower = front.vertices[rim], back.vertices[rim]
-    outward = np.cross(np.roll(upper, -1, axis=0) - np.roll(upper, 1, axis=0), flat[rim])
+    outward = arithmetic.cross(np.roll(upper, -1, axis=0) - np.roll(upper, 1, axis=0), flat[rim])
     outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-12)
     n = len(rim)
     j = np.arange(n)

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.assets.mesh.triangles import Mesh, joined
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 
@@ -36,7 +37,7 @@ def sheet(x: F64, y: F64, z: F64, thickness: float) -> Mesh:
     rows, columns = x.shape
     top = np.stack([x, y, z + thickness / 2], axis=2)
     du, dv = np.gradient(top, axis=0), np.gradient(top, axis=1)
-    normals = np.cross(du, dv)
+    normals = arithmetic.cross(du, dv)
     normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
     faces = grid_faces(rows, columns)
     upper = Mesh(top.reshape(-1, 3), normals.reshape(-1, 3), faces)
@@ -45,7 +46,7 @@ def sheet(x: F64, y: F64, z: F64, thickness: float) -> Mesh:
     rim = np.concatenate([index[:, 0], index[-1, 1:], index[-2::-1, -1], index[0, -2:0:-1]])
     n = len(rim)
     t, b = upper.vertices[rim], lower.vertices[rim]
-    outward = np.cross(np.roll(t, -1, axis=0) - np.roll(t, 1, axis=0), [0.0, 0.0, 1.0])
+    outward = arithmetic.cross(np.roll(t, -1, axis=0) - np.roll(t, 1, axis=0), [0.0, 0.0, 1.0])
     outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-12)
     j = np.arange(n)
     k = (j + 1) % n
@@ -66,7 +67,7 @@ def _two_sheets(x: F64, y: F64, z: F64) -> Mesh:
     """Upper sheet at +z and its mirror image at -z over the same grid, sharing the rim's shape."""
     grid = np.stack([x, y, z], axis=2)
     du, dv = np.gradient(grid, axis=0), np.gradient(grid, axis=1)
-    normals = np.cross(du, dv)
+    normals = arithmetic.cross(du, dv)
     normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
     faces = grid_faces(*x.shape)
     flip = np.array([1.0, 1.0, -1.0])

@@ -9,6 +9,7 @@ import numpy as np
 
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.primitives import Axis, Mesh
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 
 Outline = Callable[[float], F64]
@@ -74,7 +75,7 @@ def _band(lower: F64, upper: F64, sides: slice) -> Mesh:
     """Some of the quads between two rings that run counter-clockwise as seen from the front; round where they are."""
     following_l, following_u = np.roll(lower, -1, axis=0), np.roll(upper, -1, axis=0)
     along = following_l - lower + following_u - upper
-    flat = np.cross(along, upper - lower + following_u - following_l)
+    flat = arithmetic.cross(along, upper - lower + following_u - following_l)
     flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-12)
     before = np.roll(flat, 1, axis=0)
     smooth = (np.sum(flat * before, axis=1) > 0.8)[:, None]

@@ -58,7 +58,7 @@ def _unit_box() -> tuple[F64, F64, npt.NDArray[np.int64], F64]:
     uv: list[tuple[float, float]] = []
     for normal, right in (("x", "y"), ("-x", "-y"), ("y", "-x"), ("-y", "x"), ("z", "x"), ("-z", "-x")):
         n, r = AXES[normal], AXES[right]
-        u = np.cross(n, r)
+        u = arithmetic.cross(n, r)
         start = len(vertices)
         for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
             vertices.append((n + a * r + b * u) / 2)
@@ -109,7 +109,7 @@ def _octants(segments: int) -> tuple[F64, F64, npt.NDArray[np.int64]]:
     kept = np.array(faces)
     points = signs_ * 2 + directions_
     area = np.linalg.norm(
-        np.cross(points[kept[:, 1]] - points[kept[:, 0]], points[kept[:, 2]] - points[kept[:, 0]]), axis=1
+        arithmetic.cross(points[kept[:, 1]] - points[kept[:, 0]], points[kept[:, 2]] - points[kept[:, 0]]), axis=1
     )
     return signs_, directions_, kept[area > 1e-9]
 
@@ -134,31 +134,45 @@ def revolve(profile: Points2, sections: int = 20, crease_deg: float = 40.0) -> M
     flat = np.stack([steps[:, 1], -steps[:, 0]], axis=1)
     flat /= np.linalg.norm(flat, axis=1, keepdims=True)
     from_normals, to_normals = flat.copy(), flat.copy()
+    smooth = np.cos(np.radians(crease_deg))
     for i in range(len(flat) - 1):
-        if flat[i] @ flat[i + 1] > np.cos(np.radians(crease_deg)):
+        if flat[i] @ flat[i + 1] > smooth:
             mean = flat[i] + flat[i + 1]
             to_normals[i] = from_normals[i + 1] = mean / np.linalg.norm(mean)
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps, axis=1))])
+    along = 1 - np.stack([length[:-1], length[1:]], axis=1) / max(length[-1], 1e-9)
+    turns, around, upper, lower = _revolution(sections)
+    faces = []
+    for i, (start, end) in enumerate(zip(starts[:, 0].tolist(), ends[:, 0].tolist(), strict=True)):
+        base = 2 * i * (sections + 1)
+        if start > 1e-9:
+            faces.append(upper + base)
+        if end > 1e-9:
+            faces.append(lower + base)
+    rings = np.stack([starts, ends], axis=1), np.stack([from_normals, to_normals], axis=1)
+    uv = np.empty((len(flat), 2, sections + 1, 2))
+    uv[..., 0], uv[..., 1] = turns, along[..., None]
+    vertices, normals = (_turned_round(ring, around) for ring in rings)
+    return Mesh(vertices, normals, np.vstack(faces), uv.reshape(-1, 2))
+
+
+def _turned_round(rings: F64, around: F64) -> F64:
+    """(n, 3) what (..., 2) radii and heights become by being turned about z."""
+    turned = np.empty((*rings.shape[:-1], len(around), 3))
+    turned[..., :2] = rings[..., :1, None] * around
+    turned[..., 2] = rings[..., 1:]
+    return turned.reshape(-1, 3)
+
+
+@lru_cache
+def _revolution(sections: int) -> tuple[F64, F64, npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Shares and directions of the steps of a full turn; the triangles between two rings that have a side on each."""
     angles = np.arange(sections + 1) * 2 * np.pi / sections
     around = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps, axis=1))])
-    rings_v, rings_n, rings_uv, faces = [], [], [], []
-    count = sections + 1
-    for i in range(len(flat)):
-        for (r, z), (nr, nz), at in (
-            (starts[i], from_normals[i], length[i]),
-            (ends[i], to_normals[i], length[i + 1]),
-        ):
-            rings_v.append(np.column_stack([r * around, np.full(count, z)]))
-            rings_n.append(np.column_stack([nr * around, np.full(count, nz)]))
-            rings_uv.append(np.column_stack([angles / (2 * np.pi), np.full(count, 1 - at / max(length[-1], 1e-9))]))
-        base = 2 * i * count
-        j = np.arange(sections)
-        a, b = base + j, base + j + 1
-        if starts[i][0] > 1e-9:
-            faces.append(np.column_stack([a, b, a + count]))
-        if ends[i][0] > 1e-9:
-            faces.append(np.column_stack([b, b + count, a + count]))
-    return Mesh(np.vstack(rings_v), np.vstack(rings_n), np.vstack(faces), np.vstack(rings_uv))
+    count, a = sections + 1, np.arange(sections)
+    b = a + 1
+    upper, lower = np.column_stack([a, b, a + count]), np.column_stack([b, b + count, a + count])
+    return angles / (2 * np.pi), around, upper, lower
 
 
 def cylinder(radius: float, height: float, top_radius: float | None = None, sections: int = 16) -> Mesh:
@@ -197,13 +211,14 @@ def tube(path: Sequence[Vec3] | F64, radius: float | Sequence[float], sides: int
     tangents = np.gradient(points, axis=0)
     tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-12)
     across = int(arithmetic.snapped(np.abs(tangents[0])).argmin())  # snapped, because two may be equal but for rounding
-    normal = np.cross(tangents[0], np.eye(3)[across])
+    normal = arithmetic.cross(tangents[0], np.eye(3)[across])
     angle = np.arange(sides) * 2 * np.pi / sides
+    cosines, sines = np.cos(angle)[:, None], np.sin(angle)[:, None]
     rings_v, rings_n = [], []
     for point, tangent, r in zip(points, tangents, radii, strict=True):
         normal = normal - tangent * arithmetic.dot(normal, tangent)  # parallel transport keeps the tube from twisting
         normal /= arithmetic.length(normal)
-        spokes = np.cos(angle)[:, None] * normal + np.sin(angle)[:, None] * np.cross(tangent, normal)
+        spokes = cosines * normal + sines * arithmetic.cross(tangent, normal)
         rings_v.append(point + r * spokes)
         rings_n.append(spokes)
     j = np.arange(sides)
@@ -301,7 +316,7 @@ def loft(rings: Sequence[F64] | F64, crease_deg: float = 50.0, *, capped: bool =
     m, n, _ = stack.shape
     around = np.roll(stack, -1, axis=1) - np.roll(stack, 1, axis=1)
     along = np.gradient(stack, axis=0)
-    normals = np.cross(around, along)
+    normals = arithmetic.cross(around, along)
     length = np.linalg.norm(normals, axis=2, keepdims=True)
     normals = np.where(length > 1e-12, normals / np.maximum(length, 1e-12), [0.0, 0.0, 1.0])
     j = np.arange(n)
@@ -313,7 +328,9 @@ def loft(rings: Sequence[F64] | F64, crease_deg: float = 50.0, *, capped: bool =
     meshes = [Mesh(stack.reshape(-1, 3), normals.reshape(-1, 3), np.vstack(faces))]
     if capped:
         for ring, flip in ((stack[0], True), (stack[-1], False)):
-            normal = np.cross(ring - ring.mean(axis=0), np.roll(ring, -1, axis=0) - ring.mean(axis=0)).sum(axis=0)
+            normal = arithmetic.cross(ring - ring.mean(axis=0), np.roll(ring, -1, axis=0) - ring.mean(axis=0)).sum(
+                axis=0
+            )
             normal = normal / max(float(np.linalg.norm(normal)), 1e-12) * (-1 if flip else 1)
             centre = np.vstack([ring, ring.mean(axis=0, keepdims=True)])
             fan = np.column_stack([np.full(n, n), k if flip else j, j if flip else k])

@@ -10,6 +10,7 @@ from remqa_data.assets.core.builder import Builder
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.primitives import Mesh, Points2
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 Part = tuple[Mesh, Material]
@@ -76,9 +77,9 @@ def towards(direction: Vec3 | F64) -> F64:
     """A rotation that turns +z to a direction."""
     z = np.asarray(direction, float)
     z = z / np.linalg.norm(z)
-    x = np.cross(np.eye(3)[1] if abs(z[1]) < 0.9 else np.eye(3)[0], z)
+    x = arithmetic.cross(np.eye(3)[1] if abs(z[1]) < 0.9 else np.eye(3)[0], z)
     x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(z, x), z])
+    return np.column_stack([x, arithmetic.cross(z, x), z])
 
 
 def bent_panel(path: Points2, widths: Sequence[float], thickness: float, curl: float = 0.0) -> Mesh:
@@ -117,11 +118,11 @@ def leaf(
     spine = np.asarray(base, float) + np.vstack([np.zeros(3), np.cumsum(directions[1:] * length / steps, axis=0)])
     swell = np.where(t < widest, t / widest, (1 - t) / (1 - widest))
     half = width / 2 * np.maximum(np.sin(swell * np.pi / 2), 0.06)
-    up = np.cross(directions, side)
+    up = arithmetic.cross(directions, side)
     edge = half[:, None] * side
     rise = 0.35 * half[:, None] * up
     grid = np.stack([spine - edge + rise, spine, spine + edge + rise], axis=1)
-    normals = np.cross(np.gradient(grid, axis=0), np.gradient(grid, axis=1)).reshape(-1, 3)
+    normals = arithmetic.cross(np.gradient(grid, axis=0), np.gradient(grid, axis=1)).reshape(-1, 3)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     faces = primitives.grid_faces(steps + 1, 3)
     return Mesh(grid.reshape(-1, 3), normals, faces)

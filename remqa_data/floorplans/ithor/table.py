@@ -222,7 +222,7 @@ def axes_facing(front: F64) -> F64:
     """Rotation whose -y axis points along a horizontal direction and whose z axis is up."""
     y = -front / arithmetic.length(front)
     z = np.array([0.0, 0.0, 1.0])
-    return np.column_stack([np.cross(y, z), y, z])
+    return np.column_stack([arithmetic.cross(y, z), y, z])
 
 
 def _from_corners(read: _Reader, corners: Any, angles: Vec3) -> tuple[F64, F64, F64]:
@@ -245,7 +245,7 @@ def _from_corners(read: _Reader, corners: Any, angles: Vec3) -> tuple[F64, F64, 
     if arithmetic.length(y) < 1e-9:
         read.fail("oobb", "the corners do not span a box")
     y = y / arithmetic.length(y)
-    rotation = np.column_stack([np.cross(y, z), y, z])
+    rotation = np.column_stack([arithmetic.cross(y, z), y, z])
     size = np.array([lengths[side_edge], lengths[front_edge], lengths[up]])
     return points.mean(axis=0), size, rotation
 

@@ -43,7 +43,7 @@ def elbow_angle(base: ArmBase, posture: F64) -> float:
     above = np.array([0.0, 0.0, 1.0]) - line[2] * line
     if float(arithmetic.length(above)) < 1e-6:
         return math.nan
-    return float(arithmetic.arctan2(arithmetic.dot(np.cross(above, elbow), line), arithmetic.dot(above, elbow)))
+    return float(arithmetic.arctan2(arithmetic.dot(arithmetic.cross(above, elbow), line), arithmetic.dot(above, elbow)))
 
 
 def elbow_way(base: ArmBase, start: F64, angle: float) -> list[F64] | None:

@@ -138,7 +138,7 @@ def postures_at(pose: F64) -> F64:
     found = postures(pose[None, :3, 3], pose[None, :3, 2])[0]
     sideways = link_poses(found)[:, HAND, :3, 0]
     angle = arithmetic.arctan2(
-        arithmetic.dot(np.cross(sideways, pose[:3, 0]), pose[:3, 2]), arithmetic.dot(sideways, pose[:3, 0])
+        arithmetic.dot(arithmetic.cross(sideways, pose[:3, 0]), pose[:3, 2]), arithmetic.dot(sideways, pose[:3, 0])
     )
     found[:, 5] += _ORIGINS[JOINTS][2, 2] * angle  # the last joint's axis points into the palm, the hand's out of it
     return within_limits(found)

@@ -122,7 +122,7 @@ def _faces(geometry: Geometry, poses: list[F64], fronts: F64, parts: list[Render
     materials, texels = build_materials(parts)
     corners = placed.vertices.T[geometry.faces]
     a, b, c = (corners[:, corner].astype(np.float64) for corner in range(3))
-    normals = np.cross(b - a, c - a)
+    normals = arithmetic.cross(b - a, c - a)
     lengths = np.sqrt(np.square(normals).sum(axis=1, keepdims=True))
     is_face = lengths[:, 0] > 0
     surface = geometry.face_surface

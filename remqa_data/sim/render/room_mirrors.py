@@ -13,6 +13,7 @@ import numpy as np
 
 from remqa_data.assets import build
 from remqa_data.assets.core.model import Surface
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F32, F64
 from remqa_data.scene import Scene, SceneObject
@@ -98,9 +99,9 @@ def _mirror_frame(placed: SceneObject) -> F64 | None:
     ahead = (rotation * normal).sum(axis=1)
     point = (rotation * middle).sum(axis=1) + np.array(placed.position) + BEFORE_M * ahead
     upright = np.array([0.0, 0.0, 1.0]) if abs(ahead[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
-    right = np.cross(ahead, upright)
+    right = arithmetic.cross(ahead, upright)
     right /= np.sqrt(np.square(right).sum())
-    return np.stack([right, np.cross(right, ahead), ahead, point])
+    return np.stack([right, arithmetic.cross(right, ahead), ahead, point])
 
 
 def _middle_and_normal(surface: Surface) -> tuple[F64, F64]:

@@ -122,7 +122,7 @@ def solid_faces(surface: Surface) -> Flags:
     balance = np.bincount(edge_index, weights=np.sign(ends - starts), minlength=len(edges))
     is_open = np.bincount(np.repeat(piece, 3), weights=balance[edge_index] != 0, minlength=len(points)) > 0
     a, b, c = (points[faces[:, corner]] - points.mean(axis=0) for corner in range(3))
-    volume = np.bincount(piece, weights=arithmetic.dot(a, np.cross(b, c)), minlength=len(points))
+    volume = np.bincount(piece, weights=arithmetic.dot(a, arithmetic.cross(b, c)), minlength=len(points))
     solid: Flags = (~is_open & (volume > 0))[piece]
     return solid
 

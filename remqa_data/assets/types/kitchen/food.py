@@ -14,6 +14,7 @@ from remqa_data.assets.looks import materials
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.primitives import Mesh
 from remqa_data.assets.parts.turnery import rod, rounded
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 
 
@@ -313,7 +314,7 @@ def _lobed(profile: Sequence[tuple[float, float]] | F64, size: Vec3, lobes: floa
 def _smooth(mesh: Mesh) -> Mesh:
     """The same mesh, shaded round everywhere: normals are means over the faces that meet in a point."""
     corners = mesh.vertices[mesh.faces]
-    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    flat = arithmetic.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     _, point = np.unique(np.round(mesh.vertices, 6), axis=0, return_inverse=True)
     point = point.reshape(-1)
     total = np.zeros((int(point.max()) + 1, 3))
@@ -362,16 +363,16 @@ def _green(rgb: Vec3, factor: float) -> Material:
 def _open_sheet(x: F64, y: F64, z: F64) -> Mesh:
     """A thin skin over a grid of points, seen from both sides."""
     grid = np.stack([x, y, z], axis=2)
-    normals = np.cross(np.gradient(grid, axis=0), np.gradient(grid, axis=1))
+    normals = arithmetic.cross(np.gradient(grid, axis=0), np.gradient(grid, axis=1))
     normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
     return Mesh(grid.reshape(-1, 3), normals.reshape(-1, 3), primitives.grid_faces(*x.shape))
 
 
 def _facing(mesh: Mesh, normal: F64) -> Mesh:
     """A mesh turned so that its z axis points along a normal."""
-    side = np.cross(normal, [0.31, 0.87, 0.38])
+    side = arithmetic.cross(normal, [0.31, 0.87, 0.38])
     side /= np.linalg.norm(side)
-    return mesh.turned(np.column_stack([side, np.cross(normal, side), normal]))
+    return mesh.turned(np.column_stack([side, arithmetic.cross(normal, side), normal]))
 
 
 def _dots(b: Builder, p: Posed, mesh: Mesh, material: Material, size: Vec3, count: int) -> None:

@@ -12,6 +12,7 @@ from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.primitives import Mesh
 from remqa_data.assets.parts import forms
 from remqa_data.assets.parts.forms import Part
+from remqa_data.geometry import arithmetic
 
 TERRACOTTA = Material("ceramic", "orange", (0.76, 0.44, 0.29), "plaster", 0.3)
 GREENS = tuple(
@@ -143,7 +144,7 @@ def _frond(yaw_deg: float, pitch_deg: float, length: float, leaflets: int = 11) 
     out, side = np.array([np.cos(yaw), np.sin(yaw), 0.0]), np.array([-np.sin(yaw), np.cos(yaw), 0.0])
     along = np.cos(bend)[:, None] * out + np.sin(bend)[:, None] * [0.0, 0.0, 1.0]
     spine = np.vstack([np.zeros(3), np.cumsum(along[1:] * length / leaflets, axis=0)])
-    up = np.cross(along, side)
+    up = arithmetic.cross(along, side)
     reach = 0.24 * np.sin(np.pi * (0.12 + 0.86 * t[:-1]))[:, None]
     stalk = 0.008 * side
     corners, normals = [], []

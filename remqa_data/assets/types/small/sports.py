@@ -13,6 +13,7 @@ from remqa_data.assets.looks.materials import BLACK_METAL, BLACK_PLASTIC, CHROME
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.primitives import Mesh
 from remqa_data.assets.parts.spindle import spindle
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 
 BRIGHT = ("red", "blue", "green", "yellow", "orange", "purple")
@@ -200,7 +201,7 @@ def _sphere_wedges(count: int, index: int, sections: int = 24, rings: int = 10) 
     faces = primitives.grid_faces(*lon.shape)
     slices = faces.min(axis=1) // (rings + 1) * 8 // sections
     flat = np.linalg.norm(
-        np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]), axis=1
+        arithmetic.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]), axis=1
     )
     return Mesh(points, points, faces[(slices % count == index) & (flat > 1e-9)])
 
@@ -209,7 +210,7 @@ def _seam(curve: F64, width: float = 0.05) -> Mesh:
     """A ribbon along a closed curve on the unit sphere."""
     along = np.gradient(curve, axis=0)
     along[[0, -1]] = curve[1] - curve[-2]
-    across = np.cross(curve, along)
+    across = arithmetic.cross(curve, along)
     across *= width / 2 / np.linalg.norm(across, axis=1, keepdims=True)
     left, right = curve + across, curve - across
     points = np.vstack([left, right])
