@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
+from operator import itemgetter
 
 import numpy as np
 
@@ -45,13 +47,20 @@ class Fit:
             along = float(arithmetic.dot(np.abs(joint.axis), self.scale))
             upper = joint.upper * along if joint.kind == "prismatic" else joint.upper
             joint = Joint(joint.kind, joint.axis, vec(self.point(joint.origin)), float(arithmetic.snapped(upper)))
-        by_material: dict[Material, list[Mesh]] = {}
+        by_material: dict[Material, list[tuple[Mesh, Axis | None]]] = {}
         for mesh, material, grain in draft.meshes:
-            fitted = mesh.moved(-self.centre).scaled(self.scale)
-            by_material.setdefault(material, []).append(with_uv(fitted, material, grain))
-        surfaces = tuple(surface(primitives.joined(meshes), material) for material, meshes in by_material.items())
+            by_material.setdefault(material, []).append((mesh, grain))
+        surfaces = tuple(self._surface(material, meshes) for material, meshes in by_material.items())
         boxes = tuple(self.collision_box(*box) for box in draft.boxes)
         return Link(draft.name, draft.parent, joint, surfaces, boxes)
+
+    def _surface(self, material: Material, meshes: Sequence[tuple[Mesh, Axis | None]]) -> Surface:
+        """What is drawn in a material, joined as far as the grain runs one way before it is fitted: a few steps for many meshes."""
+        fitted = []
+        for grain, alike in groupby(meshes, itemgetter(1)):
+            drawn = primitives.joined([mesh for mesh, _ in alike])
+            fitted.append(with_uv(drawn.moved(-self.centre).scaled(self.scale), material, grain))
+        return surface(primitives.joined(fitted), material)
 
     def collision_box(self, at: F64, size: F64, quaternion: tuple[float, float, float, float]) -> CollisionBox:
         """A collision box in the asset frame."""

@@ -79,7 +79,7 @@ def _bottom(link: Link, space: Space) -> Iterator[tuple[Material, float]]:
 def _areas(links: Sequence[Link]) -> Iterator[tuple[Material, float]]:
     """The material of each surface, and twice its area in square metres."""
     for surface in (surface for link in links for surface in link.surfaces):
-        a, b, c = (surface.vertices[surface.faces[:, i]].astype(np.float64) for i in range(3))
+        a, b, c = surface.vertices.astype(np.float64)[surface.faces.T]
         yield surface.material, float(arithmetic.length(arithmetic.cross(b - a, c - a)).sum())
 
 

@@ -62,6 +62,8 @@ class Mesh:
 
 def joined(meshes: Sequence[Mesh]) -> Mesh:
     """One mesh from several; texture coordinates survive only if all have them."""
+    if len(meshes) == 1:
+        return meshes[0]
     offsets = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
     uvs = [mesh.uv for mesh in meshes if mesh.uv is not None]
     return Mesh(
