@@ -19,6 +19,8 @@ POSTURES = (True, False)
 TURNS = tuple(product(HEADINGS_DEG, HORIZONS_DEG, POSTURES))
 """Ways to look from a cell: yaw_deg, horizon_deg, is_standing. State `s` is way `s % len(TURNS)` on cell `s // len(TURNS)`."""
 _NUMBER = {turn: number for number, turn in enumerate(TURNS)}
+NEAR = 1e-6
+"""Metres and degrees that a pose may be off a state."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class States:
             return None
         state = cell * len(TURNS) + turn
         asked = (x, y, yaw_deg % 360.0, horizon_deg, is_standing)
-        return state if np.allclose(asked, self.pose(state), rtol=0.0, atol=1e-6) else None
+        return state if all(abs(a - b) <= NEAR for a, b in zip(asked, self.pose(state), strict=True)) else None
 
     def cell_number(self, cell: Cell) -> int:
         """Place of a cell among the cells."""

@@ -34,9 +34,25 @@ def rows_of(path: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in path.read_text().splitlines()[1:]]
 
 
-def test_who_knows_the_map_gets_there_and_acts(two_rooms: Path, tmp_path: Path) -> None:
-    path = tmp_path / "map.jsonl"
-    assert len(played(two_rooms, path)) == 12
+@pytest.fixture(scope="module")
+def map_walk(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What `semantic_map` submits. Not to be changed."""
+    path = tmp_path_factory.mktemp("map") / "map.jsonl"
+    played(two_rooms, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def random_walk(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What `random` submits. Not to be changed."""
+    path = tmp_path_factory.mktemp("random") / "random.jsonl"
+    played(two_rooms, path, "random")
+    return path
+
+
+def test_who_knows_the_map_gets_there_and_acts(two_rooms: Path, map_walk: Path) -> None:
+    path = map_walk
+    assert len(rows_of(path)) == 12
     results = results_of(two_rooms, path)
     assert results.counts.answered == 12
     assert results.metric("S_N").value >= 0.8
@@ -45,18 +61,16 @@ def test_who_knows_the_map_gets_there_and_acts(two_rooms: Path, tmp_path: Path) 
     assert sorted(path.parent.iterdir()) == [path, pace_path(path)]  # no parts are left
 
 
-def test_who_walks_anywhere_does_not(two_rooms: Path, tmp_path: Path) -> None:
-    path = tmp_path / "random.jsonl"
-    rows = played(two_rooms, path, "random")
+def test_who_walks_anywhere_does_not(two_rooms: Path, random_walk: Path) -> None:
+    rows = rows_of(random_walk)
     assert all(row["box"] is row["manipulation"] is None for row in rows)
-    assert results_of(two_rooms, path).metric("S_N").value <= 0.3
+    assert results_of(two_rooms, random_walk).metric("S_N").value <= 0.3
 
 
 def test_a_submission_depends_neither_on_workers_nor_on_where_a_run_was_stopped(
-    two_rooms: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    two_rooms: Path, random_walk: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = tmp_path / "whole.jsonl"
-    rows = played(two_rooms, whole, "random")
+    rows = rows_of(random_walk)
     assert played(two_rooms, tmp_path / "two.jsonl", "random", workers=2) == rows
 
     stopped, done = tmp_path / "stopped.jsonl", []
@@ -76,9 +90,11 @@ def test_a_submission_depends_neither_on_workers_nor_on_where_a_run_was_stopped(
     assert len(again) == 2  # of four configurations
 
 
-def test_who_plays_beside_others_does_what_he_does_alone(two_rooms: Path, tmp_path: Path) -> None:
+def test_who_plays_beside_others_does_what_he_does_alone(
+    two_rooms: Path, random_walk: Path, map_walk: Path, tmp_path: Path
+) -> None:
     names = ("random", "semantic_map")
-    alone = [played(two_rooms, tmp_path / f"{name}.jsonl", name) for name in names]
+    alone = [rows_of(random_walk), rows_of(map_walk)]
     configs = [load_system(name) for name in names]
     players = [
         Player(make_agent(config, two_rooms), tmp_path / f"{name}-again.jsonl", config.title, config.seed)
@@ -106,14 +122,13 @@ def test_only_the_same_run_is_gone_on_with(two_rooms: Path, tmp_path: Path) -> N
 # ---- what an agent never sees
 
 
-def test_with_other_truths_an_agent_does_the_same(two_rooms: Path, tmp_path: Path) -> None:
+def test_with_other_truths_an_agent_does_the_same(two_rooms: Path, map_walk: Path, tmp_path: Path) -> None:
     """The target, goals and answers of the test split, and what the simulator knows of its rooms, are replaced by lies."""
-    rows = played(two_rooms, tmp_path / "honest.jsonl")
     lies = _with_lies(two_rooms, tmp_path / "lies")
     told = played(lies, tmp_path / "lied-to.jsonl")
-    assert told == rows
+    assert told == rows_of(map_walk)
     # The lies reach what scores: nobody is where he should be now.
-    assert results_of(two_rooms, tmp_path / "honest.jsonl").metric("S_N").value > 0.5
+    assert results_of(two_rooms, map_walk).metric("S_N").value > 0.5
     assert results_of(lies, tmp_path / "lied-to.jsonl").metric("S_N").value == 0
 
 
