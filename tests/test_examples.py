@@ -1,11 +1,10 @@
 """The examples run as they are written, on a small dataset."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.helpers.forked_runs import run_forked
 
 EXAMPLES = sorted((Path(__file__).resolve().parents[1] / "examples").glob("*.py"))
 SAYS = {
@@ -24,14 +23,7 @@ def test_each_example_is_known() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs(path: Path, two_rooms: Path, tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, str(path), str(two_rooms)],
-        cwd=tmp_path,
-        env=os.environ | {"MPLBACKEND": "agg"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_forked(str(path), str(two_rooms), folder=tmp_path, MPLBACKEND="agg")
     assert done.returncode == 0, done.stderr
     assert SAYS[path.stem] in done.stdout
     assert list(tmp_path.rglob("*.*")) or path.stem == "train_blind_and_seeing"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import runpy
 import signal
 import subprocess
 import sys
@@ -79,10 +80,12 @@ class ForkedRun:
         self.send_signal(signal.SIGTERM)
 
 
-def run_forked(module: str, *arguments: str | bytes, folder: Path) -> subprocess.CompletedProcess[str]:
-    """What comes of the command whose `main` is in a module, in a folder."""
+def run_forked(
+    what: str, *arguments: str | bytes, folder: Path, **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """What comes of the command whose `main` is in a module, or of a program by its path, in a folder."""
     with tempfile.TemporaryDirectory() as streams:
-        process = FORK_SERVER.Process(target=_run_main, args=(module, arguments, str(folder), streams))
+        process = FORK_SERVER.Process(target=_run_main, args=(what, arguments, str(folder), streams, environment))
         process.start()
         process.join(PATIENCE_S)
         assert process.exitcode is not None, "it does not end"
@@ -90,12 +93,18 @@ def run_forked(module: str, *arguments: str | bytes, folder: Path) -> subprocess
     return subprocess.CompletedProcess(arguments, process.exitcode, out, err)
 
 
-def _run_main(module: str, arguments: tuple[str | bytes, ...], folder: str, streams: str) -> None:
+def _run_main(
+    what: str, arguments: tuple[str | bytes, ...], folder: str, streams: str, environment: dict[str, str]
+) -> None:
     os.chdir(folder)
+    os.environ.update(environment)
     for standard in (1, 2):
         os.dup2(os.open(f"{streams}/{standard}", os.O_WRONLY | os.O_CREAT), standard)
     sys.argv = ["command", *map(os.fsdecode, arguments)]
-    import_module(module).main()
+    if what.endswith(".py"):
+        runpy.run_path(what, run_name="__main__")
+    else:
+        import_module(what).main()
 
 
 def _run(arguments: tuple[str, ...], output: str, ignores_ctrl_c: bool, variables: dict[str, str]) -> None:

@@ -15,10 +15,16 @@ SPREAD_M = 0.15
 """No slice comes to rest farther than this from the middle of the whole one."""
 
 
-@pytest.fixture(params=["FloorPlan3", "FloorPlan17"])
-def kitchen(request):
+@pytest.fixture(scope="module", params=["FloorPlan3", "FloorPlan17"])
+def started(request):
     with Controller(scene=request.param, width=64, height=64) as controller:
         yield controller
+
+
+@pytest.fixture
+def kitchen(started) -> Controller:
+    started.reset()
+    return started
 
 
 def of_type(controller: Controller, type_name: str) -> list[dict]:

@@ -170,14 +170,16 @@ def test_unknown_asset_type_is_an_error_before_anything_loads() -> None:
 
 
 @pytest.mark.slow
-def test_500_loads_keep_memory_flat(kitchen: Scene) -> None:
+def test_100_loads_keep_memory_flat(kitchen: Scene) -> None:
     process = psutil.Process()
     for _ in range(10):
         World(kitchen).close()
     before = process.memory_info().rss
-    for _ in range(500):
+    for _ in range(100):
         World(kitchen).close()
-    assert process.memory_info().rss - before < 100e6
+    grown = process.memory_info().rss - before
+    print(f"{grown / 1e6:.1f} MB more")
+    assert grown < 20e6
 
 
 @pytest.mark.parametrize("variant", range(4))
