@@ -7,5 +7,11 @@ import multiprocessing
 
 FORK_SERVER = multiprocessing.get_context("forkserver")
 FORK_SERVER.set_forkserver_preload(
-    ["remqa_data.datasets.torch_datasets", "tests.helpers.hostile_reading", "tests.helpers.forked_runs"]
+    [
+        "remqa_data.datasets.torch_datasets",
+        "remqa_data.evaluation.scoring.results",
+        "remqa_data.agents.cli",
+        "tests.helpers.hostile_reading",
+        "tests.helpers.forked_runs",
+    ]
 )

@@ -9,6 +9,7 @@ import pytest
 
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import BusyDatasetError, DamagedPartError, DamagedShardError, DatasetError, StorageError
+from remqa_data.storage import locks
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.bucket import Bucket
 from remqa_data.storage.folder import Folder
@@ -27,6 +28,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def bucket() -> Iterator[str]:
     with pytest.MonkeyPatch.context() as monkeypatch, s3_server(monkeypatch) as uri:
+        monkeypatch.setattr(locks, "SETTLE_S", 0.2)  # the server is near
         yield uri
 
 

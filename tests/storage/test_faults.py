@@ -217,7 +217,7 @@ def test_of_three_starts_at_the_same_moment_one_wins(
     from concurrent.futures import ThreadPoolExecutor
     from threading import Barrier
 
-    monkeypatch.setattr(locks, "SETTLE_S", 1.0)
+    monkeypatch.setattr(locks, "SETTLE_S", 0.5)
     barrier, tried = Barrier(3), Barrier(3)
 
     def run(number: int) -> bool:

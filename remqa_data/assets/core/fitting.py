@@ -55,7 +55,7 @@ class Fit:
         return Link(draft.name, draft.parent, joint, surfaces, boxes)
 
     def _surface(self, material: Material, meshes: Sequence[tuple[Mesh, Axis | None]]) -> Surface:
-        """What is drawn in a material, joined as far as the grain runs one way before it is fitted: a few steps for many meshes."""
+        """What is drawn in a material; joined before it is fitted, as far as the grain runs one way: it takes fewer steps."""
         fitted = []
         for grain, alike in groupby(meshes, itemgetter(1)):
             drawn = primitives.joined([mesh for mesh, _ in alike])
