@@ -71,6 +71,17 @@ def test_products_are_those_of_matrices(rng: np.random.Generator) -> None:
     np.testing.assert_allclose(arithmetic.length(points), np.linalg.norm(points, axis=1), atol=1e-14)
 
 
+@pytest.mark.parametrize(("first", "second"), [((3,), (3,)), ((7, 3), (7, 3)), ((7, 3), (3,)), ((4, 1, 3), (5, 3))])
+@pytest.mark.parametrize("kind", [np.float64, np.float32, np.int64])
+def test_vector_products_are_numpys_to_the_bit(
+    rng: np.random.Generator, first: tuple[int, ...], second: tuple[int, ...], kind: type
+) -> None:
+    a, b = (rng.normal(scale=100.0, size=shape).astype(kind) for shape in (first, second))
+    found, expected = arithmetic.cross(a, b), np.cross(a, b)
+    assert (found.dtype, found.shape) == (expected.dtype, expected.shape)
+    assert found.tobytes() == np.ascontiguousarray(expected).tobytes()
+
+
 def test_a_pose_and_its_inverse_undo_each_other(rng: np.random.Generator) -> None:
     poses = np.tile(np.eye(4), (4, 1, 1))
     poses[:, :3, :3] = np.linalg.qr(rng.normal(size=(4, 3, 3)))[0]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 import yaml
@@ -16,7 +17,7 @@ from remqa_data.errors import DamagedShardError, DatasetError, UnknownNameError
 from remqa_data.files import sha256_of
 from remqa_data.storage.card import croissant, dataset_card
 from remqa_data.storage.manifest import MANIFEST, config_hash, load_manifest
-from remqa_data.storage.shards import ShardWriter, check_files, find_damage, read_rows, read_table
+from remqa_data.storage.shards import Shard, ShardWriter, check_files, find_damage, read_rows, read_table
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, SceneRow
 from remqa_data.tables.schema import TABLES, check_schema, to_table
 from remqa_data.version import RELEASED, __version__
@@ -57,6 +58,15 @@ def test_rows_are_found_by_the_values_of_columns(finished) -> None:
     found = read_rows(root, FrameRow, "train", scene=wanted.scene, frame_id=wanted.frame_id)
     assert list(found) == [wanted]
     assert list(read_rows(root, FrameRow, "train", scene="Kitchen1", frame_id="none")) == []
+
+
+def test_row_groups_that_follow_each_other_are_read_as_one(finished) -> None:
+    root, manifest = finished
+    (info,) = manifest.files_of("frames", "train")[:1]
+    shard = Shard(root / info.path, "frames")
+    assert shard.row_groups > 3
+    assert shard.read([1, 2]) == pa.concat_tables([shard.read(1), shard.read(2)])
+    assert shard.read() == shard.read(range(shard.row_groups))
 
 
 def test_row_groups_are_small_where_rows_hold_images_and_images_are_not_compressed_again(finished) -> None:

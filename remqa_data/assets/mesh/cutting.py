@@ -22,14 +22,13 @@ def solid_around(box: Box, pockets: Sequence[Box]) -> list[Box]:
         values += [min(max(p[axis + 3 * end], whole[0, axis]), whole[1, axis]) for p in pockets for end in (0, 1)]
         cuts.append(np.unique(np.round(values, 5)))
     middles = [(c[1:] + c[:-1]) / 2 for c in cuts]
-    grid = np.stack(np.meshgrid(*middles, indexing="ij"), axis=-1)
-    full = np.ones(grid.shape[:3], dtype=bool)
+    full = np.ones([len(along) for along in middles], dtype=bool)
     for pocket in pockets:
-        low, high = np.asarray(pocket[:3]), np.asarray(pocket[3:])
-        full &= ~np.all((grid > low) & (grid < high), axis=-1)
+        sides = zip(middles, pocket[:3], pocket[3:], strict=True)
+        full[np.ix_(*((along > low) & (along < high) for along, low, high in sides))] = False
     boxes: list[Box] = []
     while full.any():
-        start = np.argwhere(full)[0]
+        start = np.array(np.unravel_index(full.argmax(), full.shape))
         end = start + 1
         for axis in (2, 0, 1):  # tall panels first: that is how furniture is built
             while end[axis] < full.shape[axis]:

@@ -66,10 +66,12 @@ def levels(o: RecordedObject, objects: Sequence[RecordedObject]) -> tuple[float,
 
 def _is_stacked(o: RecordedObject, other: RecordedObject) -> bool:
     """Whether two objects of which cupboards are made lie one right above the other."""
+    if not {o.type, other.type} <= STACKED:
+        return False
     middle = (o.low + o.high)[:2] / 2
     over = np.all(middle > other.low[:2]) and np.all(middle < other.high[:2])
     gap = min(abs(float(o.low[2] - other.high[2])), abs(float(other.low[2] - o.high[2])))
-    return bool(over and gap < STACKED_M and {o.type, other.type} <= STACKED)
+    return bool(over and gap < STACKED_M)
 
 
 def _let_in(o: RecordedObject) -> frozenset[str]:
