@@ -15,6 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 from remqa_data.export.rooms import find_scene, write_room
+from remqa_data.processes import cores
 from remqa_data.views.build import Wanted, cache_views
 from tests.helpers.remade_rooms import RememberedRooms
 
@@ -113,9 +114,13 @@ def home(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_every_command_of_a_page_does_what_it_says(
     page: str, home: Path, two_rooms: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Verification compares with what is remembered of the rooms; that they are made again is tested in `test_verify`."""
+    """Verification compares with what is remembered of the rooms; that they are made again is tested in `test_verify`.
+
+    On a machine with one core, so that no command starts others.
+    """
     monkeypatch.chdir(home)
     RememberedRooms(two_rooms).use(monkeypatch)
+    monkeypatch.setattr(cores, "usable_cores", lambda: 1)
     lines = list(dict.fromkeys(line for where, line in OF_REMQA if where == page))
     assert lines
     for line in lines:

@@ -1,5 +1,6 @@
 """A server on this machine that speaks the S3 protocol, for tests: moto's."""
 
+import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -13,6 +14,7 @@ BUCKET = "remqa-tests"
 @contextmanager
 def s3_server(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     """Start the server, let everything in this process and its children use it, and yield the URI of an empty bucket."""
+    logging.getLogger("werkzeug").setLevel(logging.WARNING)  # pytest keeps a line for each request
     server = ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
     server.start()
     host, port = server.get_host_and_port()
