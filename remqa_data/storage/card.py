@@ -21,8 +21,6 @@ from remqa_data.version import RELEASED
 CARD, CROISSANT = "README.md", "croissant.json"
 LICENSE_URL = "https://www.apache.org/licenses/LICENSE-2.0"
 DEFAULT_TABLE = "questions"
-_LAST = "recordSet"
-"""The last entry of croissant.json."""
 ABOUT = (
     "Remote embodied manipulation question answering: an agent walks to something in a simulated room, opens, moves or "
     "picks it up with its arm, looks, and answers a question. Every answer was verified in the simulator."
@@ -70,8 +68,7 @@ def dataset_card(manifest: Manifest) -> str:
 
 def croissant_text(manifest: Manifest) -> str:
     """The text of croissant.json."""
-    ahead = _json(_described(manifest) | {_LAST: []}).removesuffix(f'"{_LAST}": []\n}}')
-    return ahead + _record_sets_text(_tables(manifest)).removeprefix("{\n ") + "\n"
+    return json.dumps(croissant(manifest), indent=1, ensure_ascii=False) + "\n"
 
 
 def croissant(manifest: Manifest) -> dict[str, Any]:
@@ -80,15 +77,7 @@ def croissant(manifest: Manifest) -> dict[str, Any]:
     Every shard is a FileObject with its checksum, the shards of a table are a FileSet, read from the folder of this
     file, and every table is a RecordSet with one field for each column.
     """
-    return _described(manifest) | {_LAST: _record_sets(_tables(manifest))}
-
-
-def _tables(manifest: Manifest) -> tuple[str, ...]:
-    return tuple(name for name in TABLES if manifest.files_of(name))
-
-
-def _described(manifest: Manifest) -> dict[str, Any]:
-    """All of it but the last entry."""
+    names = [name for name in TABLES if manifest.files_of(name)]
     return {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
@@ -113,23 +102,10 @@ def _described(manifest: Manifest) -> dict[str, Any]:
                 }
                 for file in manifest.files
             ),
-            *(_file_set(name) for name in _tables(manifest)),
+            *(_file_set(name) for name in names),
         ],
+        "recordSet": [_record_set(TABLES[name]) for name in names],
     }
-
-
-def _record_sets(tables: tuple[str, ...]) -> list[dict[str, Any]]:
-    return [_record_set(TABLES[name]) for name in tables]
-
-
-@cache
-def _record_sets_text(tables: tuple[str, ...]) -> str:
-    """The last entry, which is most of the text, and the same for all datasets with these tables."""
-    return _json({_LAST: _record_sets(tables)})
-
-
-def _json(values: dict[str, Any]) -> str:
-    return json.dumps(values, indent=1, ensure_ascii=False)
 
 
 def _front_matter(manifest: Manifest, tables: list[TableSpec]) -> list[str]:

@@ -36,8 +36,8 @@ BELOW_CEILING_M = 0.05
 """Where the map camera is."""
 HOVERS_M = {"FloorPlan12": 0.079}
 """In this room it was recorded above the floor on which everything else stands."""
-PICTURE_BYTES = 64 << 20
-"""Pictures that are remembered take no more: some 50 of 300 x 300."""
+PICTURE_BYTES = 128 << 20
+"""Pictures that are remembered take no more: some 100 of 300 x 300."""
 SCENE_SUFFIX = "_physics"
 SEEDS = 1 << 32
 """A seed is a 32-bit number there."""

@@ -100,7 +100,7 @@ def test_the_way_through_the_corridor_is_learnt(form: ImitatorForm) -> None:
     with torch.no_grad():
         assert task.score()["val_success"] < 0.4
     task.model.train()
-    learn(task, 40)
+    learn(task, 26)
     task.model.eval()
     with torch.no_grad():
         score = task.score()
