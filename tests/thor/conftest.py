@@ -19,6 +19,7 @@ def kitchen_controller() -> Iterator[Controller]:
 def kitchen(kitchen_controller: Controller) -> Controller:
     """FloorPlan1 as it was loaded, with all default settings."""
     kitchen_controller.initialization_parameters = {}
+    kitchen_controller.step("ChangeQuality", quality="Ultra", renderImage=False)  # it stays over resets
     kitchen_controller.reset("FloorPlan1", width=300, height=300)
     return kitchen_controller
 
