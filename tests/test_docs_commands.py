@@ -109,17 +109,22 @@ def home(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def remembered(two_rooms: Path) -> RememberedRooms:
+    return RememberedRooms(two_rooms)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("page", list(dict.fromkeys(page for page, _ in OF_REMQA)))
 def test_every_command_of_a_page_does_what_it_says(
-    page: str, home: Path, two_rooms: Path, monkeypatch: pytest.MonkeyPatch
+    page: str, home: Path, remembered: RememberedRooms, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Verification compares with what is remembered of the rooms; that they are made again is tested in `test_verify`.
 
     On a machine with one core, so that no command starts others.
     """
     monkeypatch.chdir(home)
-    RememberedRooms(two_rooms).use(monkeypatch)
+    remembered.use(monkeypatch)
     monkeypatch.setattr(cores, "usable_cores", lambda: 1)
     lines = list(dict.fromkeys(line for where, line in OF_REMQA if where == page))
     assert lines

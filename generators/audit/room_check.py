@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import groupby
-from operator import itemgetter
 from pathlib import Path
 
 from remqa_data.errors import RemqaError, one_line
@@ -19,8 +17,8 @@ from remqa_data.storage.shards import Shard
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow
 from remqa_data.tables.schema import R, to_rows
 
-Piece = tuple[Path, int]
-"""A shard and a row group in it."""
+Piece = tuple[Path, tuple[int, ...]]
+"""A shard and row groups in it."""
 Pieces = Mapping[str, tuple[Piece, ...]]
 """By table, where the rows of a room lie."""
 
@@ -141,7 +139,7 @@ def _read(check: RoomCheck) -> RoomRows:
 
 
 def _rows(row_type: type[R], check: RoomCheck, table: str) -> Iterator[R]:
-    for path, pieces in groupby(check.pieces.get(table, ()), itemgetter(0)):
-        data = Shard(path, table).read([group for _, group in pieces])
+    for path, groups in check.pieces.get(table, ()):
+        data = Shard(path, table).read(groups)
         own = data.filter([scene == check.scene for scene in data["scene"].to_pylist()])
         yield from to_rows(row_type, own)

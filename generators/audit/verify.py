@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
@@ -147,14 +148,16 @@ def _room_checks(
 
 def _pieces(root: Path, manifest: Manifest, table: str) -> dict[str, list[Piece]]:
     """Where the rows of each room lie."""
-    found: dict[str, list[Piece]] = {}
+    found: defaultdict[str, list[Piece]] = defaultdict(list)
     for path in (path for split in manifest.splits(table) for path in shard_paths(root, table, split)):
         shard = Shard(path, table)
-        scenes = shard.read(columns=["scene"])["scene"].to_pylist()
+        scenes = iter(shard.read(columns=["scene"])["scene"].to_pylist())
+        groups: defaultdict[str, list[int]] = defaultdict(list)
         for group in range(shard.row_groups):
-            first, scenes = scenes[: shard.rows(group)], scenes[shard.rows(group) :]
-            for scene in dict.fromkeys(first):
-                found.setdefault(scene, []).append((path, group))
+            for scene in set(islice(scenes, shard.rows(group))):
+                groups[scene].append(group)
+        for scene, own in groups.items():
+            found[scene].append((path, tuple(own)))
     return found
 
 

@@ -60,9 +60,8 @@ class Session:
         What pictures are drawn with, a key of QUALITIES.
     """
 
-    def __init__(self, width: int, height: int, quality: str = "Ultra") -> None:
-        self._simulator = SimulatorState(FrameSize(width, height))
-        self._simulator.quality = QUALITIES[quality]
+    def __init__(self, width: int, height: int, quality: str) -> None:
+        self._simulator = SimulatorState(FrameSize(width, height), QUALITIES[quality])
         self._outcomes: dict[int, Outcome] = {}
         self._unread: WeakSet[Listing] = WeakSet()
 

@@ -244,13 +244,13 @@ class SimulatorState:
     ----------
     frame : FrameSize
         Of every picture.
+    quality : Quality
+        What pictures are drawn with, in all rooms.
 
     Attributes
     ----------
     settings : Settings
         What Initialize has set.
-    quality : Quality
-        What pictures are drawn with, in all rooms.
     scene_name : str
         As AI2-THOR calls it.
     cameras : list of ThirdPartyCamera
@@ -262,9 +262,9 @@ class SimulatorState:
         another one.
     """
 
-    def __init__(self, frame: FrameSize) -> None:
-        self.frame = frame
-        self.settings, self.quality = Settings(), Quality()
+    def __init__(self, frame: FrameSize, quality: Quality) -> None:
+        self.frame, self.quality = frame, quality
+        self.settings = Settings()
         self.scene_name = ""
         self.cameras: list[ThirdPartyCamera] = []
         self.shown_objects: frozenset[str] | None = None

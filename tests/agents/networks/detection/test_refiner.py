@@ -106,6 +106,8 @@ def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
     torch.manual_seed(0)
     first, second, rng = Rough(3), Refiner(3), np.random.default_rng(0)
     optimizer = torch.optim.AdamW(second.parameters(), lr=3e-3)
+    steps = 60
+    falling = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, steps)
 
     def shown(count: int) -> tuple[torch.Tensor, list[Picture]]:
         made = []
@@ -114,9 +116,7 @@ def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
             made.append(picture(*low, *(low + size)))
         return torch.stack([torch.from_numpy(one.rgb).permute(2, 0, 1) for one in made]), made
 
-    steps = 60
-    for step in range(steps):
-        optimizer.param_groups[0]["lr"] = 3e-3 * (1 - step / steps)
+    for _ in range(steps):
         rgb, pictures = shown(12)
         voted = first.vote(rgb)
         parts = [propose(one, p.boxes, rng) for one, p in zip(pictures, voted.peaks, strict=True)]
@@ -130,6 +130,7 @@ def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
+        falling.step()
 
     rgb, pictures = shown(20)
     seen, found = TwoStageDetector(first, second).look(rgb)
