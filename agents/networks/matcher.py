@@ -12,6 +12,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from remqa_data.agents.networks.detection.arrangement import PAIR, RANKS, arrangement_of
 from remqa_data.agents.networks.detection.pyramid import CHANNELS
 from remqa_data.agents.networks.detection.regions import ALIKE, PLACE, Regions, compared
 from remqa_data.agents.networks.language import EMBEDDED, HIDDEN, WordReader
@@ -22,9 +23,15 @@ JOINT = 128
 PAIRED = 96
 """The same, where all pairs are compared."""
 
+BETWEEN = 64
+"""The same, of how pairs lie."""
+
 PARTS = ("subject", "location", "relationship")
 SHARPNESS = 10.0
 """What similarities, -1 to 1, are multiplied with."""
+
+UNLIKELY = -1e4
+"""Logit of what cannot be: nothing is its own anchor, unless it is alone."""
 
 
 class Match(NamedTuple):
@@ -78,7 +85,7 @@ class LanguageAttentionMatcher(nn.Module):
         phrases = (attention @ words.embedded).unbind(1)
         asked = [functional.normalize(layer(phrase), dim=1) for layer, phrase in zip(self.asked, phrases, strict=True)]
         types = self.type_look(regions.types)
-        subjects = self._subjects(phrases[0], regions.looks)
+        subjects = _subjects(self, phrases[0], regions.looks)
         seen = torch.cat([subjects, types.expand(len(subjects), -1, -1)], 2)
         subject = torch.einsum("ej,emj->em", asked[0], functional.normalize(self.seen[0](seen), dim=2))
         seen = torch.cat([regions.places, regions.from_alike.flatten(1)], 1)
@@ -89,12 +96,6 @@ class LanguageAttentionMatcher(nn.Module):
         relationship = beside.masked_fill(~regions.is_around, -1.0).amax(2)
         scores = torch.stack([subject, location, relationship], 1)
         return Match(SHARPNESS * torch.einsum("ep,epm->em", weights, scores), weights, attention)
-
-    def _subjects(self, phrases: Tensor, looks: Tensor) -> Tensor:
-        """(e, m, CHANNELS) looks, (m, CHANNELS, g, g), where each of (e, EMBEDDED) phrases looks."""
-        seen = self.look(looks).flatten(2).transpose(1, 2)
-        focus = self.focus(torch.tanh(seen[None] + self.asked_look(phrases)[:, None, None])).softmax(2)
-        return torch.einsum("mgc,emg->emc", seen, focus[..., 0])
 
 
 class PlainMatcher(nn.Module):
@@ -166,11 +167,73 @@ class CompositionalMatcher(nn.Module):
         return self.score[part](functional.normalize(both, dim=-1))[..., 0]  # type: ignore[no-any-return]
 
 
-Matcher = LanguageAttentionMatcher | PlainMatcher | CompositionalMatcher
+class AnchoredMatcher(nn.Module):
+    """LAN whose relationship is to one object, the anchor, and whose locations are ranks among objects of a kind.
+
+    The words are weighed a fourth time, for what the anchor is: each object is the anchor as likely as it fits these words,
+    whatever the subject. The relationship of a subject is how it lies to the anchor, and how many of its kind are nearer to it:
+    so what is closest is told from what is close. LAN's relationship takes for each subject the object that fits best.
+
+    Parameters
+    ----------
+    words : int
+        Size of the vocabulary.
+    types : int
+        How many types the detector knows.
+    """
+
+    def __init__(self, words: int, types: int) -> None:
+        super().__init__()
+        self.reader = WordReader(words)
+        self.attend = nn.Linear(2 * HIDDEN, len(PARTS) + 1)
+        self.weigh = nn.Linear(2 * HIDDEN, len(PARTS))
+        self.type_look = nn.Linear(types, CHANNELS)
+        self.look = nn.Conv2d(CHANNELS, CHANNELS, 1)
+        self.asked_look = nn.Linear(EMBEDDED, CHANNELS)
+        self.focus = nn.Linear(CHANNELS, 1)
+        self.seen = nn.ModuleList(_joint(width) for width in (2 * CHANNELS, PLACE + RANKS + CHANNELS))
+        self.asked = nn.ModuleList(_joint(EMBEDDED) for _ in self.seen)
+        self.anchor, self.asked_anchor = _joint(2 * CHANNELS), _joint(EMBEDDED)
+        self.pair = _joint(PAIR, BETWEEN)
+        self.asked_pair = nn.Sequential(nn.Linear(EMBEDDED, JOINT), nn.ReLU(), nn.Linear(JOINT, BETWEEN))
+
+    def forward(self, numbers: Tensor, regions: Regions) -> Match:
+        """See `LanguageAttentionMatcher.forward`; attention is that of its three parts."""
+        words, lie = self.reader(numbers), arrangement_of(regions)
+        logits = self.attend(words.read).masked_fill(~words.is_word[..., None], -torch.inf)
+        attention = logits.softmax(1).transpose(1, 2)
+        weights = self.weigh(words.sentence).softmax(1)
+        of_subject, of_place, of_relation, of_anchor = (attention @ words.embedded).unbind(1)
+        types, looks = self.type_look(regions.types), regions.looks
+        subjects = _subjects(self, of_subject, looks)
+        subjects = self.seen[0](torch.cat([subjects, types.expand(len(subjects), -1, -1)], 2))
+        subject = torch.einsum("ej,emj->em", _unit(self.asked[0](of_subject)), _unit(subjects))
+        places = self.seen[1](torch.cat([regions.places[:, :5], regions.level, lie.ranks, types], 1))
+        location = _unit(self.asked[1](of_place)) @ _unit(places).T
+        anchors = self.anchor(torch.cat([looks.mean((2, 3)), types], 1))
+        fits = SHARPNESS * _unit(self.asked_anchor(of_anchor)) @ _unit(anchors).T
+        is_anchor = fits[:, None].masked_fill(~lie.is_other, UNLIKELY).softmax(2)
+        beside = torch.einsum("ej,mkj->emk", _unit(self.asked_pair(of_relation)), _unit(self.pair(lie.pairs)))
+        scores = torch.stack([subject, location, (is_anchor * beside).sum(2)], 1)
+        return Match(SHARPNESS * torch.einsum("ep,epm->em", weights, scores), weights, attention[:, : len(PARTS)])
 
 
-def _joint(width: int) -> nn.Sequential:
-    return nn.Sequential(nn.Linear(width, JOINT), nn.ReLU(), nn.Linear(JOINT, JOINT))
+Matcher = LanguageAttentionMatcher | PlainMatcher | CompositionalMatcher | AnchoredMatcher
+
+
+def _subjects(matcher: LanguageAttentionMatcher | AnchoredMatcher, phrases: Tensor, looks: Tensor) -> Tensor:
+    """(e, m, CHANNELS) looks, (m, CHANNELS, g, g), where each of (e, EMBEDDED) phrases looks."""
+    seen = matcher.look(looks).flatten(2).transpose(1, 2)
+    focus = matcher.focus(torch.tanh(seen[None] + matcher.asked_look(phrases)[:, None, None])).softmax(2)
+    return torch.einsum("mgc,emg->emc", seen, focus[..., 0])
+
+
+def _joint(width: int, made: int = JOINT) -> nn.Sequential:
+    return nn.Sequential(nn.Linear(width, made), nn.ReLU(), nn.Linear(made, made))
+
+
+def _unit(vectors: Tensor) -> Tensor:
+    return functional.normalize(vectors, dim=-1)
 
 
 def ranking_loss(scores: Tensor, right: int, of_others: Tensor, margin: float = 1.0) -> Tensor:

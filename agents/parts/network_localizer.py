@@ -46,7 +46,8 @@ class NetworkLocalizer:
             places = candidates(found)
             if not len(places):
                 return None
-            regions = regions_of(self.detector, seen, found.boxes[places], percept.depth)
+            boxes, scores = found.boxes[places], found.scores[places]
+            regions = regions_of(self.detector, seen, boxes, percept.depth, percept.pose.horizon_deg, scores)
             numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.expression])[0])
             best = places[int(self.matcher(numbers, regions).scores[0].argmax())]
         return _sighting(found.boxes[best], found.mask(best, percept.depth.shape))

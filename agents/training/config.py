@@ -49,13 +49,13 @@ class RefinerConfig(_Network):
 
 
 class MatcherConfig(_Network):
-    """Finds what an expression means, by language attention, by pairs, or with one vector for all words.
+    """Finds what an expression means, by language attention, with an anchor or not, by pairs, or with one vector for all words.
 
     It chooses among what the detector finds, with a second stage of the name `refiner` if that is given.
     """
 
     kind: Literal["matcher"]
-    form: Literal["language_attention", "plain", "compositional"]
+    form: Literal["language_attention", "anchored", "plain", "compositional"]
     refiner: str | None = None
 
     @property

@@ -16,6 +16,7 @@ from remqa_data.agents.networks.detection.detector import iou
 from remqa_data.agents.networks.detection.detector_loss import LEAST_PIXELS
 from remqa_data.agents.networks.detection.regions import AnyDetector, Regions, candidates, regions_of
 from remqa_data.agents.networks.matcher import (
+    AnchoredMatcher,
     CompositionalMatcher,
     LanguageAttentionMatcher,
     Match,
@@ -35,6 +36,7 @@ RIGHT_IOU = 0.5
 
 MATCHERS: Mapping[str, Callable[[int, int], Matcher]] = {
     "language_attention": LanguageAttentionMatcher,
+    "anchored": AnchoredMatcher,
     "plain": PlainMatcher,
     "compositional": CompositionalMatcher,
 }
@@ -162,6 +164,8 @@ class FrameExpressions(NamedTuple):
         Its row there.
     objects : list of dict
         What it shows, as its row has it.
+    horizon_deg : float
+        How far down its camera looks.
     rows : list of dict
         The expressions: `expression_id`, `text`, `target_id`, `box_2d`.
     """
@@ -169,6 +173,7 @@ class FrameExpressions(NamedTuple):
     reader: SplitReader
     place: int
     objects: list[dict[str, Any]]
+    horizon_deg: float
     rows: list[dict[str, Any]]
 
 
@@ -181,10 +186,11 @@ def frames_with_expressions(root: Path, split: str, rooms: frozenset[str] | None
             by_frame.setdefault(row["frame_id"], []).append(row)
     for frames_split in load_manifest(root).splits("frames"):
         reader = SplitReader(root, "frames", frames_split)
-        table = reader.columns(["frame_id", "objects"])
+        table = reader.columns(["frame_id", "objects", "agent"])
         for place, frame_id in enumerate(table["frame_id"].to_pylist()):
             if frame_id in by_frame:
-                yield FrameExpressions(reader, place, table["objects"][place].as_py(), by_frame[frame_id])
+                objects, agent = (table[name][place].as_py() for name in ("objects", "agent"))
+                yield FrameExpressions(reader, place, objects, agent["horizon_deg"], by_frame[frame_id])
 
 
 @torch.no_grad()
@@ -212,7 +218,8 @@ def referred(frame: FrameExpressions, detector: AnyDetector, device: str) -> Ref
     picture = torch.from_numpy(decode_rgb(rgb)).permute(2, 0, 1)[None].to(device)
     seen, (found,) = detector.look(picture)
     metres = decode_depth(depth)
-    boxes = found.boxes[candidates(found)]
+    places = candidates(found)
+    boxes = found.boxes[places]
     asked = {row["target_id"] for row in rows}
     shown = [item for item in objects if item["pixels"] >= LEAST_PIXELS or item["id"] in asked]
     true = np.array([item["box_2d"] for item in shown], dtype=np.float32)
@@ -225,8 +232,8 @@ def referred(frame: FrameExpressions, detector: AnyDetector, device: str) -> Ref
         tuple(row["expression_id"] for row in rows),
         tuple(row["text"] for row in rows),
         targets,
-        regions_of(detector, seen, boxes, metres),
-        regions_of(detector, seen, true, metres),
+        regions_of(detector, seen, boxes, metres, frame.horizon_deg, found.scores[places]),
+        regions_of(detector, seen, true, metres, frame.horizon_deg),
         np.where(is_found, best, -1),
         np.array([numbers[row["target_id"]] for row in rows]),
     )

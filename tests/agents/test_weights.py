@@ -7,7 +7,7 @@ from remqa_data.agents.networks.detection.detector import iou
 from remqa_data.agents.training.config import load_network_config, networks
 from remqa_data.agents.training.weights import load_network, weights_path
 from remqa_data.files import sha256_of
-from tests.helpers.weights_slice import EXPRESSIONS, QUESTIONS, rows_of, said_answer, said_box
+from tests.helpers.weights_slice import EXPRESSIONS, MATCHERS, QUESTIONS, rows_of, said_answer, said_box
 
 pytestmark = pytest.mark.slow
 
@@ -36,10 +36,11 @@ def test_the_answerer_answers_a_slice_of_the_test_split_as_it_did() -> None:
     assert right == pytest.approx(np.mean([row["said"] == row["answer"] for row in rows]), abs=0.05)
 
 
-def test_lan_finds_what_a_slice_of_the_test_split_means_as_it_did() -> None:
+@pytest.mark.parametrize("name", MATCHERS)
+def test_a_matcher_finds_what_a_slice_of_the_test_split_means_as_it_did(name: str) -> None:
     rows = rows_of(EXPRESSIONS)
-    boxes = np.array([said_box(row) or [0, 0, 0, 0] for row in rows], dtype=np.float32)
-    before, true = (np.array([row[name] for row in rows], dtype=np.float32) for name in ("said", "box_2d"))
+    boxes = np.array([said_box(row, name) or [0, 0, 0, 0] for row in rows], dtype=np.float32)
+    before, true = (np.array([row[column] for row in rows], dtype=np.float32) for column in (f"{name}_said", "box_2d"))
     assert len(rows) >= 20
     assert np.mean(np.diagonal(iou(boxes, before)) > 0.9) >= 0.95
     hits = [np.mean(np.diagonal(iou(found, true)) >= 0.5) for found in (boxes, before)]

@@ -17,7 +17,7 @@ from remqa_data.agents.knowledge.reading import read_question
 from remqa_data.agents.parts.interfaces import Sighting
 from remqa_data.agents.parts.network_answerer import NetworkAnswerer
 from remqa_data.agents.parts.network_localizer import NetworkLocalizer
-from remqa_data.agents.training.weights import load_network, weights_path
+from remqa_data.agents.training.weights import load_network, trained_detector, weights_path
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.tables.images import decode_depth, decode_rgb
 
@@ -26,6 +26,7 @@ QUESTIONS, EXPRESSIONS = HERE / "questions.parquet", HERE / "expressions.parquet
 QUESTION_COLUMNS = ("question", "answer", "start_target_box_2d")
 EXPRESSION_COLUMNS = ("text", "box_2d", "frame_id")
 EVERY_QUESTION, EVERY_EXPRESSION = 15, 110
+MATCHERS = ("language_attention", "anchored_matcher")
 SIZE_PX = 300
 
 Row = dict[str, Any]
@@ -38,10 +39,10 @@ def answerer() -> NetworkAnswerer:
 
 
 @cache
-def localizer() -> NetworkLocalizer:
-    detector, _ = load_network(weights_path("detector"))
-    matcher, about = load_network(weights_path("language_attention"))
-    return NetworkLocalizer(detector, matcher, about.vocabulary)
+def localizer(name: str) -> NetworkLocalizer:
+    """A matcher of a name, and what it sees through."""
+    matcher, about = load_network(weights_path(name))
+    return NetworkLocalizer(trained_detector(about.network.network, None, None, force=True), matcher, about.vocabulary)
 
 
 def said_answer(row: Row) -> str | None:
@@ -53,10 +54,11 @@ def said_answer(row: Row) -> str | None:
     return answerer().answer(read_question(row["question"]), before, after, sighting)
 
 
-def said_box(row: Row) -> list[float] | None:
-    """The box of what a stored expression means, pixels."""
-    percept = SimpleNamespace(rgb=decode_rgb(row["rgb"]), depth=decode_depth(row["depth"]))
-    sighting = localizer().locate(SimpleNamespace(expression=row["text"]), None, percept, np.random.default_rng(0))
+def said_box(row: Row, name: str) -> list[float] | None:
+    """The box of what a stored expression means to a matcher of a name, pixels."""
+    pose = SimpleNamespace(horizon_deg=row["horizon_deg"])
+    percept = SimpleNamespace(rgb=decode_rgb(row["rgb"]), depth=decode_depth(row["depth"]), pose=pose)
+    sighting = localizer(name).locate(SimpleNamespace(expression=row["text"]), None, percept, np.random.default_rng(0))
     return None if sighting is None else [round(SIZE_PX * share, 2) for share in sighting.box]
 
 
@@ -76,12 +78,15 @@ def main(root: Path) -> None:
         found.append(row | {"said": said_answer(row)})
     pq.write_table(pa.Table.from_pylist(found), QUESTIONS)
     rows = expressions.columns(EXPRESSION_COLUMNS).to_pylist()
-    places = {name: place for place, name in enumerate(frames.columns(["frame_id"])["frame_id"].to_pylist())}
+    shown = frames.columns(["frame_id", "agent"])
+    places = {name: place for place, name in enumerate(shown["frame_id"].to_pylist())}
     found = []
     for place in range(0, len(rows), EVERY_EXPRESSION):
-        images = frames.images(places[rows[place]["frame_id"]], ("rgb", "depth"))
+        frame = places[rows[place]["frame_id"]]
+        images = frames.images(frame, ("rgb", "depth"))
         row = rows[place] | dict(zip(("rgb", "depth"), map(bytes, images), strict=True))
-        found.append(row | {"said": said_box(row)})
+        row["horizon_deg"] = shown["agent"][frame].as_py()["horizon_deg"]
+        found.append(row | {f"{name}_said": said_box(row, name) for name in MATCHERS})
     pq.write_table(pa.Table.from_pylist(found), EXPRESSIONS)
 
 

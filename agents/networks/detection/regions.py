@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,6 +59,10 @@ class Regions:
         Where those are as seen from it.
     is_around : (m, AROUND) bool
         False where there are fewer.
+    level : (m, 3) float32
+        Right, down and ahead in metres, as of a camera that looks straight ahead.
+    scores : (m,) float32
+        How likely there is an object; 1 for those that are known to be there.
     """
 
     boxes: F32
@@ -68,6 +73,8 @@ class Regions:
     around: Tensor
     from_around: Tensor
     is_around: Tensor
+    level: Tensor
+    scores: Tensor
 
 
 def candidates(found: Detections) -> list[int]:
@@ -81,8 +88,29 @@ def candidates(found: Detections) -> list[int]:
 
 
 @torch.no_grad()
-def regions_of(detector: AnyDetector, seen: FeatureMaps, boxes: F32, depth: F32) -> Regions:
-    """What is known of (m, 4) boxes in a picture that a detector has seen, with (h, w) depth in metres."""
+def regions_of(
+    detector: AnyDetector,
+    seen: FeatureMaps,
+    boxes: F32,
+    depth: F32,
+    horizon_deg: float,
+    scores: F32 | None = None,
+) -> Regions:
+    """What is known of objects in a picture.
+
+    Parameters
+    ----------
+    detector, seen
+        What has seen the picture, and what it keeps of it.
+    boxes : (m, 4) float32
+        x1, y1, x2, y2 in pixels.
+    depth : (h, w) float32
+        Metres, 0 where nothing is.
+    horizon_deg : float
+        How far down the camera looks.
+    scores : (m,) float32, optional
+        How likely an object is there; by default it is known to be.
+    """
     features = seen.features
     at = torch.from_numpy(np.asarray(boxes, dtype=np.float32)).to(features.device)
     looks = features_in(features, at, torch.zeros(len(at), dtype=torch.int64, device=features.device), GRID)
@@ -102,7 +130,16 @@ def regions_of(detector: AnyDetector, seen: FeatureMaps, boxes: F32, depth: F32)
         around,
         _offsets(offsets, around),
         is_around,
+        _levelled(places[:, 5:], horizon_deg),
+        torch.ones_like(places[:, 0]) if scores is None else torch.from_numpy(scores).to(places),
     )
+
+
+def _levelled(metres: Tensor, horizon_deg: float) -> Tensor:
+    """(m, 3) right, down and ahead, of what they are to a camera that looks down so far."""
+    right, down, ahead = metres.unbind(1)
+    sine, cosine = math.sin(math.radians(horizon_deg)), math.cos(math.radians(horizon_deg))
+    return torch.stack([right, down * cosine + ahead * sine, ahead * cosine - down * sine], 1)
 
 
 def _offsets(offsets: Tensor, chosen: Tensor) -> Tensor:

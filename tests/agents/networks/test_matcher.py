@@ -6,6 +6,7 @@ from remqa_data.agents.networks.detection.detector import Detections, Detector, 
 from remqa_data.agents.networks.detection.pyramid import CHANNELS
 from remqa_data.agents.networks.detection.regions import Regions, candidates, compared, nearest, places_of, regions_of
 from remqa_data.agents.networks.matcher import (
+    AnchoredMatcher,
     CompositionalMatcher,
     LanguageAttentionMatcher,
     Matcher,
@@ -13,7 +14,7 @@ from remqa_data.agents.networks.matcher import (
     ranking_loss,
 )
 
-MATCHERS = (LanguageAttentionMatcher, PlainMatcher, CompositionalMatcher)
+MATCHERS = (LanguageAttentionMatcher, AnchoredMatcher, PlainMatcher, CompositionalMatcher)
 TYPES, WORDS = 5, 12
 BOXES = np.array([[10, 10, 40, 40], [50, 10, 90, 60], [5, 60, 45, 95], [60, 70, 80, 90]], dtype=np.float32)
 
@@ -22,7 +23,7 @@ def regions(boxes: np.ndarray = BOXES) -> Regions:
     torch.manual_seed(0)
     detector, features = Detector(TYPES).eval(), torch.randn((1, CHANNELS, 25, 25))
     seen = FeatureMaps(torch.zeros((1, 3, 100, 100), dtype=torch.uint8), features, features)
-    return regions_of(detector, seen, boxes, np.full((100, 100), 2.0, dtype=np.float32))
+    return regions_of(detector, seen, boxes, np.full((100, 100), 2.0, dtype=np.float32), 0.0)
 
 
 def matcher_of(kind: type[Matcher]) -> Matcher:

@@ -109,6 +109,8 @@ def test_attention_is_drawn_below_the_words(two_rooms: Path, trained: Path, tmp_
     assert picture.shape[0] == 2 * 306
     table = picture[60:250, 300:]
     assert len(np.unique(table.reshape(-1, 3), axis=0)) > 20  # shades, by how much words count
+    write_attention_picture(two_rooms, ids[:1], tmp_path / "anchored.png", "anchored_matcher", trained)
+    assert cv2.imread(str(tmp_path / "anchored.png")).shape == (306, *picture.shape[1:])
     with pytest.raises(UnknownNameError, match="unknown expression 'nothing'"):
         write_attention_picture(two_rooms, ["nothing"], tmp_path / "no.png", weights=trained)
     with pytest.raises(ConfigError, match="plain_matcher has no attention over words"):
