@@ -113,15 +113,20 @@ def _draw_box(view: U8, box: npt.NDArray[np.generic], color: tuple[int, int, int
 
 
 def _table(words: Sequence[str], match: Match, height: int) -> U8:
-    """A row for each part of the expression with its weight, a column for each word, the darker the more it counts."""
+    """A row for each part of the expression with its weight, a column for each word, the darker the more it counts.
+
+    An anchor has no weight of its own: it belongs to the relationship.
+    """
+    names = [f"{part} {float(weight):.2f}" for part, weight in zip(PARTS, match.weights[0], strict=True)]
+    names += ["its anchor"] * (match.attention.shape[1] - len(PARTS))
     table = np.full((height, TABLE_PX, 3), 255, np.uint8)
     width = min((TABLE_PX - NAME_PX - 10) // len(words), 110)
-    top = (height - ROW_PX * (len(PARTS) + 1)) // 2
+    top = (height - ROW_PX * (len(names) + 1)) // 2
     for column, word in enumerate(words):
         _write(table, word, (NAME_PX + column * width + 4, top + 22), 0.45)
-    for number, part in enumerate(PARTS):
+    for number, name in enumerate(names):
         y = top + ROW_PX * (number + 1)
-        _write(table, f"{part} {float(match.weights[0, number]):.2f}", (12, y + 22), 0.5)
+        _write(table, name, (12, y + 22), 0.5)
         for column in range(len(words)):
             share = float(match.attention[0, number, column])
             x = NAME_PX + column * width

@@ -43,8 +43,8 @@ class Match(NamedTuple):
         The sum of all parts.
     weights : (e, 3)
         How much each part counts.
-    attention : (e, 3, t)
-        How much each word counts for each part.
+    attention : (e, 3, t) or (e, 4, t)
+        How much each word counts for each part, and for the anchor if there is one.
     """
 
     scores: Tensor
@@ -198,7 +198,7 @@ class AnchoredMatcher(nn.Module):
         self.asked_pair = nn.Sequential(nn.Linear(EMBEDDED, JOINT), nn.ReLU(), nn.Linear(JOINT, BETWEEN))
 
     def forward(self, numbers: Tensor, regions: Regions) -> Match:
-        """See `LanguageAttentionMatcher.forward`; attention is that of its three parts."""
+        """See `LanguageAttentionMatcher.forward`; attention is that of its three parts, and of the anchor."""
         words, lie = self.reader(numbers), arrangement_of(regions)
         logits = self.attend(words.read).masked_fill(~words.is_word[..., None], -torch.inf)
         attention = logits.softmax(1).transpose(1, 2)
@@ -215,7 +215,7 @@ class AnchoredMatcher(nn.Module):
         is_anchor = fits[:, None].masked_fill(~lie.is_other, UNLIKELY).softmax(2)
         beside = torch.einsum("ej,mkj->emk", _unit(self.asked_pair(of_relation)), _unit(self.pair(lie.pairs)))
         scores = torch.stack([subject, location, (is_anchor * beside).sum(2)], 1)
-        return Match(SHARPNESS * torch.einsum("ep,epm->em", weights, scores), weights, attention[:, : len(PARTS)])
+        return Match(SHARPNESS * torch.einsum("ep,epm->em", weights, scores), weights, attention)
 
 
 Matcher = LanguageAttentionMatcher | PlainMatcher | CompositionalMatcher | AnchoredMatcher
