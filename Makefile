@@ -28,6 +28,9 @@ FIRST := detector view_encoder refiner
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
 SYSTEMS := random semantic_map framework framework_two_stage framework_anchored framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
 
+# They find what an expression means.
+REFERRING := language_attention language_attention_two_stage anchored_matcher plain_matcher compositional_matcher mcn cgan
+
 # What walkers of the paper learn depends much on the draws; these are trained and played with other seeds than 0, too.
 SEEDED := a3c savn scene_priors eqa iqa
 SEEDS := 1 2
@@ -48,7 +51,7 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	$(BIN)/remqa-agent train $(FIRST) --data $(DATASET) --more $(MORE) --resume
 	$(BIN)/remqa-data cache $(DATASET) --split train --configurations 0 --features remqa_data.agents.view_features:features
 	$(BIN)/remqa-agent train $(NETWORKS) --data $(DATASET) --more $(MORE) --resume
-	$(BIN)/remqa-agent predict detector refiner language_attention language_attention_two_stage anchored_matcher plain_matcher compositional_matcher mcn cgan --data $(DATASET) --split val --weights out/weights
+	$(BIN)/remqa-agent predict detector refiner $(REFERRING) --data $(DATASET) --split val --weights out/weights
 	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --resume
 	for seed in $(SEEDS); do \
@@ -56,7 +59,7 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	done
 	$(BIN)/remqa-agent run $(SEEDED) $(SEEDS:%=--seed %) --data $(DATASET) --weights out/weights --resume
 	$(BIN)/remqa-agent run $(SEEDED) $(SEEDS:%=--seed %) --data $(DATASET) --weights out/weights --seen 240 --resume
-	$(BIN)/remqa-agent predict language_attention language_attention_two_stage anchored_matcher plain_matcher compositional_matcher mcn cgan --data $(DATASET) --split train --weights out/weights
+	$(BIN)/remqa-agent predict $(REFERRING) --data $(DATASET) --split train --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --seen 240 --resume
 	$(BIN)/remqa-agent curves --weights out/weights
 	$(BIN)/remqa-agent table --data $(DATASET) --weights out/weights

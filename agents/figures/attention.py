@@ -12,7 +12,7 @@ import numpy.typing as npt
 import torch
 
 from remqa_data.agents.networks.detection.regions import AnyDetector
-from remqa_data.agents.networks.matcher import PARTS, AnchoredMatcher, LanguageAttentionMatcher, Match
+from remqa_data.agents.networks.matcher import PARTS, Match, ModularMatcher
 from remqa_data.agents.training.matching import FrameExpressions, frames_with_expressions, referred
 from remqa_data.agents.training.weights import load_network, trained_detector, weights_path
 from remqa_data.datasets.vocabulary import Vocabulary
@@ -64,7 +64,7 @@ def write_attention_picture(
         If the network is none, or has learnt from another dataset.
     """
     matcher, about = load_network(weights_path(network, weights), root, force=force)
-    if not isinstance(matcher, LanguageAttentionMatcher | AnchoredMatcher):
+    if not isinstance(matcher, ModularMatcher):
         raise ConfigError(f"{network} has no attention over words; language_attention has")
     detector = trained_detector(about.network.network, weights, root, force=force).eval()
     frames = _frames_of(root, expression_ids)
@@ -78,7 +78,7 @@ def attention_picture(
     frame: FrameExpressions,
     expression_id: str,
     detector: AnyDetector,
-    matcher: LanguageAttentionMatcher | AnchoredMatcher,
+    matcher: ModularMatcher,
     vocabulary: Vocabulary,
 ) -> U8:
     """The frame with the box that is meant and the one that is chosen, and how much each word counts, (h, w, 3) RGB."""

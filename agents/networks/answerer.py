@@ -13,6 +13,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from remqa_data.agents.networks.detection.arrangement import near_numbers
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE
 from remqa_data.agents.networks.language import HIDDEN, WordReader
@@ -167,5 +168,4 @@ def _evidence(fits: Tensor, counts: Tensor) -> Tensor:
     """
     flat = fits.flatten(2)
     figures = torch.stack([flat.amax(2), flat.logsumexp(2), flat.sigmoid().sum(2).log1p(), counts], dim=2)
-    numbers = torch.arange(MOST + 1, device=counts.device)
-    return torch.cat([figures, (1 - (counts[..., None] - numbers).abs()).clamp(min=0)], dim=2)
+    return torch.cat([figures, near_numbers(counts, MOST)], dim=2)

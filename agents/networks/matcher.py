@@ -6,6 +6,7 @@ these parts of the expression is compared with each object, and the expression s
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
@@ -52,7 +53,54 @@ class Match(NamedTuple):
     attention: Tensor
 
 
-class LanguageAttentionMatcher(nn.Module):
+class ModularMatcher(nn.Module):
+    """What is said of each part of an expression, and how well objects fit its subject.
+
+    Parameters
+    ----------
+    words : int
+        Size of the vocabulary.
+    types : int
+        How many types the detector knows.
+    phrases : int
+        How many times the words are weighed; the subject comes first.
+    seen : sequence of int
+        How many numbers are compared with each of the first phrases.
+    """
+
+    def __init__(self, words: int, types: int, phrases: int, seen: Sequence[int]) -> None:
+        super().__init__()
+        self.reader = WordReader(words)
+        self.attend = nn.Linear(2 * HIDDEN, phrases)
+        self.weigh = nn.Linear(2 * HIDDEN, len(PARTS))
+        self.type_look = nn.Linear(types, CHANNELS)
+        self.look = nn.Conv2d(CHANNELS, CHANNELS, 1)
+        self.asked_look = nn.Linear(EMBEDDED, CHANNELS)
+        self.focus = nn.Linear(CHANNELS, 1)
+        self.seen = nn.ModuleList(_joint(width) for width in seen)
+        self.asked = nn.ModuleList(_joint(EMBEDDED) for _ in seen)
+
+    def read(self, numbers: Tensor) -> tuple[Tensor, Tensor, tuple[Tensor, ...]]:
+        """Weights and attention of `Match`, and each phrase, (e, EMBEDDED), of expressions with (e, t) numbers of words."""
+        words = self.reader(numbers)
+        logits = self.attend(words.read).masked_fill(~words.is_word[..., None], -torch.inf)
+        attention = logits.softmax(1).transpose(1, 2)
+        return self.weigh(words.sentence).softmax(1), attention, (attention @ words.embedded).unbind(1)
+
+    def fit_subject(self, phrases: Tensor, looks: Tensor, types: Tensor) -> Tensor:
+        """(e, m) how well objects, by (m, CHANNELS, g, g) looks and (m, CHANNELS) types, fit (e, EMBEDDED) phrases."""
+        at = self.look(looks).flatten(2).transpose(1, 2)
+        focus = self.focus(torch.tanh(at[None] + self.asked_look(phrases)[:, None, None])).softmax(2)
+        subjects = torch.einsum("mgc,emg->emc", at, focus[..., 0])
+        seen = self.seen[0](torch.cat([subjects, types.expand(len(subjects), -1, -1)], 2))
+        return torch.einsum("ej,emj->em", _unit(self.asked[0](phrases)), _unit(seen))
+
+    def fit_place(self, phrases: Tensor, places: Tensor) -> Tensor:
+        """(e, m) how well what is known of the places of objects, (m, numbers), fits (e, EMBEDDED) phrases."""
+        return _unit(self.asked[1](phrases)) @ _unit(self.seen[1](places)).T
+
+
+class LanguageAttentionMatcher(ModularMatcher):
     """Matches expressions with objects in three modules.
 
     Parameters
@@ -64,38 +112,19 @@ class LanguageAttentionMatcher(nn.Module):
     """
 
     def __init__(self, words: int, types: int) -> None:
-        super().__init__()
-        self.reader = WordReader(words)
-        self.attend = nn.Linear(2 * HIDDEN, len(PARTS))
-        self.weigh = nn.Linear(2 * HIDDEN, len(PARTS))
-        self.type_look = nn.Linear(types, CHANNELS)
-        self.look = nn.Conv2d(CHANNELS, CHANNELS, 1)
-        self.asked_look = nn.Linear(EMBEDDED, CHANNELS)
-        self.focus = nn.Linear(CHANNELS, 1)
-        seen = (2 * CHANNELS, PLACE * (1 + ALIKE), 2 * CHANNELS + PLACE)
-        self.seen = nn.ModuleList(_joint(width) for width in seen)
-        self.asked = nn.ModuleList(_joint(EMBEDDED) for _ in PARTS)
+        super().__init__(words, types, len(PARTS), (2 * CHANNELS, PLACE * (1 + ALIKE), 2 * CHANNELS + PLACE))
 
     def forward(self, numbers: Tensor, regions: Regions) -> Match:
         """How well the objects of a picture fit expressions that have (e, t) numbers of words."""
-        words = self.reader(numbers)
-        logits = self.attend(words.read).masked_fill(~words.is_word[..., None], -torch.inf)
-        attention = logits.softmax(1).transpose(1, 2)
-        weights = self.weigh(words.sentence).softmax(1)
-        phrases = (attention @ words.embedded).unbind(1)
-        asked = [functional.normalize(layer(phrase), dim=1) for layer, phrase in zip(self.asked, phrases, strict=True)]
+        weights, attention, (of_subject, of_place, of_relation) = self.read(numbers)
         types = self.type_look(regions.types)
-        subjects = _subjects(self, phrases[0], regions.looks)
-        seen = torch.cat([subjects, types.expand(len(subjects), -1, -1)], 2)
-        subject = torch.einsum("ej,emj->em", asked[0], functional.normalize(self.seen[0](seen), dim=2))
-        seen = torch.cat([regions.places, regions.from_alike.flatten(1)], 1)
-        location = asked[1] @ functional.normalize(self.seen[1](seen), dim=1).T
+        subject = self.fit_subject(of_subject, regions.looks, types)
+        location = self.fit_place(of_place, torch.cat([regions.places, regions.from_alike.flatten(1)], 1))
         looks = regions.looks.mean((2, 3))
         seen = torch.cat([looks[regions.around], types[regions.around], regions.from_around], 2)
-        beside = torch.einsum("ej,mkj->emk", asked[2], functional.normalize(self.seen[2](seen), dim=2))
+        beside = torch.einsum("ej,mkj->emk", _unit(self.asked[2](of_relation)), _unit(self.seen[2](seen)))
         relationship = beside.masked_fill(~regions.is_around, -1.0).amax(2)
-        scores = torch.stack([subject, location, relationship], 1)
-        return Match(SHARPNESS * torch.einsum("ep,epm->em", weights, scores), weights, attention)
+        return _weighed(subject, location, relationship, weights, attention)
 
 
 class PlainMatcher(nn.Module):
@@ -167,7 +196,7 @@ class CompositionalMatcher(nn.Module):
         return self.score[part](functional.normalize(both, dim=-1))[..., 0]  # type: ignore[no-any-return]
 
 
-class AnchoredMatcher(nn.Module):
+class AnchoredMatcher(ModularMatcher):
     """LAN whose relationship is to one object, the anchor, and whose locations are ranks among objects of a kind.
 
     The words are weighed a fourth time, for what the anchor is: each object is the anchor as likely as it fits these words,
@@ -183,49 +212,31 @@ class AnchoredMatcher(nn.Module):
     """
 
     def __init__(self, words: int, types: int) -> None:
-        super().__init__()
-        self.reader = WordReader(words)
-        self.attend = nn.Linear(2 * HIDDEN, len(PARTS) + 1)
-        self.weigh = nn.Linear(2 * HIDDEN, len(PARTS))
-        self.type_look = nn.Linear(types, CHANNELS)
-        self.look = nn.Conv2d(CHANNELS, CHANNELS, 1)
-        self.asked_look = nn.Linear(EMBEDDED, CHANNELS)
-        self.focus = nn.Linear(CHANNELS, 1)
-        self.seen = nn.ModuleList(_joint(width) for width in (2 * CHANNELS, PLACE + RANKS + CHANNELS))
-        self.asked = nn.ModuleList(_joint(EMBEDDED) for _ in self.seen)
+        super().__init__(words, types, len(PARTS) + 1, (2 * CHANNELS, PLACE + RANKS + CHANNELS))
         self.anchor, self.asked_anchor = _joint(2 * CHANNELS), _joint(EMBEDDED)
         self.pair = _joint(PAIR, BETWEEN)
         self.asked_pair = nn.Sequential(nn.Linear(EMBEDDED, JOINT), nn.ReLU(), nn.Linear(JOINT, BETWEEN))
 
     def forward(self, numbers: Tensor, regions: Regions) -> Match:
         """See `LanguageAttentionMatcher.forward`; attention is that of its three parts, and of the anchor."""
-        words, lie = self.reader(numbers), arrangement_of(regions)
-        logits = self.attend(words.read).masked_fill(~words.is_word[..., None], -torch.inf)
-        attention = logits.softmax(1).transpose(1, 2)
-        weights = self.weigh(words.sentence).softmax(1)
-        of_subject, of_place, of_relation, of_anchor = (attention @ words.embedded).unbind(1)
-        types, looks = self.type_look(regions.types), regions.looks
-        subjects = _subjects(self, of_subject, looks)
-        subjects = self.seen[0](torch.cat([subjects, types.expand(len(subjects), -1, -1)], 2))
-        subject = torch.einsum("ej,emj->em", _unit(self.asked[0](of_subject)), _unit(subjects))
-        places = self.seen[1](torch.cat([regions.places[:, :5], regions.level, lie.ranks, types], 1))
-        location = _unit(self.asked[1](of_place)) @ _unit(places).T
-        anchors = self.anchor(torch.cat([looks.mean((2, 3)), types], 1))
+        weights, attention, (of_subject, of_place, of_relation, of_anchor) = self.read(numbers)
+        types, lie = self.type_look(regions.types), arrangement_of(regions)
+        subject = self.fit_subject(of_subject, regions.looks, types)
+        location = self.fit_place(of_place, torch.cat([regions.level, lie.ranks, types], 1))
+        anchors = self.anchor(torch.cat([regions.looks.mean((2, 3)), types], 1))
         fits = SHARPNESS * _unit(self.asked_anchor(of_anchor)) @ _unit(anchors).T
         is_anchor = fits[:, None].masked_fill(~lie.is_other, UNLIKELY).softmax(2)
         beside = torch.einsum("ej,mkj->emk", _unit(self.asked_pair(of_relation)), _unit(self.pair(lie.pairs)))
-        scores = torch.stack([subject, location, (is_anchor * beside).sum(2)], 1)
-        return Match(SHARPNESS * torch.einsum("ep,epm->em", weights, scores), weights, attention)
+        return _weighed(subject, location, (is_anchor * beside).sum(2), weights, attention)
 
 
 Matcher = LanguageAttentionMatcher | PlainMatcher | CompositionalMatcher | AnchoredMatcher
 
 
-def _subjects(matcher: LanguageAttentionMatcher | AnchoredMatcher, phrases: Tensor, looks: Tensor) -> Tensor:
-    """(e, m, CHANNELS) looks, (m, CHANNELS, g, g), where each of (e, EMBEDDED) phrases looks."""
-    seen = matcher.look(looks).flatten(2).transpose(1, 2)
-    focus = matcher.focus(torch.tanh(seen[None] + matcher.asked_look(phrases)[:, None, None])).softmax(2)
-    return torch.einsum("mgc,emg->emc", seen, focus[..., 0])
+def _weighed(subject: Tensor, location: Tensor, relationship: Tensor, weights: Tensor, attention: Tensor) -> Match:
+    """The match of (e, m) similarities by part."""
+    scores = torch.stack([subject, location, relationship], 1)
+    return Match(SHARPNESS * torch.einsum("ep,epm->em", weights, scores), weights, attention)
 
 
 def _joint(width: int, made: int = JOINT) -> nn.Sequential:

@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from remqa_data.agents.networks.detection.detector import iou
-from remqa_data.agents.networks.detection.regions import PLACE, Regions, compared
+from remqa_data.agents.networks.detection.regions import PLACE, Regions, compared, likeness
 
 MOST = 3
 """So many others, and not more, are told from one fewer."""
@@ -22,14 +22,14 @@ COUNTS = 9
 
 RANKS, PAIR = COUNTS * (MOST + 1), PLACE + 2 + MOST + 1
 
-UNLIKE, ALIKE = 0.3, 0.7
+UNLIKE_COSINE, ALIKE_COSINE = 0.3, 0.7
 """Cosines of the probabilities of types up to which two objects are not of one kind, and from which they are."""
 
 SURE = 0.3
 """What is less likely an object counts less among those of its kind."""
 
-SAME_OBJECT_IOU = 0.5
-"""Boxes that overlap more are of the same object."""
+OVERLAP_IOU = 0.5
+"""Boxes that overlap more are taken for the same object."""
 
 ASIDE = 0.25
 """Share of the narrower one's width by which the middles of two are apart that are beside each other."""
@@ -41,6 +41,7 @@ NEARER_M = 0.1
 """What is nearer by less is as near."""
 
 FARTHEST_M = 4.0
+"""What is farther is as far."""
 
 
 class Arrangement(NamedTuple):
@@ -65,9 +66,8 @@ class Arrangement(NamedTuple):
 
 def arrangement_of(regions: Regions) -> Arrangement:
     """How the objects of a picture lie."""
-    x1, _, x2, _ = regions.places[:, :4].unbind(1)
-    right, down, ahead = regions.level.unbind(1)
-    is_same = torch.from_numpy(iou(regions.boxes, regions.boxes) > SAME_OBJECT_IOU).to(x1.device)
+    x1, _, x2, _, _, right, down, ahead = regions.level.unbind(1)
+    is_same = torch.from_numpy(iou(regions.boxes, regions.boxes) > OVERLAP_IOU).to(x1.device)
     is_same.fill_diagonal_(True)
     alike = _alike(regions).masked_fill(is_same, 0.0)
 
@@ -82,18 +82,16 @@ def arrangement_of(regions: Regions) -> Arrangement:
     metres = torch.cdist(plan, plan)
     row, column = (lower.abs() < LEVEL_M).to(alike.dtype), (metres < COLUMN_M).to(alike.dtype)
     counted = [*aside, *over, *(side * row for side in aside), *(side * column for side in over), torch.ones_like(row)]
-    ranks = _near_numbers(torch.stack([(alike * each).sum(1) for each in counted], 1)).flatten(1)
+    ranks = _near_most(torch.stack([(alike * each).sum(1) for each in counted], 1)).flatten(1)
     is_nearer = (metres[None] + NEARER_M < metres[:, None]).to(alike.dtype)  # the second than the first, to the third
     nearer = torch.einsum("ik,ikj->ij", alike, is_nearer)
-    levelled = torch.cat([regions.places[:, :5], regions.level], 1)
     distances = torch.stack([metres.clamp(max=FARTHEST_M) / 2, (metres + 0.05).log()], 2)
-    return Arrangement(ranks, torch.cat([compared(levelled), distances, _near_numbers(nearer)], 2), ~is_same)
+    return Arrangement(ranks, torch.cat([compared(regions.level), distances, _near_most(nearer)], 2), ~is_same)
 
 
 def _alike(regions: Regions) -> Tensor:
     """(m, m) how far each object, second, counts as one of the kind of each, first; 0 to 1."""
-    direction = regions.types / regions.types.norm(dim=1, keepdim=True).clamp(min=1e-6)
-    alike = ((direction @ direction.T - UNLIKE) / (ALIKE - UNLIKE)).clamp(0, 1)
+    alike = ((likeness(regions.types) - UNLIKE_COSINE) / (ALIKE_COSINE - UNLIKE_COSINE)).clamp(0, 1)
     return alike * (regions.scores / SURE).clamp(max=1)[None]
 
 
@@ -102,7 +100,11 @@ def _from_each(places: Tensor) -> Tensor:
     return places[None] - places[:, None]
 
 
-def _near_numbers(counts: Tensor) -> Tensor:
-    """(..., MOST + 1) how near counts are to 0, 1, ... MOST: 1 where they are, 0 where they differ by one or more."""
-    numbers = torch.arange(MOST + 1, device=counts.device, dtype=counts.dtype)
-    return (1 - (counts.clamp(max=MOST)[..., None] - numbers).abs()).clamp(min=0)
+def _near_most(counts: Tensor) -> Tensor:
+    return near_numbers(counts.clamp(max=MOST), MOST)
+
+
+def near_numbers(counts: Tensor, most: int) -> Tensor:
+    """(..., most + 1) how near (...) counts are to 0, 1, ... most: 1 where they are it, 0 where they differ by one or more."""
+    numbers = torch.arange(most + 1, device=counts.device)
+    return (1 - (counts[..., None] - numbers).abs()).clamp(min=0)

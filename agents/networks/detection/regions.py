@@ -59,8 +59,8 @@ class Regions:
         Where those are as seen from it.
     is_around : (m, AROUND) bool
         False where there are fewer.
-    level : (m, 3) float32
-        Right, down and ahead in metres, as of a camera that looks straight ahead.
+    level : (m, PLACE) float32
+        The places, with metres as of a camera that looks straight ahead.
     scores : (m,) float32
         How likely there is an object; 1 for those that are known to be there.
     """
@@ -116,10 +116,9 @@ def regions_of(
     looks = features_in(features, at, torch.zeros(len(at), dtype=torch.int64, device=features.device), GRID)
     types = detector.types_of(seen, at)
     places = places_of(boxes, depth).to(features.device)
-    direction = types / types.norm(dim=1, keepdim=True).clamp(min=1e-6)
     others = ~torch.eye(len(boxes), dtype=torch.bool, device=features.device)
     offsets = compared(places)
-    alike, is_alike = nearest(places, others & (direction @ direction.T > SAME_TYPE), ALIKE)
+    alike, is_alike = nearest(places, others & (likeness(types) > SAME_TYPE), ALIKE)
     around, is_around = nearest(places, others, AROUND)
     return Regions(
         boxes,
@@ -130,16 +129,22 @@ def regions_of(
         around,
         _offsets(offsets, around),
         is_around,
-        _levelled(places[:, 5:], horizon_deg),
+        levelled(places, horizon_deg),
         torch.ones_like(places[:, 0]) if scores is None else torch.from_numpy(scores).to(places),
     )
 
 
-def _levelled(metres: Tensor, horizon_deg: float) -> Tensor:
-    """(m, 3) right, down and ahead, of what they are to a camera that looks down so far."""
-    right, down, ahead = metres.unbind(1)
+def levelled(places: Tensor, horizon_deg: float) -> Tensor:
+    """(m, PLACE) places of a camera that looks straight ahead, of (m, PLACE) of one that looks down so far; in metres alone."""
+    *shares, down, ahead = places.unbind(1)
     sine, cosine = math.sin(math.radians(horizon_deg)), math.cos(math.radians(horizon_deg))
-    return torch.stack([right, down * cosine + ahead * sine, ahead * cosine - down * sine], 1)
+    return torch.stack([*shares, down * cosine + ahead * sine, ahead * cosine - down * sine], 1)
+
+
+def likeness(types: Tensor) -> Tensor:
+    """(m, m) cosines of (m, types) probabilities."""
+    direction = types / types.norm(dim=1, keepdim=True).clamp(min=1e-6)
+    return direction @ direction.T
 
 
 def _offsets(offsets: Tensor, chosen: Tensor) -> Tensor:

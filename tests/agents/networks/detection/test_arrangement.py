@@ -3,7 +3,7 @@ import pytest
 import torch
 
 from remqa_data.agents.networks.detection.arrangement import COUNTS, MOST, Arrangement, arrangement_of
-from remqa_data.agents.networks.detection.regions import ALIKE, AROUND, PLACE, Regions, _levelled, places_of
+from remqa_data.agents.networks.detection.regions import ALIKE, AROUND, PLACE, Regions, levelled, places_of
 
 DRAWERS = np.array([[10, 20, 30, 40], [40, 20, 60, 40], [70, 20, 90, 40], [10, 60, 30, 80]], dtype=np.float32)
 """Three in a row, and one below the first."""
@@ -23,7 +23,7 @@ def lie(boxes: np.ndarray, types: list[int], scores: list[float] | None = None) 
             torch.zeros((count, AROUND), dtype=torch.int64),
             torch.zeros((count, AROUND, PLACE)),
             torch.zeros((count, AROUND), dtype=torch.bool),
-            places[:, 5:],
+            places,
             torch.ones(count) if scores is None else torch.tensor(scores),
         )
     )
@@ -74,6 +74,9 @@ def test_pairs_tell_how_many_of_the_kind_are_nearer_to_the_second() -> None:
 
 
 def test_what_a_tilted_camera_sees_straight_ahead_is_ahead_and_below() -> None:
-    level = _levelled(torch.tensor([[0.5, 0.0, 2.0], [0.0, -1.0, 1.0]]), 30.0)
+    metres = torch.tensor([[0.5, 0.0, 2.0], [0.0, -1.0, 1.0]])
+    level = levelled(torch.cat([torch.full((2, 5), 0.1), metres], 1), 30.0)
+    assert torch.equal(level[:, :5], torch.full((2, 5), 0.1))
+    level = level[:, 5:]
     assert level[0].tolist() == pytest.approx([0.5, 1.0, 3**0.5])
     assert level[1].tolist() == pytest.approx([0.0, 0.5 - 3**0.5 / 2, 3**0.5 / 2 + 0.5])
