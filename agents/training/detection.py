@@ -122,6 +122,7 @@ class RefinementTask:
     ) -> None:
         self.types = detector_types()
         self.model = Refiner(len(self.types))
+        self.model.backbone.load_state_dict(detector.backbone.state_dict())
         self.side, self.device = side, device
         self._first = detector.to(device).eval()
         self._places = _places(roots, self.types)
@@ -145,11 +146,12 @@ class RefinementTask:
         boxes, true, kinds, shapes = (
             torch.from_numpy(np.concatenate(parts)).to(self.device) for parts in zip(*proposed, strict=True)
         )
-        return Proposed(rgb, voted.seen.enlarged, torch.from_numpy(images).to(self.device), boxes, true, kinds, shapes)
+        return Proposed(rgb, torch.from_numpy(images).to(self.device), boxes, true, kinds, shapes)
 
     def losses(self, batch: Proposed) -> Mapping[str, Tensor]:
         """How far boxes, kinds and shapes are from what is true; "right" is the share of objects whose kind is."""
-        said = Refined(*(part.float() for part in self.model(batch.rgb, batch.features, batch.boxes, batch.images)))
+        features = self.model.see(batch.rgb).float()
+        said = Refined(*(part.float() for part in self.model(batch.rgb, features, batch.boxes, batch.images)))
         is_object = batch.kinds > 0
         count = is_object.sum().clamp(min=1)
         losses = {
@@ -183,8 +185,6 @@ class Proposed(NamedTuple):
     Attributes
     ----------
     rgb : (n, 3, side, side) uint8
-    features : (n, CHANNELS, h', w')
-        Of the first stage, of the pictures enlarged.
     images : (m,) int64
         Which picture each box is in.
     boxes, true : (m, 4) float32
@@ -196,7 +196,6 @@ class Proposed(NamedTuple):
     """
 
     rgb: Tensor
-    features: Tensor
     images: Tensor
     boxes: Tensor
     true: Tensor

@@ -77,18 +77,17 @@ class Peaks(NamedTuple):
 
 
 class FeatureMaps(NamedTuple):
-    """What the detector keeps of n pictures that it has looked at twice.
+    """What a detector keeps of n pictures.
 
     Attributes
     ----------
     rgb : (n, 3, h, w) uint8
-    features, enlarged : (n, CHANNELS, h', w'), (n, CHANNELS, h", w")
-        Of the pictures, and of the same enlarged.
+    features : (n, CHANNELS, h', w')
+        Of its backbone; of the pictures enlarged, if it has two stages.
     """
 
     rgb: Tensor
     features: Tensor
-    enlarged: Tensor
 
 
 class Voted(NamedTuple):
@@ -96,14 +95,12 @@ class Voted(NamedTuple):
 
     Attributes
     ----------
-    seen : FeatureMaps
     peaks : list of Peaks
         Of each picture.
     cells : (n, h', w') int64
         What each cell shows; see `Detections`.
     """
 
-    seen: FeatureMaps
     peaks: list[Peaks]
     cells: np.ndarray
 
@@ -178,13 +175,17 @@ class Detector(nn.Module):
         """What it keeps of (n, 3, h, w) uint8 pictures, and the objects that `detect` finds in them."""
         (raw, size), (closely, larger) = self._twice(rgb)
         found = zip(self.read(raw, size), self.read(closely, larger), strict=True)
-        return FeatureMaps(rgb, raw.features, closely.features), [_large_and_small(*both) for both in found]
+        return FeatureMaps(rgb, raw.features), [_large_and_small(*both) for both in found]
+
+    @torch.no_grad()
+    def looks_in(self, seen: FeatureMaps, boxes: Tensor, size: int) -> Tensor:
+        """(m, CHANNELS, size, size) features in each of (m, 4) boxes in the one picture that was seen."""
+        return features_in(seen.features, boxes, first_of(boxes), size)
 
     @torch.no_grad()
     def types_of(self, seen: FeatureMaps, boxes: Tensor) -> Tensor:
         """(m, types) how likely each of (m, 4) boxes in the one picture that was seen is of each type, by its middle."""
-        first = torch.zeros(len(boxes), dtype=torch.int64, device=boxes.device)
-        return self.types_at(features_in(seen.features, boxes, first, 1)[:, :, 0, 0]).softmax(1)
+        return self.types_at(self.looks_in(seen, boxes, 1)[:, :, 0, 0]).softmax(1)
 
     @torch.no_grad()
     def vote(self, rgb: Tensor, least_votes: float = LEAST_VOTES) -> Voted:
@@ -195,14 +196,12 @@ class Detector(nn.Module):
         (raw, size), (closely, larger) = self._twice(rgb)
         both = zip(self.peaks(raw, size), self.peaks(closely, larger), strict=True)
         peaks = [_peaks_of_both(whole, close, least_votes) for whole, close in both]
-        return Voted(FeatureMaps(rgb, raw.features, closely.features), peaks, raw.cells.argmax(1).numpy(force=True))
+        return Voted(peaks, raw.cells.argmax(1).numpy(force=True))
 
     def _twice(self, rgb: Tensor) -> list[tuple[Raw, tuple[int, ...]]]:
         """What it says of pictures, and of the same enlarged, and how large these are."""
-        size = tuple(rgb.shape[-2:])
-        larger = tuple(round(side * ENLARGED) for side in size)
-        enlarged = functional.interpolate(rgb.to(torch.float32), size=larger, mode="bilinear").round().to(torch.uint8)
-        return [(self(rgb), size), (self(enlarged), larger)]
+        closer = enlarged(rgb)
+        return [(self(shown), tuple(shown.shape[-2:])) for shown in (rgb, closer)]
 
     @torch.no_grad()
     def peaks(self, raw: Raw, size: tuple[int, ...]) -> list[Peaks]:
@@ -228,6 +227,17 @@ class Detector(nn.Module):
             places, types, scores = likeliest_types(peaks.votes)
             found.append(_without_doubles(peaks.boxes[places], types, scores, cells))
         return found
+
+
+def enlarged(rgb: Tensor) -> Tensor:
+    """(n, 3, h, w) uint8 pictures, ENLARGED times as wide and high."""
+    larger = [round(side * ENLARGED) for side in rgb.shape[-2:]]
+    return functional.interpolate(rgb.to(torch.float32), size=larger, mode="bilinear").round().to(torch.uint8)
+
+
+def first_of(boxes: Tensor) -> Tensor:
+    """(m,) which picture each of (m, 4) boxes is in, where there is one."""
+    return torch.zeros(len(boxes), dtype=torch.int64, device=boxes.device)
 
 
 def boxes_at(sides: Tensor, rows: Tensor, columns: Tensor, size: tuple[int, ...]) -> Tensor:

@@ -1,13 +1,14 @@
 """A second stage for the detector (Ren et al. 2015; He et al. 2017): each box is looked at again, by itself and from close by.
 
-The first stage says where objects may be. Of each such box, and of a margin around it, the second one sees the features and
-the pixels, and says what it is, where its sides truly are, and which parts of it are the object.
+The first stage says where objects may be. The second one has a backbone of its own, which begins with what the first one's
+knows. Of each such box, and of a margin around it, it sees its features and the pixels, and says what it is, where its sides
+truly are, and which parts of it are the object.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import cv2
 import numpy as np
@@ -20,12 +21,15 @@ from remqa_data.agents.networks.detection.detector import (
     Detector,
     FeatureMaps,
     Peaks,
+    enlarged,
+    first_of,
     kept_objects,
     likeliest_types,
 )
 from remqa_data.agents.networks.detection.pyramid import (
     CHANNELS,
     STRIDE,
+    Pyramid,
     Residual,
     conv_block,
     features_in,
@@ -44,7 +48,10 @@ PIXELS = 4 * GRID
 LEAST_SIDE_PX = 8.0
 """Boxes count as at least so wide and high when they are moved."""
 
-WIDTHS = (64, 96, 128)
+PIXEL_WIDTHS = (24, 48)
+"""Channels of the pixels at half and a quarter of PIXELS."""
+
+WIDTHS = (96, 128, 160)
 """Channels at GRID, half of it and a quarter of it."""
 
 KNOWN = 256
@@ -116,10 +123,12 @@ class Refiner(nn.Module):
     def __init__(self, types: int) -> None:
         super().__init__()
         self.types = types
+        fine, coarse = PIXEL_WIDTHS
         whole, half, quarter = WIDTHS
-        self.pixels = nn.Sequential(conv_block(3, 16, stride=2), conv_block(16, 32, stride=2))
+        self.backbone = Pyramid()
+        self.pixels = nn.Sequential(conv_block(3, fine, stride=2), conv_block(fine, coarse, stride=2))
         self.near = nn.Sequential(
-            nn.Conv2d(CHANNELS + 32, whole, 1, bias=False), nn.BatchNorm2d(whole), nn.ReLU(), Residual(whole)
+            nn.Conv2d(CHANNELS + coarse, whole, 1, bias=False), nn.BatchNorm2d(whole), nn.ReLU(), Residual(whole)
         )
         self.all = nn.Sequential(
             conv_block(whole, half, stride=2),
@@ -135,6 +144,10 @@ class Refiner(nn.Module):
         nn.init.zeros_(self.sides.weight)
         nn.init.zeros_(self.sides.bias)
 
+    def see(self, rgb: Tensor) -> Tensor:
+        """(n, CHANNELS, h', w') features of (n, 3, h, w) uint8 pictures, enlarged."""
+        return cast("Tensor", self.backbone(enlarged(rgb)))
+
     def forward(self, rgb: Tensor, features: Tensor, boxes: Tensor, images: Tensor) -> Refined:
         """Look at (m, 4) boxes, pixels, each in one of n pictures.
 
@@ -143,14 +156,14 @@ class Refiner(nn.Module):
         rgb : (n, 3, h, w) uint8
             Pictures.
         features : (n, CHANNELS, h', w')
-            Of the backbone, of the same pictures enlarged; see `FeatureMaps.enlarged`.
+            What `see` gives for them.
         images : (m,) int64
             Which picture each box is in.
         """
         seen = with_margin(boxes)
         pixels = features_in(normalised(rgb), seen, images, PIXELS, cell_px=1)
         looks = features_in(features, seen, images, GRID, STRIDE / ENLARGED)
-        near = self.near(torch.cat([looks, self.pixels(pixels)], 1))
+        near = self.near(torch.cat([looks, self.pixels(pixels.contiguous(memory_format=torch.channels_last))], 1))
         known = self.all(near)
         return Refined(moved(boxes, self.sides(known)), self.kind(known), self.shape(near)[:, 0])
 
@@ -187,10 +200,15 @@ class TwoStageDetector:
 
     @torch.no_grad()
     def look(self, rgb: Tensor) -> tuple[FeatureMaps, list[Detections]]:
-        """What the first stage keeps of pictures, and the objects that both find in them."""
-        voted = self.first.vote(rgb, LEAST_VOTES)
-        each = (FeatureMaps(*(part[image : image + 1] for part in voted.seen)) for image in range(len(rgb)))
-        return voted.seen, [self._found(*one) for one in zip(each, voted.peaks, voted.cells, strict=True)]
+        """What the second stage keeps of pictures, and the objects that both find in them."""
+        voted, seen = self.first.vote(rgb, LEAST_VOTES), FeatureMaps(rgb, self.second.see(rgb))
+        each = (FeatureMaps(*(part[image : image + 1] for part in seen)) for image in range(len(rgb)))
+        return seen, [self._found(*one) for one in zip(each, voted.peaks, voted.cells, strict=True)]
+
+    @torch.no_grad()
+    def looks_in(self, seen: FeatureMaps, boxes: Tensor, size: int) -> Tensor:
+        """(m, CHANNELS, size, size) the second stage's features in each of (m, 4) boxes in the one picture that was seen."""
+        return features_in(seen.features, boxes, first_of(boxes), size, STRIDE / ENLARGED)
 
     @torch.no_grad()
     def types_of(self, seen: FeatureMaps, boxes: Tensor) -> Tensor:
@@ -199,7 +217,7 @@ class TwoStageDetector:
 
     def _refined(self, seen: FeatureMaps, boxes: Tensor) -> Refined:
         said = [
-            self.second(seen.rgb, seen.enlarged, some, torch.zeros(len(some), dtype=torch.int64, device=some.device))
+            self.second(seen.rgb, seen.features, some, first_of(some))
             for some in torch.split(boxes, AT_ONCE)  # type: ignore[no-untyped-call]
         ]
         return Refined(*(torch.cat(parts) for parts in zip(*said, strict=True)))

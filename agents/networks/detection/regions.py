@@ -10,7 +10,6 @@ import torch
 from torch import Tensor
 
 from remqa_data.agents.networks.detection.detector import Detections, Detector, FeatureMaps, iou
-from remqa_data.agents.networks.detection.pyramid import features_in
 from remqa_data.agents.networks.detection.refiner import TwoStageDetector
 from remqa_data.geometry.types import F32
 
@@ -111,12 +110,12 @@ def regions_of(
     scores : (m,) float32, optional
         How likely an object is there; by default it is known to be.
     """
-    features = seen.features
-    at = torch.from_numpy(np.asarray(boxes, dtype=np.float32)).to(features.device)
-    looks = features_in(features, at, torch.zeros(len(at), dtype=torch.int64, device=features.device), GRID)
+    device = seen.rgb.device
+    at = torch.from_numpy(np.asarray(boxes, dtype=np.float32)).to(device)
+    looks = detector.looks_in(seen, at, GRID)
     types = detector.types_of(seen, at)
-    places = places_of(boxes, depth).to(features.device)
-    others = ~torch.eye(len(boxes), dtype=torch.bool, device=features.device)
+    places = places_of(boxes, depth).to(device)
+    others = ~torch.eye(len(boxes), dtype=torch.bool, device=device)
     offsets = compared(places)
     alike, is_alike = nearest(places, others & (likeness(types) > SAME_TYPE), ALIKE)
     around, is_around = nearest(places, others, AROUND)

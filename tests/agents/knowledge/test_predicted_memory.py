@@ -10,7 +10,7 @@ import torch
 from remqa_data.agents.knowledge.memory import Look, WalkMemories, WalkMemory
 from remqa_data.agents.knowledge.predicted_memory import RoomMap
 from remqa_data.agents.knowledge.reading import read_question
-from remqa_data.agents.networks.detection.detector import Detector, FeatureMaps, Peaks, Voted
+from remqa_data.agents.networks.detection.detector import Detector, Peaks, Voted
 from remqa_data.agents.networks.detection.pyramid import STRIDE
 from remqa_data.agents.parts.predicted_navigator import PredictedMapNavigator
 from remqa_data.geometry.boxes import iou_3d
@@ -38,7 +38,7 @@ class Truthful(Detector):
     def vote(self, rgb: torch.Tensor) -> Voted:
         (picture,) = rgb
         peaks, cells = self.known[picture.permute(1, 2, 0).numpy().tobytes()]
-        return Voted(FeatureMaps(rgb, torch.zeros(0), torch.zeros(0)), [peaks], cells[None])
+        return Voted([peaks], cells[None])
 
 
 @pytest.fixture(scope="module")

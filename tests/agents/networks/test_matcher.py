@@ -22,7 +22,7 @@ BOXES = np.array([[10, 10, 40, 40], [50, 10, 90, 60], [5, 60, 45, 95], [60, 70, 
 def regions(boxes: np.ndarray = BOXES) -> Regions:
     torch.manual_seed(0)
     detector, features = Detector(TYPES).eval(), torch.randn((1, CHANNELS, 25, 25))
-    seen = FeatureMaps(torch.zeros((1, 3, 100, 100), dtype=torch.uint8), features, features)
+    seen = FeatureMaps(torch.zeros((1, 3, 100, 100), dtype=torch.uint8), features)
     return regions_of(detector, seen, boxes, np.full((100, 100), 2.0, dtype=np.float32), 0.0)
 
 

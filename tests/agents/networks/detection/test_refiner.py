@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 import torch
 
-from remqa_data.agents.networks.detection.detector import ENLARGED, Detector, FeatureMaps, Peaks, Voted, iou
-from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE
+from remqa_data.agents.networks.detection.detector import Detector, Peaks, Voted, iou
+from remqa_data.agents.networks.detection.pyramid import CHANNELS
 from remqa_data.agents.networks.detection.refiner import (
     GRID,
     MARGIN,
@@ -95,10 +95,8 @@ class Rough(Detector):
     """Sees one thing in the middle of each picture, and not where it ends."""
 
     def vote(self, rgb: torch.Tensor, least_votes: float = 0.0) -> Voted:
-        side = round(rgb.shape[-1] * ENLARGED / STRIDE)
-        features = torch.zeros((len(rgb), CHANNELS, side, side))
         rough = Peaks(np.array([[26, 26, 74, 74]], np.float32), np.ones((1, self.types), np.float32) / self.types)
-        return Voted(FeatureMaps(rgb, features, features), [rough] * len(rgb), np.zeros((len(rgb), 1, 1), np.int64))
+        return Voted([rough] * len(rgb), np.zeros((len(rgb), 1, 1), np.int64))
 
 
 @pytest.mark.slow
@@ -122,7 +120,7 @@ def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
         parts = [propose(one, p.boxes, rng) for one, p in zip(pictures, voted.peaks, strict=True)]
         images = torch.from_numpy(np.repeat(np.arange(12), [len(one.boxes) for one in parts]))
         made = Proposals(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
-        said = second(rgb, voted.seen.enlarged, torch.from_numpy(made.boxes), images)
+        said = second(rgb, second.see(rgb), torch.from_numpy(made.boxes), images)
         kinds, true = torch.from_numpy(made.kinds), torch.from_numpy(made.true)
         is_object = kinds > 0
         loss = torch.nn.functional.cross_entropy(said.kinds, kinds)
