@@ -115,6 +115,28 @@ class PromptInterrupts:
 
 
 @contextmanager
+def handled_afterwards() -> Iterator[None]:
+    """A signal that comes in this block is handled when it ends: what must not be left half done is done to its end.
+
+    Where a signal is blocked for a thread, another thread may get it, and Python's handler still runs in the main thread.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    handlers = {number: handler for number in _SIGNALS if callable(handler := signal.getsignal(number))}
+    for known in handlers:
+        signal.signal(known, lambda *signalled: came.append(signalled))
+    try:
+        yield
+    finally:
+        for known, handler in handlers.items():
+            signal.signal(known, handler)
+        for number, frame in came:
+            handlers[signal.Signals(number)](number, frame)
+
+
+@contextmanager
 def ends_the_process() -> Iterator[None]:
     """After this block nothing is left to be told: Ctrl-C ends the process while Python tidies up, which takes a moment."""
     try:

@@ -22,6 +22,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, Generic, TypeVar
 
 from remqa_data.errors import RemqaError, WorkersLostError
+from remqa_data.processes.interrupts import handled_afterwards
 from remqa_data.processes.surroundings import thread_problem
 
 LOSSES_OF_A_JOB = 3
@@ -90,7 +91,8 @@ class _Worker(Generic[J, R]):
         self.number, self.is_busy = -1, False
         self._process = _CONTEXT.Process(target=_do_jobs, args=(theirs, work), daemon=True)
         try:
-            with _interrupts_held_back():
+            # Half started it would wait for its work, and tell with a traceback that none comes.
+            with handled_afterwards(), _interrupts_held_back():
                 self._process.start()
         except BlockingIOError:
             raise WorkersLostError("the system starts no more processes (ulimit -u); use fewer --workers") from None
