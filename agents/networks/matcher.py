@@ -83,8 +83,7 @@ class ModularMatcher(nn.Module):
     def read(self, numbers: Tensor) -> tuple[Tensor, Tensor, tuple[Tensor, ...]]:
         """Weights and attention of `Match`, and each phrase, (e, EMBEDDED), of expressions with (e, t) numbers of words."""
         words = self.reader(numbers)
-        logits = self.attend(words.read).masked_fill(~words.is_word[..., None], -torch.inf)
-        attention = logits.softmax(1).transpose(1, 2)
+        attention = _attention(self.attend(words.read), words.is_word)
         return self.weigh(words.sentence).softmax(1), attention, (attention @ words.embedded).unbind(1)
 
     def fit_subject(self, phrases: Tensor, looks: Tensor, types: Tensor) -> Tensor:
@@ -139,9 +138,9 @@ class PlainMatcher(nn.Module):
     def forward(self, numbers: Tensor, regions: Regions) -> Match:
         """See `LanguageAttentionMatcher.forward`; every word counts alike."""
         words = self.reader(numbers)
-        asked = functional.normalize(self.asked(words.sentence), dim=1)
+        asked = _unit(self.asked(words.sentence))
         seen = [regions.looks.mean((2, 3)), regions.types, regions.places, regions.from_alike.flatten(1)]
-        scores = SHARPNESS * asked @ functional.normalize(self.seen(torch.cat(seen, 1)), dim=1).T
+        scores = SHARPNESS * asked @ _unit(self.seen(torch.cat(seen, 1))).T
         is_word = words.is_word.to(scores.dtype)
         attention = (is_word / is_word.sum(1, keepdim=True))[:, None].expand(-1, len(PARTS), -1)
         return Match(scores, torch.full((len(numbers), len(PARTS)), 1 / len(PARTS)), attention)
@@ -173,7 +172,8 @@ class CompositionalMatcher(nn.Module):
     def forward(self, numbers: Tensor, regions: Regions) -> Match:
         """See `LanguageAttentionMatcher.forward`; parts are the subject, the relationship and its object, and count alike."""
         words = self.reader(numbers)
-        attention = self._attention(words.read, words.is_word)
+        first = words.read[:, :1].expand_as(words.read)
+        attention = _attention(self.attend(torch.cat([words.read, first], 2)), words.is_word)
         phrases = (attention @ words.embedded).unbind(1)
         subject, relation, other = (layer(phrase) for layer, phrase in zip(self.asked, phrases, strict=True))
         seen = self.looks(torch.cat([regions.looks.mean((2, 3)), regions.types, regions.places], 1))
@@ -185,15 +185,9 @@ class CompositionalMatcher(nn.Module):
         scores = subjects + torch.where(best.isfinite(), best, torch.zeros_like(best))
         return Match(scores, scores.new_full((len(numbers), len(PARTS)), 1 / len(PARTS)), attention)
 
-    def _attention(self, read: Tensor, is_word: Tensor) -> Tensor:
-        """(e, 3, t) how much each word counts for each part."""
-        first = read[:, :1].expand_as(read)
-        logits = self.attend(torch.cat([read, first], 2)).masked_fill(~is_word[..., None], -torch.inf)
-        return logits.softmax(1).transpose(1, 2)
-
     def _fit(self, part: int, both: Tensor) -> Tensor:
         """(...) how well words and what is seen fit, by (..., PAIRED) products of the two."""
-        return self.score[part](functional.normalize(both, dim=-1))[..., 0]  # type: ignore[no-any-return]
+        return self.score[part](_unit(both))[..., 0]  # type: ignore[no-any-return]
 
 
 class AnchoredMatcher(ModularMatcher):
@@ -241,6 +235,11 @@ def _weighed(subject: Tensor, location: Tensor, relationship: Tensor, weights: T
 
 def _joint(width: int, made: int = JOINT) -> nn.Sequential:
     return nn.Sequential(nn.Linear(width, made), nn.ReLU(), nn.Linear(made, made))
+
+
+def _attention(logits: Tensor, is_word: Tensor) -> Tensor:
+    """(e, parts, t) how much each word counts for each part, by (e, t, parts) logits; what is no word counts nothing."""
+    return logits.masked_fill(~is_word[..., None], -torch.inf).softmax(1).transpose(1, 2)
 
 
 def _unit(vectors: Tensor) -> Tensor:

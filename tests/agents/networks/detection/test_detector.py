@@ -62,8 +62,13 @@ def test_where_nothing_is_nothing_is_found() -> None:
 class Twice(Detector):
     """Sees an object of 90 x 90 pixels at the top left of whatever it is shown, and one of 24 x 24 farther down."""
 
+    def __init__(self) -> None:
+        super().__init__(1)
+        self.rows: list[int] = []
+
     def forward(self, rgb: torch.Tensor) -> Raw:
         height, width = (-(-side // 4) for side in rgb.shape[-2:])
+        self.rows.append(height)
         middles, sides = torch.full((1, height, width), -9.0), torch.full((1, 4, height, width), 45.0)
         middles[0, 8, 8] = middles[0, 20, 12] = 9.0
         sides[0, :, 20, 12] = 12.0
@@ -72,9 +77,11 @@ class Twice(Detector):
 
 
 def test_large_things_are_found_in_the_picture_and_small_ones_in_the_enlarged_one() -> None:
-    seen, (found,) = Twice(1).eval().look(torch.zeros((1, 3, 100, 100), dtype=torch.uint8))
+    detector = Twice().eval()
+    seen, (found,) = detector.look(torch.zeros((1, 3, 100, 100), dtype=torch.uint8))
     assert seen.features.shape == (1, CHANNELS, 25, 25)
     assert (seen.features == 25).all()
+    assert detector.rows == [25, 38]
     boxes = sorted(found.boxes.tolist())
     assert boxes[0] == [0.0, 0.0, 79.0, 79.0]  # so large a one is found in the picture itself
     whole_px, x, y = 24 / 1.5, (12 + 0.5) * 4 / 1.5, (20 + 0.5) * 4 / 1.5

@@ -35,7 +35,10 @@ def test_sides_move_by_shares_of_the_box() -> None:
 def test_who_has_learnt_nothing_leaves_boxes_as_they_are() -> None:
     torch.manual_seed(0)
     rgb = torch.randint(0, 255, (1, 3, 96, 96), dtype=torch.uint8)
-    said = Refiner(3).eval()(rgb, torch.randn((1, CHANNELS, 36, 36)), BOXES, torch.zeros(2, dtype=torch.int64))
+    refiner = Refiner(3).eval()
+    features = refiner.see(rgb)
+    assert features.shape == (1, CHANNELS, 36, 36)
+    said = refiner(rgb, features, BOXES, torch.zeros(2, dtype=torch.int64))
     assert torch.equal(said.boxes, BOXES)
     assert said.kinds.shape == (2, 4)
     assert said.shapes.shape == (2, GRID, GRID)
