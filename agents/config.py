@@ -90,6 +90,8 @@ class SystemConfig(_Section):
         Of what it draws.
     most_steps : int
         After so many navigation actions it stops where it is.
+    looks : int
+        What it has opened it looks into from so many other places; its answerer must look at the view after alone.
     navigator, localizer, manipulator, answerer
         Its parts; all but the first may be missing.
     """
@@ -101,6 +103,7 @@ class SystemConfig(_Section):
     localizer: LocalizerConfig | None
     manipulator: ManipulatorConfig | None
     answerer: AnswererConfig | None
+    looks: Annotated[int, Field(ge=0, le=10)] = 0
 
     def seeded(self, seed: int) -> SystemConfig:
         """The same system with other draws, and with networks that have learnt to walk with others."""

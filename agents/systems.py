@@ -55,6 +55,7 @@ def make_agent(system: SystemConfig, root: Path, weights: Path | None = None, *,
         _manipulator(system, navigator),
         _answerer(system, navigator, root, weights, force),
         system.most_steps,
+        system.looks,
     )
 
 
@@ -164,6 +165,10 @@ def _answerer(
     network, about = load_network(weights_path(config.network, weights), root, force=force)
     if not isinstance(network, ManipulationAnswerer):
         raise ConfigError(f"answerer: {config.network!r} is no answerer")
+    if system.looks and network.views != ("end",):
+        raise ConfigError(
+            f"looks: {config.network!r} compares two views from one place; take one that has the end alone"
+        )
     return NetworkAnswerer(network, about.vocabulary)
 
 

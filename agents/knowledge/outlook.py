@@ -15,7 +15,8 @@ from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64, Flags
 from remqa_data.mapping.semantic_map import UNKNOWN
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, AgentPose, facing_poses
+from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses
+from remqa_data.sim.render.camera import Camera
 
 FRONT_DEG = 60.0
 """Who stands farther round than this does not stand before the front of a thing."""
@@ -96,17 +97,20 @@ def is_in_the_way(instance: Instance, position: tuple[float, float], radius_m: f
 def outlooks(instance: Instance, memory: WalkMemory, grid: ReachableGrid, cells: Iterable[Cell]) -> list[Outlook]:
     """For each cell the poses that look towards an object, two headings by two horizons, and what they should see of it."""
     points = points_of(instance, memory)
+    return [
+        Outlook(pose, float(in_view(pose.camera(grid), points, instance, memory).mean()))
+        for pose in facing_poses(grid, cells, points.mean(axis=0))
+    ]
+
+
+def in_view(camera: Camera, points: F64, instance: Instance, memory: WalkMemory) -> Flags:
+    """(n,) which of (n, 3) points of an object are in a camera's image, with nothing that is remembered before them."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # points beside the camera have depth 0
+        x, y, depth = camera.project(points).T
+    is_seen = np.asarray((depth > 0) & (x >= 0) & (x < camera.width) & (y >= 0) & (y < camera.height))
     own = _own_voxels(instance, memory)
-    found = []
-    for pose in facing_poses(grid, cells, points.mean(axis=0)):
-        camera = pose.camera(grid)
-        with np.errstate(divide="ignore", invalid="ignore"):  # points beside the camera have depth 0
-            x, y, depth = camera.project(points).T
-        is_inside = (depth > 0) & (x >= 0) & (x < FRAME_PX) & (y >= 0) & (y < FRAME_PX)
-        is_seen = np.zeros(len(points), dtype=np.bool_)
-        is_seen[is_inside] = _is_in_sight(np.array(camera.position), points[is_inside], memory, own)
-        found.append(Outlook(pose, float(is_seen.mean())))
-    return found
+    is_seen[is_seen] = _is_in_sight(np.array(camera.position), points[is_seen], memory, own)
+    return is_seen
 
 
 def _own_voxels(instance: Instance, memory: WalkMemory) -> Flags:

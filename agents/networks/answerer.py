@@ -147,12 +147,16 @@ def _changes(views: Tensor) -> Tensor:
     return functional.avg_pool2d(change, STRIDE, ceil_mode=True)[:, 0].clamp(min=LEAST_CHANGE).log()
 
 
-def likeliest(logits: Tensor, kinds: Sequence[str], answers: Sequence[str]) -> list[str]:
-    """The likeliest answer of each row of (n, answers) logits: a number where one is asked for, else yes or no."""
+def fitting(logits: Tensor, kinds: Sequence[str], answers: Sequence[str]) -> Tensor:
+    """(n, answers) logits, -inf for what does not fit the kind of question: a number where one is asked for, else yes or no."""
     is_number = torch.tensor([answer.isdigit() for answer in answers], device=logits.device)
     wants_number = torch.tensor([kind == "COUNTING" for kind in kinds], device=logits.device)
-    allowed = logits.masked_fill(is_number[None] != wants_number[:, None], -torch.inf)
-    return [answers[place] for place in allowed.argmax(1).tolist()]
+    return logits.masked_fill(is_number[None] != wants_number[:, None], -torch.inf)
+
+
+def likeliest(logits: Tensor, kinds: Sequence[str], answers: Sequence[str]) -> list[str]:
+    """The likeliest answer of each row of (n, answers) logits that fits the kind of question."""
+    return [answers[place] for place in fitting(logits, kinds, answers).argmax(1).tolist()]
 
 
 def _counts(middles: Tensor, fits: Tensor) -> Tensor:

@@ -6,6 +6,7 @@ ask it where the target is.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -14,8 +15,9 @@ import numpy as np
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.reading import Question
 from remqa_data.env.actions import Shares
-from remqa_data.geometry.types import F32, U8
+from remqa_data.geometry.types import F32, U8, Flags
 from remqa_data.sim.agent.actions import Action
+from remqa_data.sim.metadata import tight_box
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.sim.render.camera import Camera
 
@@ -60,6 +62,19 @@ class Sighting:
     box: Shares
     point: tuple[float, float]
 
+    @classmethod
+    def of_mask(cls, mask: Flags) -> Sighting | None:
+        """The box of the pixels of a (h, w) mask, and of the pixels the one nearest to their middle; None if it has none."""
+        box = tight_box(mask)
+        if box is None:
+            return None
+        height, width = mask.shape
+        x1, y1, x2, y2 = box
+        rows, columns = np.nonzero(mask)
+        middle = int(np.argmin((rows - rows.mean()) ** 2 + (columns - columns.mean()) ** 2))
+        point = (float(columns[middle]) + 0.5) / width, (float(rows[middle]) + 0.5) / height
+        return cls((x1 / width, y1 / height, x2 / width, y2 / height), point)
+
 
 class Walker(Protocol):
     """Walks in one episode."""
@@ -74,6 +89,17 @@ class Persistent(Protocol):
 
     def leave(self, percept: Percept) -> None:
         """Hear that nothing could be done from here; the next actions lead elsewhere, if there is anywhere to go."""
+
+
+@runtime_checkable
+class Inspecting(Walker, Protocol):
+    """A walker that knows from where the inside of what has been opened shows."""
+
+    def look_inside(self, percept: Percept) -> None:
+        """Hear that it is to be looked into from elsewhere; the next actions lead there, if there is anywhere to go."""
+
+    def inside_of(self, percept: Percept) -> Flags:
+        """(h, w) which pixels show the inside."""
 
 
 @runtime_checkable
@@ -117,3 +143,13 @@ class Answerer(Protocol):
 
     def answer(self, asked: Question, before: Percept, after: Percept, sighting: Sighting | None) -> str | None:
         """The answer; None for none. `sighting` is where the target was before, None where it was not seen."""
+
+
+@runtime_checkable
+class Weighing(Protocol):
+    """An answerer that says how sure it is, so that its answers from several views can be weighed."""
+
+    def chances(
+        self, asked: Question, before: Percept, after: Percept, sighting: Sighting | None
+    ) -> Mapping[str, float]:
+        """How likely each answer is, together 1."""

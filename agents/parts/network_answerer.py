@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import torch
 
 from remqa_data.agents.knowledge.reading import Question
-from remqa_data.agents.networks.answerer import ManipulationAnswerer, likeliest
+from remqa_data.agents.networks.answerer import ManipulationAnswerer, fitting
 from remqa_data.agents.networks.threads import one_thread
 from remqa_data.agents.networks.windows import cut, window
 from remqa_data.agents.parts.interfaces import Percept, Sighting
@@ -30,9 +31,16 @@ class NetworkAnswerer:
     network: ManipulationAnswerer
     vocabulary: Vocabulary
 
-    @torch.no_grad()
     def answer(self, asked: Question, before: Percept, after: Percept, sighting: Sighting | None) -> str | None:
         """See `remqa_data.agents.parts.interfaces.Answerer`."""
+        chances = self.chances(asked, before, after, sighting)
+        return max(chances, key=chances.__getitem__)
+
+    @torch.no_grad()
+    def chances(
+        self, asked: Question, before: Percept, after: Percept, sighting: Sighting | None
+    ) -> Mapping[str, float]:
+        """See `remqa_data.agents.parts.interfaces.Weighing`."""
         height, width = before.depth.shape
         box = None if sighting is None else np.array(sighting.box) * (width, height, width, height)
         place = window(box, (height, width))
@@ -42,4 +50,6 @@ class NetworkAnswerer:
         numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.text])[0])
         with one_thread():
             said = self.network(numbers, torch.from_numpy(np.ascontiguousarray(views))[None])
-        return likeliest(said.answers, [asked.kind], self.vocabulary.answers)[0]
+        answers = self.vocabulary.answers
+        shares = fitting(said.answers, [asked.kind], answers).softmax(1)[0].tolist()
+        return dict(zip(answers, shares, strict=True))

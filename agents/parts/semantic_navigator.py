@@ -14,6 +14,7 @@ import networkx as nx
 import numpy as np
 from scipy.sparse.csgraph import shortest_path
 
+from remqa_data.agents.knowledge.inside import Inside, looks_inside
 from remqa_data.agents.knowledge.instance import Instance, choose_instance
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.outlook import Outlook, frontality, is_in_the_way, outlooks, points_of
@@ -21,7 +22,7 @@ from remqa_data.agents.knowledge.reading import Question
 from remqa_data.agents.knowledge.sight import seen_of
 from remqa_data.agents.parts.interfaces import Percept
 from remqa_data.generators.arrangement.sightlines import cells_that_reach
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, Flags
 from remqa_data.sim.metadata import scaled_pixels
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.paths import MOVE_AHEAD, cell_ahead, shortest_actions
@@ -59,6 +60,7 @@ class SemanticMapWalker:
         self._waiting: list[Outlook] = []
         self._plan: deque[str] = deque()
         self._last: tuple[str, AgentPose] | None = None
+        self._inside: Inside | None = None
 
     def next_action(self, percept: Percept) -> str | None:
         """See `remqa_data.agents.parts.interfaces.Walker`."""
@@ -72,7 +74,7 @@ class SemanticMapWalker:
             self._forget(*self._last)
             self._plan_from(percept.pose)
         while not self._plan:
-            if self._is_in_sight(percept) or not self._waiting:
+            if self._inside or self._is_in_sight(percept) or not self._waiting:
                 return None
             self._waiting = [outlook for outlook in self._waiting if outlook.pose != percept.pose]
             self._plan_from(percept.pose)
@@ -86,6 +88,24 @@ class SemanticMapWalker:
         self._last = None
         if self._graph is not None:
             self._plan_from(percept.pose)
+
+    def look_inside(self, percept: Percept) -> None:
+        """See `remqa_data.agents.parts.interfaces.Inspecting`: it goes on to where it has not yet looked in from."""
+        self._last = None
+        if self.instance is None or self._graph is None:
+            return
+        if self._inside is None:
+            self._inside = Inside.of(self.instance)
+            self._waiting = inside_goals(self._inside, self.instance, self.memory, self._grid()) if self._inside else []
+        self._waiting = [goal for goal in self._waiting if goal.pose.cell != percept.pose.cell]
+        self._plan_from(percept.pose)
+
+    def inside_of(self, percept: Percept) -> Flags:
+        """See `remqa_data.agents.parts.interfaces.Inspecting`."""
+        inside = Inside.of(self.instance) if self.instance else None
+        if inside is None:
+            return np.zeros(percept.depth.shape, dtype=np.bool_)
+        return inside.seen(percept.depth, percept.camera)
 
     def _grid(self) -> ReachableGrid:
         assert self._graph is not None, "the walk has begun"
@@ -137,6 +157,13 @@ def goals(instance: Instance, memory: WalkMemory, grid: ReachableGrid, *, opens:
         if found:
             return [replace(one, share=one.share * (front[one.pose.cell] or 1.0)) for one in found]
     return []
+
+
+def inside_goals(inside: Inside, instance: Instance, memory: WalkMemory, grid: ReachableGrid) -> list[Outlook]:
+    """Poses before the front of an open object, out of its reach too, that should see something of its inside."""
+    near = cells_that_reach(grid, inside.points, memory.body.reach_m + NEAR_M)
+    before = [cell for cell in near if frontality(instance, grid.position(cell))]
+    return [look for look in looks_inside(inside, instance, memory, grid, before) if look.share > 0]
 
 
 def free_cells(memory: WalkMemory, start: Cell) -> nx.Graph[Cell]:

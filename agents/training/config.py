@@ -74,8 +74,8 @@ class GrounderConfig(_Network):
 class AnswererConfig(_Network):
     """Answers by what it looks at; `with_box` is whether it is told where the target is.
 
-    It sees squares of `side_px` pixels, and learns from all questions of train rooms, or from so many, of all these rooms
-    alike.
+    It sees squares of `side_px` pixels, through a backbone that begins as the detector's, or as that of its second stage of
+    the name `refiner`; and learns from all questions of train rooms, or from so many, of all these rooms alike.
     """
 
     kind: Literal["answerer"]
@@ -83,6 +83,12 @@ class AnswererConfig(_Network):
     with_box: bool
     side_px: Annotated[int, Field(ge=32)] = SIDE_PX
     questions: Annotated[int, Field(ge=1)] | None = None
+    refiner: str | None = None
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What it begins with."""
+        return ("detector", self.refiner) if self.refiner else ("detector",)
 
 
 class ViewEncoderConfig(_Network):

@@ -10,6 +10,7 @@ import torch
 
 from remqa_data.agents.networks.actor_critic import ActorCritic
 from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.refiner import Refiner
 from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.adapting import AdaptingTask
 from remqa_data.agents.training.answering import AnsweringTask
@@ -155,6 +156,9 @@ def _task(
     if isinstance(network, ViewEncoderConfig):
         return ViewingTask(roots, detector, device)
     if isinstance(network, AnswererConfig):
+        if network.refiner:
+            refiner = trained(network.refiner, Refiner, folder, roots[0])
+            detector.backbone.load_state_dict(refiner.backbone.state_dict())
         return AnsweringTask(
             roots,
             network.views,

@@ -3,11 +3,12 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+import pytest
 
 from remqa_data.agents.agent import Agent
 from remqa_data.agents.knowledge.reading import read_question
 from remqa_data.agents.parts.interfaces import Percept, Sighting
-from remqa_data.env.actions import Command
+from remqa_data.env.actions import Command, Shares
 from remqa_data.sim.agent.actions import Action
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from tests.helpers.walked_rooms import memory_of, percept_of
@@ -122,3 +123,55 @@ def test_where_nothing_can_be_done_it_is_tried_elsewhere() -> None:
         *tries,
         "Answer yes",
     ]
+
+
+@dataclass
+class Inspecting(Parts):
+    """It knows of more places to look in from, each a step away; it sees `shown` pixels of it, and `sure` a yes."""
+
+    shown: tuple[int, ...] = ()
+    sure: tuple[float, ...] = ()
+    boxes: list[Shares | None] = field(default_factory=list)
+
+    def look_inside(self, percept):
+        self.steps = 1
+
+    def inside_of(self, percept):
+        mask = np.zeros(percept.depth.shape, dtype=bool)
+        mask.flat[: self.shown[percept.pose.cell[0]]] = True
+        return mask
+
+    def chances(self, asked, before, after, sighting):
+        self.boxes.append(sighting and sighting.box)
+        yes = self.sure[after.pose.cell[0]]
+        return {"no": 1 - yes, "yes": yes}
+
+
+OPENED = read_question("Is there a mug in the fridge?")
+
+
+@pytest.mark.parametrize(
+    ("looks", "shown", "sure", "answered"),
+    [
+        (1, (7, 9), (0.1, 0.8), "no"),  # 8 * 0.1 + 10 * 0.8 of 18
+        (1, (7, 30), (0.1, 0.8), "yes"),
+        (2, (7, 3, 30), (0.1, 0.1, 0.8), "yes"),
+        (2, (99, 0, 30), (0.1, 0.9, 0.9), "no"),  # where it has opened it sees most
+    ],
+)
+def test_into_what_is_open_it_looks_from_elsewhere_and_answers_by_what_shows_most(looks, shown, sure, answered) -> None:
+    room, parts = Corridor(last=0), Inspecting(0, shown=shown, sure=sure)
+    Agent(parts, parts, parts, parts, looks=looks).play(OPENED, MEMORY, FIRST, room.act, np.random.default_rng(0))
+    steps = ["MoveAhead"] * looks
+    assert [str(command) for command in room.commands] == ["PushObject @0.2,0.3", *steps, f"Answer {answered}"]
+    assert room.commands[-1].box == SIGHTING.box  # where the target was
+    assert parts.boxes == [SIGHTING.box, *((0.0, 0.0, n / 300, 1 / 300) if n else None for n in shown[1:])]
+
+
+def test_it_looks_into_nothing_that_it_has_not_opened_and_no_more_than_it_is_told() -> None:
+    parts = Inspecting(0, shown=(1, 9), sure=(0.9, 0.9))
+    assert played(parts, Corridor(last=0), looks=1) == ["PushObject @0.2,0.3", "Answer yes"]  # it was to look under it
+    room = Corridor(last=0)
+    Agent(parts, parts, parts, parts).play(OPENED, MEMORY, FIRST, room.act, np.random.default_rng(0))
+    assert [str(command) for command in room.commands] == ["PushObject @0.2,0.3", "Answer yes"]
+    assert parts.boxes == []

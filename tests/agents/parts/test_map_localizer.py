@@ -3,7 +3,8 @@ import pytest
 
 from remqa_data.agents.knowledge.instance import choose_instance
 from remqa_data.agents.knowledge.reading import read_question
-from remqa_data.agents.parts.map_localizer import MapLocalizer, sighting_of
+from remqa_data.agents.parts.interfaces import Sighting
+from remqa_data.agents.parts.map_localizer import MapLocalizer
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from tests.helpers.room_records import thing
 from tests.helpers.walked_rooms import memory_of, percept_of
@@ -17,7 +18,7 @@ def test_the_box_is_that_of_the_pixels_and_the_point_is_one_of_them() -> None:
     mask = np.zeros((10, 20), dtype=bool)
     mask[2:6, 4:8] = True
     mask[5, 4:16] = True
-    sighting = sighting_of(mask)
+    sighting = Sighting.of_mask(mask)
     assert sighting.box == (0.2, 0.2, 0.8, 0.6)
     x, y = sighting.point
     assert mask[int(y * 10), int(x * 20)]
@@ -26,7 +27,7 @@ def test_the_box_is_that_of_the_pixels_and_the_point_is_one_of_them() -> None:
 def test_a_ring_is_pointed_at_on_itself_and_not_in_its_hole() -> None:
     mask = np.ones((11, 11), dtype=bool)
     mask[2:9, 2:9] = False
-    x, y = sighting_of(mask).point
+    x, y = Sighting.of_mask(mask).point
     assert mask[int(y * 11), int(x * 11)]
 
 

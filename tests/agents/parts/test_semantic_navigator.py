@@ -21,6 +21,7 @@ from tests.helpers.walked_rooms import memory_of, percept_of, walk
 
 BOUNDS = (-2.0, -3.0, 2.0, 0.5)
 FRIDGE = thing("Fridge|1", (0.0, 0.1, 0.0), (0.8, 0.8, 1.8))
+CAN = thing("GarbageCan|1", (0.0, 0.1, 0.0), (0.3, 0.3, 0.4))
 QUESTION = read_question("Is there a mug in the fridge?")
 START = AgentPose((0, -10), 0)
 RNG = np.random.default_rng(0)
@@ -123,3 +124,32 @@ def test_what_is_opened_is_reached_from_its_front_and_not_from_where_it_slides_o
     assert all(j * 0.25 <= -0.8 or abs(i) * 0.25 >= 0.45 for i, j in found)
     around = {look.pose.cell for look in goals(instance, memory, grid, opens=False)}
     assert found < around
+
+
+def test_into_what_is_open_it_looks_from_before_it_each_time_from_another_cell() -> None:
+    fridge = thing("Fridge|1", (0.0, 0.1, 0.0), (0.8, 0.8, 1.8))
+    memory = memory_of([fridge], BOUNDS)
+    instance = choose_instance(QUESTION.target, memory)
+    walker = SemanticMapNavigator().begin(QUESTION, memory, RNG)
+    _, pose = walk(walker, START, instance)
+    cells = [pose.cell]
+    for _ in range(3):
+        walker.look_inside(percept_of(pose))
+        actions, pose = walk(walker, pose)  # who sees nothing inside stops there all the same
+        assert actions
+        assert pose.yaw_deg == 90
+        cells.append(pose.cell)
+    assert len(set(cells)) == 4
+    assert max(abs(i) * 0.25 for i, _ in cells[1:]) < 0.6  # before its middle
+
+
+def test_only_what_opens_into_the_room_has_an_inside_to_look_into() -> None:
+    walker = SemanticMapNavigator().begin(
+        read_question("Is there a CD under the garbage can?"), memory_of([CAN], BOUNDS), RNG
+    )
+    _, pose = walk(
+        walker, START, choose_instance(read_question("Is there a CD under the garbage can?").target, walker.memory)
+    )
+    walker.look_inside(percept_of(pose))
+    assert walk(walker, pose) == ([], pose)
+    assert not walker.inside_of(percept_of(pose)).any()
