@@ -10,7 +10,8 @@ import numpy as np
 
 from remqa_data.agents.knowledge.instance import Instance
 from remqa_data.agents.knowledge.memory import WalkMemory
-from remqa_data.agents.knowledge.outlook import OPENS_FORWARD, SLIDE_SHARE, SLIDES_OUT, Outlook, in_view
+from remqa_data.agents.knowledge.outlook import OPENS_FORWARD, SLIDE_SHARE, SLIDES_OUT, Outlook, hiding_voxels, in_view
+from remqa_data.agents.knowledge.sight import seen_within
 from remqa_data.geometry.types import F32, F64, Flags
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.viewpoints import facing_poses
@@ -20,7 +21,7 @@ WALL_M = 0.03
 """So far within the box the inside begins; a door is no thicker."""
 POINTS = 5
 """Along each side of the inside as many points are looked for."""
-NEAR_M = 0.6
+NEAREST_M = 0.6
 """From nearer than this things show no larger, as far as poses are compared."""
 
 
@@ -76,21 +77,20 @@ class Inside:
 
     def seen(self, depth: F32, camera: Camera) -> Flags:
         """(h, w) which pixels of a depth image, metres along the camera's forward axis, lie within."""
-        points = camera.unproject(depth)
-        return np.asarray((depth > 0) & np.all((points >= self.low) & (points <= self.high), axis=-1))
+        return seen_within(self.low, self.high, depth, camera)
 
 
 def looks_inside(
     inside: Inside, instance: Instance, memory: WalkMemory, grid: ReachableGrid, cells: Iterable[Cell]
 ) -> list[Outlook]:
     """For each cell the poses that look towards an inside, and what they should see of it, the more the nearer they are."""
-    points = inside.points
+    points, hiding = inside.points, hiding_voxels(instance, memory)
     found = []
     for pose in facing_poses(grid, cells, points.mean(axis=0)):
         camera = pose.camera(grid)
         eye = np.array(camera.position)
         is_seen = inside.shows_to(eye, points)
-        is_seen[is_seen] = in_view(camera, points[is_seen], instance, memory)
-        far = max(math.dist(eye, points.mean(axis=0)), NEAR_M)
-        found.append(Outlook(pose, float(is_seen.mean()) * (NEAR_M / far) ** 2))
+        is_seen[is_seen] = in_view(camera, points[is_seen], memory, hiding)
+        far = max(math.dist(eye, points.mean(axis=0)), NEAREST_M)
+        found.append(Outlook(pose, float(is_seen.mean()) * (NEAREST_M / far) ** 2))
     return found

@@ -96,36 +96,35 @@ def is_in_the_way(instance: Instance, position: tuple[float, float], radius_m: f
 
 def outlooks(instance: Instance, memory: WalkMemory, grid: ReachableGrid, cells: Iterable[Cell]) -> list[Outlook]:
     """For each cell the poses that look towards an object, two headings by two horizons, and what they should see of it."""
-    points = points_of(instance, memory)
+    points, hiding = points_of(instance, memory), hiding_voxels(instance, memory)
     return [
-        Outlook(pose, float(in_view(pose.camera(grid), points, instance, memory).mean()))
+        Outlook(pose, float(in_view(pose.camera(grid), points, memory, hiding).mean()))
         for pose in facing_poses(grid, cells, points.mean(axis=0))
     ]
 
 
-def in_view(camera: Camera, points: F64, instance: Instance, memory: WalkMemory) -> Flags:
-    """(n,) which of (n, 3) points of an object are in a camera's image, with nothing that is remembered before them."""
+def in_view(camera: Camera, points: F64, memory: WalkMemory, hiding: Flags) -> Flags:
+    """(n,) which of (n, 3) points are in a camera's image, with none of the voxels that hide them before them."""
     with np.errstate(divide="ignore", invalid="ignore"):  # points beside the camera have depth 0
         x, y, depth = camera.project(points).T
     is_seen = np.asarray((depth > 0) & (x >= 0) & (x < camera.width) & (y >= 0) & (y < camera.height))
-    own = _own_voxels(instance, memory)
-    is_seen[is_seen] = _is_in_sight(np.array(camera.position), points[is_seen], memory, own)
+    is_seen[is_seen] = _is_in_sight(np.array(camera.position), points[is_seen], memory, hiding)
     return is_seen
 
 
-def _own_voxels(instance: Instance, memory: WalkMemory) -> Flags:
-    """(nx, ny, nz) which voxels are the object's: those of its label in and around its box, which hide nothing of it."""
-    if instance.type not in memory.plan.names:
-        return np.zeros(memory.labels.shape, dtype=np.bool_)
-    return np.asarray(memory.labels == memory.plan.names.index(instance.type))
+def hiding_voxels(instance: Instance, memory: WalkMemory) -> Flags:
+    """(nx, ny, nz) which voxels may hide an object: all that something was seen in, but for those of its label."""
+    is_solid = memory.labels != UNKNOWN
+    if instance.type in memory.plan.names:
+        is_solid &= memory.labels != memory.plan.names.index(instance.type)
+    return np.asarray(is_solid)
 
 
-def _is_in_sight(eye: F64, points: F64, memory: WalkMemory, own: Flags) -> Flags:
-    """(n,) whether nothing that the agent remembers lies between the eye and each of (n, 3) points."""
-    is_solid = (memory.labels != UNKNOWN) & ~own
+def _is_in_sight(eye: F64, points: F64, memory: WalkMemory, hiding: Flags) -> Flags:
+    """(n,) whether none of the voxels that hide lies between the eye and each of (n, 3) points."""
     way = points - eye
     far = np.sqrt((way**2).sum(axis=1))
     steps = np.arange(ALONG_M, max(float(far.max(initial=0.0)), ALONG_M), ALONG_M)
     along = eye + way[:, None] * (steps[None, :, None] / np.maximum(far, 1e-9)[:, None, None])
-    is_hit = memory.at(is_solid, along) & (steps[None] < (far - FREE_M)[:, None])
+    is_hit = memory.at(hiding, along) & (steps[None] < (far - FREE_M)[:, None])
     return np.asarray(~is_hit.any(axis=1))

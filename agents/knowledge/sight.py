@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remqa_data.agents.knowledge.instance import Instance
-from remqa_data.geometry.types import F32, Flags
+from remqa_data.geometry.types import F32, F64, Flags
 from remqa_data.sim.render.camera import Camera
 
 SLACK_M = 0.003
@@ -24,6 +24,10 @@ def seen_of(instance: Instance, depth: F32, camera: Camera) -> Flags:
     camera : Camera
         The agent's own.
     """
+    return seen_within(np.array(instance.box[:3]) - SLACK_M, np.array(instance.box[3:]) + SLACK_M, depth, camera)
+
+
+def seen_within(low: F64, high: F64, depth: F32, camera: Camera) -> Flags:
+    """(h, w) which pixels of a depth image, see `seen_of`, lie in the box between two corners, metres."""
     points = camera.unproject(depth)
-    low, high = np.array(instance.box[:3]) - SLACK_M, np.array(instance.box[3:]) + SLACK_M
     return np.asarray((depth > 0) & np.all((points >= low) & (points <= high), axis=-1))

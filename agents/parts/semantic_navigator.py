@@ -60,7 +60,8 @@ class SemanticMapWalker:
         self._waiting: list[Outlook] = []
         self._plan: deque[str] = deque()
         self._last: tuple[str, AgentPose] | None = None
-        self._inside: Inside | None = None
+        self._inside = Inside.of(instance) if instance else None
+        self._is_looking_inside = False
 
     def next_action(self, percept: Percept) -> str | None:
         """See `remqa_data.agents.parts.interfaces.Walker`."""
@@ -74,7 +75,7 @@ class SemanticMapWalker:
             self._forget(*self._last)
             self._plan_from(percept.pose)
         while not self._plan:
-            if self._inside or self._is_in_sight(percept) or not self._waiting:
+            if self._is_looking_inside or self._is_in_sight(percept) or not self._waiting:
                 return None
             self._waiting = [outlook for outlook in self._waiting if outlook.pose != percept.pose]
             self._plan_from(percept.pose)
@@ -94,18 +95,17 @@ class SemanticMapWalker:
         self._last = None
         if self.instance is None or self._graph is None:
             return
-        if self._inside is None:
-            self._inside = Inside.of(self.instance)
+        if not self._is_looking_inside:
+            self._is_looking_inside = True
             self._waiting = inside_goals(self._inside, self.instance, self.memory, self._grid()) if self._inside else []
         self._waiting = [goal for goal in self._waiting if goal.pose.cell != percept.pose.cell]
         self._plan_from(percept.pose)
 
     def inside_of(self, percept: Percept) -> Flags:
         """See `remqa_data.agents.parts.interfaces.Inspecting`."""
-        inside = Inside.of(self.instance) if self.instance else None
-        if inside is None:
+        if self._inside is None:
             return np.zeros(percept.depth.shape, dtype=np.bool_)
-        return inside.seen(percept.depth, percept.camera)
+        return self._inside.seen(percept.depth, percept.camera)
 
     def _grid(self) -> ReachableGrid:
         assert self._graph is not None, "the walk has begun"
