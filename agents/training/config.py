@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from remqa_data.agents.networks.windows import SIDE_PX
 from remqa_data.errors import ConfigError
@@ -48,20 +48,41 @@ class RefinerConfig(_Network):
     side_px: Annotated[int, Field(ge=32, le=1024)]
 
 
+class ProposerConfig(_Network):
+    """Proposes boxes by the features of the second stage `refiner`; learns from squares of so many pixels."""
+
+    kind: Literal["proposer"]
+    side_px: Annotated[int, Field(ge=32, le=1024)]
+    refiner: str
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """Both stages."""
+        return ("detector", self.refiner)
+
+
 class MatcherConfig(_Network):
     """Finds what an expression means, by language attention, with an anchor or not, by pairs, or with one vector for all words.
 
-    It chooses among what the detector finds, with a second stage of the name `refiner` if that is given.
+    It chooses among what the detector finds, with a second stage of the name `refiner` if that is given, and boxes of
+    `proposer`, which has learnt on that stage.
     """
 
     kind: Literal["matcher"]
     form: Literal["language_attention", "anchored", "plain", "compositional"]
     refiner: str | None = None
+    proposer: str | None = None
+
+    @model_validator(mode="after")
+    def _proposes_for_a_second_stage(self) -> MatcherConfig:
+        if self.proposer and not self.refiner:
+            raise ValueError("proposer: needs a refiner, whose features it proposes by")
+        return self
 
     @property
     def needs(self) -> tuple[str, ...]:
         """The stages of what it sees through."""
-        return ("detector", self.refiner) if self.refiner else ("detector",)
+        return tuple(name for name in ("detector", self.refiner, self.proposer) if name)
 
 
 class GrounderConfig(_Network):
@@ -151,6 +172,7 @@ class ScheduleConfig(_Section):
 Network = (
     DetectorConfig
     | RefinerConfig
+    | ProposerConfig
     | MatcherConfig
     | GrounderConfig
     | AnswererConfig

@@ -1,4 +1,4 @@
-"""Learning to detect, on frames of walks and on views of what questions have opened: the detector, then its second stage."""
+"""Learning to detect, on frames of walks and on views of what was opened: the detector, its second stage, and proposals."""
 
 from __future__ import annotations
 
@@ -6,21 +6,25 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import cv2
 import numpy as np
 import torch
 from scipy import ndimage
 from torch import Tensor
 from torch.nn import functional
 
-from remqa_data.agents.networks.detection.detector import Detector, iou
+from remqa_data.agents.networks.detection.detector import ENLARGED, Detector, iou
 from remqa_data.agents.networks.detection.detector_loss import (
     LEAST_PIXELS,
     Wanted,
     batch_of,
     box_loss,
     detector_losses,
+    middle_losses,
     wanted_of,
 )
+from remqa_data.agents.networks.detection.proposer import Proposer
+from remqa_data.agents.networks.detection.pyramid import STRIDE
 from remqa_data.agents.networks.detection.refiner import (
     GRID,
     LEAST_VOTES,
@@ -88,8 +92,7 @@ class DetectionTask:
     def losses(self, batch: tuple[Tensor, Wanted]) -> Mapping[str, Tensor]:
         """See `detector_losses`."""
         rgb, wanted = batch
-        moved = Wanted(**{name: value.to(self.device) for name, value in vars(wanted).items()})
-        return detector_losses(self.model, self.model(rgb.to(self.device)), moved, rgb.shape[-2:])
+        return detector_losses(self.model, self.model(rgb.to(self.device)), wanted.on(self.device), rgb.shape[-2:])
 
     def score(self) -> Mapping[str, float]:
         """Losses on whole frames of val rooms, and the share of cells whose type is right."""
@@ -97,11 +100,10 @@ class DetectionTask:
         for picture in self._scored:
             rgb = torch.from_numpy(picture.rgb).permute(2, 0, 1)[None].to(self.device)
             raw = self.model(rgb)
-            wanted = batch_of([wanted_of(picture.instances, picture.types)])
-            moved = Wanted(**{name: value.to(self.device) for name, value in vars(wanted).items()})
-            found = dict(detector_losses(self.model, raw, moved, rgb.shape[-2:]))
-            is_right = raw.cells.argmax(1) == moved.cells
-            is_thing = moved.cells > 0
+            wanted = batch_of([wanted_of(picture.instances, picture.types)]).on(self.device)
+            found = dict(detector_losses(self.model, raw, wanted, rgb.shape[-2:]))
+            is_right = raw.cells.argmax(1) == wanted.cells
+            is_thing = wanted.cells > 0
             found["cells_right"] = (is_right & is_thing).sum() / is_thing.sum().clamp(min=1)
             for name, value in found.items():
                 sums[f"val_{name}"] = sums.get(f"val_{name}", 0.0) + float(value)
@@ -166,17 +168,60 @@ class RefinementTask:
         return {"loss": sum(losses.values(), torch.zeros(())), **losses, "right": right}
 
     def score(self) -> Mapping[str, float]:
-        """Shares of the objects in frames of val rooms: found with half of their box, and known for what they are."""
-        detector, asked, found, known = TwoStageDetector(self._first, self.model), 0, 0, 0
-        for picture in self._scored:
-            (seen,) = detector.detect(torch.from_numpy(picture.rgb).permute(2, 0, 1)[None].to(self.device))
-            true = objects_of(picture)
-            chosen = candidates(seen)
-            fits = iou(true.boxes, seen.boxes[chosen]) >= FOUND_IOU
-            asked += len(true.boxes)
-            found += int(fits.any(1).sum())
-            known += int((fits & (true.types[:, None] == seen.types[chosen])).any(1).sum())
-        return {"val_found": found / max(asked, 1), "val_known": known / max(asked, 1)}
+        """See `_found_and_known`."""
+        return _found_and_known(TwoStageDetector(self._first, self.model), self._scored, self.device)
+
+
+class ProposalTask:
+    """Proposing boxes is learnt by the features of the second stage, which stays as it is; see `DetectionTask`.
+
+    Parameters
+    ----------
+    first, second
+        Trained.
+    """
+
+    def __init__(
+        self,
+        roots: Sequence[Path],
+        side: int,
+        first: Detector,
+        second: Refiner,
+        device: str = "cpu",
+        scored: int = 100,
+    ) -> None:
+        self.types = detector_types()
+        self.model = Proposer()
+        self.side, self.device = side, device
+        self._first, self._second = first.to(device).eval(), second.to(device).eval()
+        self._places = _places(roots, self.types)
+        self._scored = _val_frames(roots[0], self.types, scored)
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> tuple[Tensor, Wanted]:
+        """(n, 3, side, side) pictures, and what is true of them when they are enlarged."""
+        pictures = [
+            varied(source[index], self.side, rng)
+            for (source, index), rng in zip((self._places[sample] for sample in samples), rngs, strict=True)
+        ]
+        rgb = torch.stack([torch.from_numpy(picture.rgb).permute(2, 0, 1) for picture in pictures])
+        return rgb, batch_of([wanted_of(_enlarged(picture.instances), picture.types) for picture in pictures])
+
+    def losses(self, batch: tuple[Tensor, Wanted]) -> Mapping[str, Tensor]:
+        """See `middle_losses`; "loss" is the sum."""
+        rgb, wanted = batch
+        with torch.no_grad():
+            features = self._second.see(rgb.to(self.device))
+        said = self.model(features)
+        size = tuple(side * STRIDE for side in features.shape[-2:])
+        losses = middle_losses(said.middles, said.sides, wanted.on(self.device), size)
+        return {"loss": sum(losses.values(), torch.zeros(())), **losses}
+
+    def score(self) -> Mapping[str, float]:
+        """See `_found_and_known`."""
+        return _found_and_known(TwoStageDetector(self._first, self._second, self.model), self._scored, self.device)
 
 
 class Proposed(NamedTuple):
@@ -260,6 +305,27 @@ def _shapes(instances: np.ndarray, boxes: F32, numbers: np.ndarray) -> F32:
     down, across = (np.clip(at.astype(int), 0, most - 1) for at, most in ((rows, height), (columns, width)))
     shown = instances[down[:, :, None], across[:, None, :]]
     return np.asarray((shown == numbers[:, None, None]) & is_in, dtype=np.float32)
+
+
+def _found_and_known(detector: TwoStageDetector, pictures: Sequence[Picture], device: str) -> dict[str, float]:
+    """Shares of the objects in frames of val rooms: found with half of their box, and known for what they are."""
+    asked, found, known = 0, 0, 0
+    for picture in pictures:
+        (seen,) = detector.detect(torch.from_numpy(picture.rgb).permute(2, 0, 1)[None].to(device))
+        true = objects_of(picture)
+        chosen = candidates(seen)
+        fits = iou(true.boxes, seen.boxes[chosen]) >= FOUND_IOU
+        asked += len(true.boxes)
+        found += int(fits.any(1).sum())
+        known += int((fits & (true.types[:, None] == seen.types[chosen])).any(1).sum())
+    return {"val_found": found / max(asked, 1), "val_known": known / max(asked, 1)}
+
+
+def _enlarged(instances: np.ndarray) -> np.ndarray:
+    """(h, w) numbers of objects, ENLARGED times as wide and high."""
+    height, width = (round(side * ENLARGED) for side in instances.shape)
+    larger = cv2.resize(instances.astype(np.float32), (width, height), interpolation=cv2.INTER_NEAREST)
+    return larger.astype(np.int32)
 
 
 def _places(roots: Sequence[Path], types: Sequence[str]) -> list[tuple[Pictures, int]]:

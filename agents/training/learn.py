@@ -22,11 +22,12 @@ from remqa_data.agents.training.config import (
     MatcherConfig,
     Network,
     NetworkConfig,
+    ProposerConfig,
     RefinerConfig,
     ViewEncoderConfig,
     WalkerConfig,
 )
-from remqa_data.agents.training.detection import DetectionTask, RefinementTask
+from remqa_data.agents.training.detection import DetectionTask, ProposalTask, RefinementTask
 from remqa_data.agents.training.grounding import GroundingTask
 from remqa_data.agents.training.imitating import ImitationTask
 from remqa_data.agents.training.matching import MatchingTask
@@ -153,6 +154,10 @@ def _task(
     torch.manual_seed(seed)
     if isinstance(network, RefinerConfig):
         return RefinementTask(roots, network.side_px, detector, device)
+    if isinstance(network, ProposerConfig):
+        return ProposalTask(
+            roots, network.side_px, detector, trained(network.refiner, Refiner, folder, roots[0]), device
+        )
     if isinstance(network, ViewEncoderConfig):
         return ViewingTask(roots, detector, device)
     if isinstance(network, AnswererConfig):

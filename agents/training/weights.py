@@ -15,6 +15,7 @@ from torch import nn
 from remqa_data.agents.networks.actor_critic import ActorCritic
 from remqa_data.agents.networks.answerer import ManipulationAnswerer
 from remqa_data.agents.networks.detection.detector import Detector
+from remqa_data.agents.networks.detection.proposer import Proposer
 from remqa_data.agents.networks.detection.refiner import Refiner, TwoStageDetector
 from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.networks.planner_controller import PlannerController
@@ -28,6 +29,7 @@ from remqa_data.agents.training.config import (
     MatcherConfig,
     Network,
     NetworkConfig,
+    ProposerConfig,
     RefinerConfig,
     ViewEncoderConfig,
     WalkerConfig,
@@ -188,9 +190,11 @@ def trained_detector(
 ) -> AnyDetector:
     """What a network sees through: the detector, or both of its stages; see `trained`."""
     first = trained(DETECTOR, Detector, folder, root, force=force)
-    if isinstance(network, MatcherConfig) and network.refiner:
-        return TwoStageDetector(first, trained(network.refiner, Refiner, folder, root, force=force))
-    return first
+    if not isinstance(network, MatcherConfig) or not network.refiner:
+        return first
+    second = trained(network.refiner, Refiner, folder, root, force=force)
+    proposer = trained(network.proposer, Proposer, folder, root, force=force) if network.proposer else None
+    return TwoStageDetector(first, second, proposer)
 
 
 def empty_network(about: About) -> nn.Module:
@@ -200,6 +204,8 @@ def empty_network(about: About) -> nn.Module:
         return Detector(types)
     if isinstance(network, RefinerConfig):
         return Refiner(types)
+    if isinstance(network, ProposerConfig):
+        return Proposer()
     if isinstance(network, WalkerConfig):
         return ActorCritic(types, network.form)
     if isinstance(network, AdaptiveWalkerConfig):

@@ -151,15 +151,13 @@ class Detector(nn.Module):
         self.backbone = Pyramid()
         self.heads = nn.Conv2d(CHANNELS, 1 + 4 + 1 + types, 1)
         self.kinds = nn.Sequential(nn.Linear(CHANNELS, CHANNELS), nn.ReLU(), nn.Linear(CHANNELS, types))
-        with torch.no_grad():
-            self.heads.bias[0] = -4.0  # type: ignore[index]  # few cells are middles: else the first steps are wasted on it
-            self.heads.bias[1:5] = 3.0  # type: ignore[index]  # objects are some 40 pixels wide
+        begin_with_few(self.heads)
 
     def forward(self, rgb: Tensor) -> Raw:
         """What it says of (n, 3, h, w) uint8 pictures."""
         features = self.backbone(rgb)
         said = self.heads(features)
-        return Raw(features, said[:, 0], said[:, 1:5].clamp(max=6.0).exp(), said[:, 5:])
+        return Raw(features, said[:, 0], sides_of(said[:, 1:5]), said[:, 5:])
 
     def types_at(self, features: Tensor) -> Tensor:
         """(m, types) logits of the types of the objects whose middles have (m, CHANNELS) features."""
@@ -206,12 +204,9 @@ class Detector(nn.Module):
     @torch.no_grad()
     def peaks(self, raw: Raw, size: tuple[int, ...]) -> list[Peaks]:
         """Where objects may be by what was said of pictures of a (height, width); the likeliest first."""
-        heat = raw.middles.sigmoid()
-        heat = torch.where(functional.max_pool2d(heat, 3, 1, 1) == heat, heat, 0.0)
-        scores, places = heat.flatten(1).topk(min(MOST_PEAKS, heat[0].numel()))
-        rows, columns = places // heat.shape[-1], places % heat.shape[-1]
+        scores, rows, columns = likeliest_middles(raw.middles)
         found = []
-        for image in range(len(heat)):
+        for image in range(len(scores)):
             row, column = rows[image], columns[image]
             types = self.types_at(raw.features[image, :, row, column].T).softmax(1)
             boxes = boxes_at(raw.sides[image, :, row, column].T, row, column, size)
@@ -238,6 +233,27 @@ def enlarged(rgb: Tensor) -> Tensor:
 def first_of(boxes: Tensor) -> Tensor:
     """(m,) which picture each of (m, 4) boxes is in, where there is one."""
     return torch.zeros(len(boxes), dtype=torch.int64, device=boxes.device)
+
+
+def begin_with_few(heads: nn.Conv2d) -> None:
+    """Set the biases of heads whose first channel is middles, and whose next four are sides, before they learn."""
+    assert heads.bias is not None
+    with torch.no_grad():
+        heads.bias[0] = -4.0  # few cells are middles: else the first steps are wasted on it
+        heads.bias[1:5] = 3.0  # objects are some 40 pixels wide
+
+
+def sides_of(said: Tensor) -> Tensor:
+    """(n, 4, h', w') distances in pixels, of as many logarithms."""
+    return said.clamp(max=6.0).exp()
+
+
+def likeliest_middles(middles: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+    """Of (n, h', w') logits the MOST_PEAKS highest that no neighbour exceeds: (n, m) how likely, rows and columns."""
+    heat = middles.sigmoid()
+    heat = torch.where(functional.max_pool2d(heat, 3, 1, 1) == heat, heat, 0.0)
+    scores, places = heat.flatten(1).topk(min(MOST_PEAKS, heat[0].numel()))
+    return scores, places // heat.shape[-1], places % heat.shape[-1]
 
 
 def boxes_at(sides: Tensor, rows: Tensor, columns: Tensor, size: tuple[int, ...]) -> Tensor:
@@ -267,14 +283,22 @@ def _peaks_of_both(whole: Peaks, closely: Peaks, least_votes: float) -> Peaks:
     large, small = _shorter_sides(whole.boxes) >= LARGE_PX, _shorter_sides(small_boxes) < SMALL_PX
     boxes = np.concatenate([whole.boxes[large], small_boxes[small]])
     votes = np.concatenate([whole.votes[large], closely.votes[small]])
-    order = np.argsort(-votes.sum(axis=1), kind="stable")
-    order = order[votes[order].sum(axis=1) >= least_votes]
+    kept = apart(boxes, votes.sum(axis=1), least_votes)
+    return Peaks(boxes[kept], votes[kept])
+
+
+def apart(boxes: F32, scores: F32, least: float) -> list[int]:
+    """Which of (m, 4) boxes with (m,) scores are of different objects, whatever their types, the likeliest first.
+
+    What is less likely than `least` is left out.
+    """
+    order = np.argsort(-scores, kind="stable")
     overlaps = iou(boxes, boxes) > SAME_OBJECT_IOU
     kept: list[int] = []
-    for place in order.tolist():
+    for place in order[scores[order] >= least].tolist():
         if not overlaps[place, kept].any():
             kept.append(place)
-    return Peaks(boxes[kept], votes[kept])
+    return kept
 
 
 def _shorter_sides(boxes: F32) -> F32:

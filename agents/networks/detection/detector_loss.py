@@ -51,6 +51,10 @@ class Wanted:
     cells: Tensor
     weights: Tensor
 
+    def on(self, device: str) -> Wanted:
+        """The same elsewhere."""
+        return Wanted(**{name: value.to(device) for name, value in vars(self).items()})
+
 
 def wanted_of(instances: np.ndarray, types: np.ndarray) -> Wanted:
     """What is true of a picture.
@@ -115,17 +119,24 @@ def batch_of(wanted: list[Wanted]) -> Wanted:
 
 def detector_losses(detector: Detector, raw: Raw, wanted: Wanted, size: tuple[int, ...]) -> dict[str, Tensor]:
     """How far what the detector said of pictures of a (height, width) is from what is true; "loss" is the sum."""
+    losses = middle_losses(raw.middles, raw.sides, wanted, size)
     images, rows, columns = torch.nonzero(wanted.types != NOTHING, as_tuple=True)
-    objects = max(1.0, float((wanted.heat == 1).sum()))
-    losses = {"middles": heat_loss(raw.middles, wanted.heat) / objects}
     asked = max(1, len(images))
-    boxes = boxes_at(raw.sides[images, :, rows, columns], rows, columns, size)
-    losses["boxes"] = box_loss(boxes, wanted.boxes[images, :, rows, columns]).sum() / asked
     logits = detector.types_at(raw.features[images, :, rows, columns])
     losses["types"] = functional.cross_entropy(logits, wanted.types[images, rows, columns], reduction="sum") / asked
     of_cells = functional.cross_entropy(raw.cells, wanted.cells, reduction="none")
     losses["cells"] = (of_cells * wanted.weights).sum() / wanted.weights.sum()
     return {"loss": sum(losses.values(), torch.zeros(())), **losses}
+
+
+def middle_losses(middles: Tensor, sides: Tensor, wanted: Wanted, size: tuple[int, ...]) -> dict[str, Tensor]:
+    """How far middles, (n, h', w') logits, and sides, (n, 4, h', w'), in pictures of a (height, width) are from the truth."""
+    images, rows, columns = torch.nonzero(wanted.types != NOTHING, as_tuple=True)
+    boxes = boxes_at(sides[images, :, rows, columns], rows, columns, size)
+    return {
+        "middles": heat_loss(middles, wanted.heat) / max(1.0, float((wanted.heat == 1).sum())),
+        "boxes": box_loss(boxes, wanted.boxes[images, :, rows, columns]).sum() / max(1, len(images)),
+    }
 
 
 def heat_loss(logits: Tensor, heat: Tensor) -> Tensor:

@@ -26,6 +26,7 @@ from remqa_data.agents.networks.detection.detector import (
     kept_objects,
     likeliest_types,
 )
+from remqa_data.agents.networks.detection.proposer import Proposer
 from remqa_data.agents.networks.detection.pyramid import (
     CHANNELS,
     STRIDE,
@@ -173,12 +174,13 @@ class TwoStageDetector:
 
     Attributes
     ----------
-    first, second
-        Trained networks.
+    first, second, proposer
+        Trained networks; the last one, which may be None, proposes other boxes than the first.
     """
 
-    def __init__(self, first: Detector, second: Refiner) -> None:
+    def __init__(self, first: Detector, second: Refiner, proposer: Proposer | None = None) -> None:
         self.first, self.second = first.eval(), second.eval()
+        self.proposer = None if proposer is None else proposer.eval()
 
     @property
     def types(self) -> int:
@@ -187,7 +189,8 @@ class TwoStageDetector:
 
     def to(self, device: str) -> TwoStageDetector:
         """The same, computing elsewhere."""
-        return TwoStageDetector(self.first.to(device), self.second.to(device))
+        proposer = None if self.proposer is None else self.proposer.to(device)
+        return TwoStageDetector(self.first.to(device), self.second.to(device), proposer)
 
     def eval(self) -> TwoStageDetector:
         """The same: it never learns."""
@@ -223,8 +226,10 @@ class TwoStageDetector:
         return Refined(*(torch.cat(parts) for parts in zip(*said, strict=True)))
 
     def _found(self, seen: FeatureMaps, peaks: Peaks, cells: np.ndarray) -> Detections:
-        """The objects at the peaks of one picture, as the second stage sees them."""
-        boxes = torch.from_numpy(peaks.boxes).to(seen.rgb.device)
+        """The objects at the peaks of one picture, and where else they are proposed, as the second stage sees them."""
+        proposer = self.proposer
+        rough = peaks.boxes if proposer is None else proposer.propose(seen.features, peaks, LEAST_VOTES)
+        boxes = torch.from_numpy(rough).to(seen.rgb.device)
         found = self._refined(seen, boxes)
         height, width = seen.rgb.shape[-2:]
         limits = np.array([width, height, width, height], dtype=np.float32)

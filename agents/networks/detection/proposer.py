@@ -1,0 +1,75 @@
+"""Where objects may be, by what the second stage of the detector sees of the whole picture (as in Ren et al. 2015).
+
+The first stage looks with a backbone that has learnt less, and misses most drawers. What it finds stays: both propose, and of
+two boxes that are of the same object the likelier one is looked at again.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from remqa_data.agents.networks.detection.detector import (
+    ENLARGED,
+    Peaks,
+    apart,
+    begin_with_few,
+    boxes_at,
+    likeliest_middles,
+    sides_of,
+)
+from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE, conv_block
+from remqa_data.geometry.types import F32
+
+
+class Middles(NamedTuple):
+    """Where the middles of objects are in n enlarged pictures.
+
+    Attributes
+    ----------
+    middles : (n, h', w')
+        Logits.
+    sides : (n, 4, h', w')
+        Distances to the left, upper, right and lower side of the object, pixels of the enlarged picture.
+    """
+
+    middles: Tensor
+    sides: Tensor
+
+
+class Proposer(nn.Module):
+    """Proposes boxes, whatever they hold; a small network on features that stay as they are."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        heads = nn.Conv2d(CHANNELS, 1 + 4, 1)
+        begin_with_few(heads)
+        self.layers = nn.Sequential(conv_block(CHANNELS, CHANNELS), conv_block(CHANNELS, CHANNELS), heads)
+
+    def forward(self, features: Tensor) -> Middles:
+        """What it says of pictures of which the second stage has (n, CHANNELS, h', w') features."""
+        said = self.layers(features).float()
+        return Middles(said[:, 0], sides_of(said[:, 1:]))
+
+    @torch.no_grad()
+    def propose(self, features: Tensor, seen: Peaks, least_votes: float) -> F32:
+        """(m, 4) boxes in one picture, pixels: those that were seen, and its own.
+
+        Parameters
+        ----------
+        features : (1, CHANNELS, h', w')
+            Of the second stage.
+        seen : Peaks
+            Of the first stage.
+        least_votes : float
+            What is less likely an object is not proposed.
+        """
+        said = self(features)
+        (scores,), (rows,), (columns,) = likeliest_middles(said.middles)
+        size = tuple(side * STRIDE for side in features.shape[-2:])
+        own = boxes_at(said.sides[0, :, rows, columns].T, rows, columns, size) / ENLARGED
+        boxes = np.concatenate([seen.boxes, own.numpy(force=True)])
+        return boxes[apart(boxes, np.concatenate([seen.votes.sum(axis=1), scores.numpy(force=True)]), least_votes)]
