@@ -246,17 +246,15 @@ def _unit(vectors: Tensor) -> Tensor:
     return functional.normalize(vectors, dim=-1)
 
 
-def ranking_loss(scores: Tensor, right: int, of_others: Tensor, margin: float = 1.0) -> Tensor:
+def ranking_loss(right: Tensor, wrong: Tensor, margin: float = 1.0) -> Tensor:
     """Hinge loss of one expression with its object.
 
     Parameters
     ----------
-    scores : (m,)
-        How well the objects of the picture fit the expression.
-    right : int
-        Which of them is meant.
-    of_others : (k,)
-        How well other expressions fit the one that is meant.
+    right : ()
+        How well the object that is meant fits the expression.
+    wrong : (k,)
+        How well other objects of the picture fit it, and other expressions the object.
     margin : float
         By how much the right pair is to fit better.
 
@@ -264,8 +262,7 @@ def ranking_loss(scores: Tensor, right: int, of_others: Tensor, margin: float = 
     -------
     The mean over all wrong pairs, plus that of the worst: hard negatives are those of the same picture.
     """
-    wrong = torch.cat([scores[:right], scores[right + 1 :], of_others])
     if not len(wrong):
-        return scores.sum() * 0
-    short = functional.relu(margin + wrong - scores[right])
+        return right * 0
+    short = functional.relu(margin + wrong - right)
     return short.mean() + short.amax()

@@ -66,6 +66,27 @@ class Referred:
     right_true: np.ndarray
 
 
+class Choices(NamedTuple):
+    """The expressions of a picture, and what each may mean.
+
+    Attributes
+    ----------
+    numbers : (e, t) int64
+        Words.
+    regions : Regions
+        m objects.
+    right : (e,) int64
+        Which each means; -1 where it is not among them.
+    fits : (e, m) bool
+        Which are no wrong choice.
+    """
+
+    numbers: Tensor
+    regions: Regions
+    right: np.ndarray
+    fits: np.ndarray
+
+
 class MatchingTask:
     """A matcher learns from the expressions of the train split; see `remqa_data.agents.training.trainer.Task`.
 
@@ -79,6 +100,8 @@ class MatchingTask:
         Trained.
     device : str
         Where to compute.
+    spared_iou : float, optional
+        Detected boxes that overlap what is meant so much are no wrong choice; by default only the one that fits best is none.
     progress : callable, optional
         Called with the number of pictures that were looked at since the last call, before training begins.
     """
@@ -89,6 +112,8 @@ class MatchingTask:
         kind: str,
         detector: AnyDetector,
         device: str = "cpu",
+        *,
+        spared_iou: float | None = None,
         progress: Callable[[int], None] | None = None,
     ) -> None:
         detector = detector.to(device).eval()
@@ -101,29 +126,28 @@ class MatchingTask:
         self.vocabulary = Vocabulary.build((text for picture in self._pictures for text in picture.texts), ())
         types = detector.types
         self.model: Matcher = MATCHERS[kind](len(self.vocabulary.words), types)
-        self.device = device
+        self.device, self.spared_iou = device, spared_iou
 
     def __len__(self) -> int:
         return len(self._pictures)
 
-    def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> list[tuple[Tensor, Regions, np.ndarray]]:
+    def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> list[Choices]:
         """Of each picture the words of its expressions, regions, found or true by chance, and which are right."""
         made = []
         for sample, rng in zip(samples, rngs, strict=True):
             picture = self._pictures[sample]
             is_true = rng.random() < 0.5 or not len(picture.found.boxes)
-            regions, right = (picture.true, picture.right_true) if is_true else (picture.found, picture.right_found)
-            made.append((self._numbers(picture.texts), regions, right))
+            made.append(choices_of(picture, self._numbers(picture.texts), self.spared_iou, is_true=is_true))
         return made
 
-    def losses(self, batch: list[tuple[Tensor, Regions, np.ndarray]]) -> Mapping[str, Tensor]:
+    def losses(self, batch: list[Choices]) -> Mapping[str, Tensor]:
         """The ranking loss, a mean over expressions whose object is among the regions."""
         total, hits, asked = torch.zeros((), device=self.device), 0, 0
-        for numbers, regions, right in batch:
+        for numbers, regions, right, fits in batch:
             scores = self.model(numbers, regions).scores
             for e in np.flatnonzero(right >= 0).tolist():
-                others = scores[right != right[e], right[e]]
-                total = total + ranking_loss(scores[e], int(right[e]), others)
+                wrong = torch.cat([scores[e, ~fits[e]], scores[~fits[:, right[e]], right[e]]])
+                total = total + ranking_loss(scores[e, right[e]], wrong)
                 hits += int(scores[e].argmax()) == int(right[e])
                 asked += 1
         return {"loss": total / max(asked, 1), "right": torch.tensor(hits / max(asked, 1))}
@@ -143,6 +167,18 @@ class MatchingTask:
 
     def _numbers(self, texts: Sequence[str]) -> Tensor:
         return torch.from_numpy(self.vocabulary.encode_batch(texts)[0]).to(self.device)
+
+
+def choices_of(picture: Referred, numbers: Tensor, spared_iou: float | None, *, is_true: bool) -> Choices:
+    """What the expressions of a picture, (e, t) words, may mean of what is there, or of what the detector found.
+
+    Where detected boxes that overlap what is meant by `spared_iou` are spared, they are no wrong choice.
+    """
+    regions, right = (picture.true, picture.right_true) if is_true else (picture.found, picture.right_found)
+    fits = right[:, None] == np.arange(len(regions.boxes))
+    if spared_iou is not None and not is_true:
+        fits |= iou(picture.targets, regions.boxes) >= spared_iou
+    return Choices(numbers, regions, right, fits)
 
 
 @torch.no_grad()

@@ -61,9 +61,11 @@ def test_a_single_object_can_be_meant(kind: type[Matcher]) -> None:
 
 def test_the_loss_is_nothing_beyond_the_margin_and_most_for_the_worst() -> None:
     scores = torch.tensor([3.0, 1.0, 2.5])
-    assert float(ranking_loss(scores, 0, torch.zeros(0))) == pytest.approx(0.25 + 0.5)  # mean and worst of 0 and 0.5
-    assert float(ranking_loss(scores, 0, torch.tensor([4.0]))) == pytest.approx((0 + 0.5 + 2) / 3 + 2)
-    assert float(ranking_loss(torch.tensor([3.0]), 0, torch.zeros(0))) == 0
+    assert float(ranking_loss(scores[0], scores[1:])) == pytest.approx(0.25 + 0.5)  # mean and worst of 0 and 0.5
+    assert float(ranking_loss(scores[0], torch.cat([scores[1:], torch.tensor([4.0])]))) == pytest.approx(
+        (0 + 0.5 + 2) / 3 + 2
+    )
+    assert float(ranking_loss(torch.tensor(3.0), torch.zeros(0))) == 0
 
 
 def test_places_are_shares_of_the_picture_and_metres_of_the_room() -> None:

@@ -39,3 +39,14 @@ def test_a_key_that_is_wrong_is_named(before: str, after: str, said: str, tmp_pa
     path.write_text(text.replace(before, after))
     with pytest.raises(ConfigError, match=rf"mine\.yaml: .*{said}"):
         load_network_config(path)
+
+
+def test_proposals_need_a_second_stage(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    text = Path("configs/agents/training/anchored_matcher.yaml").read_text()
+    assert "refiner: refiner, " in text
+    path.write_text(text.replace("refiner: refiner, ", ""))
+    with pytest.raises(ConfigError, match=r"mine\.yaml: network\.matcher.*proposer: needs a refiner"):
+        load_network_config(path)
+    assert load_network_config("anchored_matcher").network.needs == ("detector", "refiner", "proposer")
+    assert load_network_config("proposer").network.needs == ("detector", "refiner")
