@@ -20,7 +20,7 @@ from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.training.answering import AskedViews
 from remqa_data.agents.training.config import AnswererConfig, ProposerConfig
 from remqa_data.agents.training.grounding import asked_frames, seen_frames
-from remqa_data.agents.training.matching import chosen, referred_pictures
+from remqa_data.agents.training.matching import chosen, frames_with_expressions, referred_pictures
 from remqa_data.agents.training.weights import DETECTOR, About, load_network, trained, trained_detector, weights_path
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.evaluation.submission.reader import Header, write_submission
@@ -48,7 +48,7 @@ def predict_expressions(
     -------
     Rows of the track `rec` by title: each matcher's with the boxes that the detector finds, and with the true ones.
     """
-    pictures = referred_pictures(root, split, detector.to(device), device, None, progress)
+    pictures = referred_pictures(frames_with_expressions(root, split), detector.to(device), device, progress)
     rows: dict[str, list[dict[str, Any]]] = {}
     for network, about in networks:
         for which in ("detected", "true"):

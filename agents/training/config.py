@@ -66,6 +66,7 @@ class MatcherConfig(_Network):
 
     It chooses among what the detector finds, with a second stage of the name `refiner` if that is given, and boxes of
     `proposer`, which has learnt on that stage. Boxes that overlap what is meant by `spared_iou` are no wrong choice.
+    With `questions` it learns from what questions say of the views before their manipulations, too.
     """
 
     kind: Literal["matcher"]
@@ -73,6 +74,7 @@ class MatcherConfig(_Network):
     refiner: str | None = None
     proposer: str | None = None
     spared_iou: Annotated[float, Field(gt=0, le=1)] | None = None
+    questions: bool = False
 
     @model_validator(mode="after")
     def _proposes_for_a_second_stage(self) -> MatcherConfig:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import torch
+from scipy import ndimage
 from torch import Tensor
 
 from remqa_data.agents.networks.detection.detector import iou
@@ -30,9 +32,12 @@ from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.geometry.types import F32
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
-from remqa_data.tables.images import decode_depth, decode_rgb
+from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
 
 RIGHT_IOU = 0.5
+
+IMAGES, START_IMAGES = ("rgb", "depth"), ("start_rgb", "start_depth")
+"""Columns of frames of walks, and of questions."""
 
 MATCHERS: Mapping[str, Callable[[int, int], Matcher]] = {
     "language_attention": LanguageAttentionMatcher,
@@ -102,6 +107,8 @@ class MatchingTask:
         Where to compute.
     spared_iou : float, optional
         Detected boxes that overlap what is meant so much are no wrong choice; by default only the one that fits best is none.
+    questions : bool
+        It learns from what questions say of the target in the view before the manipulation, too.
     progress : callable, optional
         Called with the number of pictures that were looked at since the last call, before training begins.
     """
@@ -114,15 +121,17 @@ class MatchingTask:
         device: str = "cpu",
         *,
         spared_iou: float | None = None,
+        questions: bool = False,
         progress: Callable[[int], None] | None = None,
     ) -> None:
         detector = detector.to(device).eval()
         rooms = learning_rooms(roots)
-        self._pictures = [
-            picture for root in roots for picture in referred_pictures(root, "train", detector, device, rooms, progress)
-        ]
-        has_val = bool(rooms_of(roots[0], "val"))
-        self._val = referred_pictures(roots[0], "val", detector, device, None, progress) if has_val else []
+        shown = [frames_with_expressions(root, "train", rooms) for root in roots]
+        if questions:
+            shown += [views_with_expressions(root, "train", rooms) for root in roots]
+        self._pictures = referred_pictures(chain.from_iterable(shown), detector, device, progress)
+        val = frames_with_expressions(roots[0], "val") if rooms_of(roots[0], "val") else ()
+        self._val = referred_pictures(val, detector, device, progress)
         self.vocabulary = Vocabulary.build((text for picture in self._pictures for text in picture.texts), ())
         types = detector.types
         self.model: Matcher = MATCHERS[kind](len(self.vocabulary.words), types)
@@ -198,8 +207,10 @@ class FrameExpressions(NamedTuple):
         Of its table.
     place : int
         Its row there.
+    images : tuple of str
+        Columns of its colours and its depth.
     objects : list of dict
-        What it shows, as its row has it.
+        What it shows: `id`, `pixels` and `box_2d`.
     horizon_deg : float
         How far down its camera looks.
     rows : list of dict
@@ -208,6 +219,7 @@ class FrameExpressions(NamedTuple):
 
     reader: SplitReader
     place: int
+    images: tuple[str, str]
     objects: list[dict[str, Any]]
     horizon_deg: float
     rows: list[dict[str, Any]]
@@ -226,21 +238,45 @@ def frames_with_expressions(root: Path, split: str, rooms: frozenset[str] | None
         for place, frame_id in enumerate(table["frame_id"].to_pylist()):
             if frame_id in by_frame:
                 objects, agent = (table[name][place].as_py() for name in ("objects", "agent"))
-                yield FrameExpressions(reader, place, objects, agent["horizon_deg"], by_frame[frame_id])
+                yield FrameExpressions(reader, place, IMAGES, objects, agent["horizon_deg"], by_frame[frame_id])
+
+
+def views_with_expressions(root: Path, split: str, rooms: frozenset[str] | None = None) -> Iterator[FrameExpressions]:
+    """The views before the manipulation of a split's questions, with what these say of the target; see above."""
+    reader = SplitReader(root, "questions", split)
+    names = ("question_id", "scene", "expression", "target_id", "start_target_box_2d", "goal_poses", "object_ids")
+    for place, row in enumerate(reader.columns(names).to_pylist()):
+        if rooms is not None and row["scene"] not in rooms:
+            continue
+        (stored,) = reader.images(place, ["start_instances"])
+        instances = decode_instances(stored).astype(np.int32)
+        boxes = ndimage.find_objects(instances, max_label=len(row["object_ids"]))
+        pixels = np.bincount(instances.ravel(), minlength=len(boxes) + 1)[1:]
+        objects = [
+            {"id": name, "pixels": int(count), "box_2d": [across.start, down.start, across.stop, down.stop]}
+            for name, count, (down, across) in (
+                one for one in zip(row["object_ids"], pixels, boxes, strict=True) if one[2] is not None
+            )
+        ]
+        said = {
+            "expression_id": row["question_id"],
+            "text": row["expression"],
+            "target_id": row["target_id"],
+            "box_2d": row["start_target_box_2d"],
+        }
+        yield FrameExpressions(reader, place, START_IMAGES, objects, row["goal_poses"][0]["horizon_deg"], [said])
 
 
 @torch.no_grad()
 def referred_pictures(
-    root: Path,
-    split: str,
+    frames: Iterable[FrameExpressions],
     detector: AnyDetector,
     device: str,
-    rooms: frozenset[str] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> list[Referred]:
-    """The pictures that expressions of a split are about, as the detector sees them; only those of some rooms, if given."""
+    """The pictures that expressions are about, as the detector sees them."""
     pictures = []
-    for frame in frames_with_expressions(root, split, rooms):
+    for frame in frames:
         pictures.append(referred(frame, detector, device))
         if progress is not None:
             progress(1)
@@ -249,7 +285,7 @@ def referred_pictures(
 
 def referred(frame: FrameExpressions, detector: AnyDetector, device: str) -> Referred:
     """A frame as the detector sees it."""
-    rgb, depth = frame.reader.images(frame.place, ["rgb", "depth"])
+    rgb, depth = frame.reader.images(frame.place, frame.images)
     rows, objects = frame.rows, frame.objects
     picture = torch.from_numpy(decode_rgb(rgb)).permute(2, 0, 1)[None].to(device)
     seen, (found,) = detector.look(picture)
