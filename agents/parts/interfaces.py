@@ -70,10 +70,14 @@ class Sighting:
             return None
         height, width = mask.shape
         x1, y1, x2, y2 = box
-        rows, columns = np.nonzero(mask)
-        middle = int(np.argmin((rows - rows.mean()) ** 2 + (columns - columns.mean()) ** 2))
-        point = (float(columns[middle]) + 0.5) / width, (float(rows[middle]) + 0.5) / height
-        return cls((x1 / width, y1 / height, x2 / width, y2 / height), point)
+        return cls((x1 / width, y1 / height, x2 / width, y2 / height), middle_of(mask))
+
+
+def middle_of(mask: Flags) -> tuple[float, float]:
+    """Of the pixels of a (h, w) mask the one nearest to their middle, as shares of the width and height."""
+    rows, columns = np.nonzero(mask)
+    nearest = int(np.argmin((rows - rows.mean()) ** 2 + (columns - columns.mean()) ** 2))
+    return (float(columns[nearest]) + 0.5) / mask.shape[1], (float(rows[nearest]) + 0.5) / mask.shape[0]
 
 
 class Walker(Protocol):

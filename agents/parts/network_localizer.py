@@ -14,7 +14,7 @@ from remqa_data.agents.networks.detection.regions import AnyDetector, candidates
 from remqa_data.agents.networks.grounding import CELL_PX, Grounder, grounded, sight_of
 from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.networks.threads import one_thread
-from remqa_data.agents.parts.interfaces import Percept, Sighting
+from remqa_data.agents.parts.interfaces import Percept, Sighting, middle_of
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.geometry.types import F32, Flags
 
@@ -90,10 +90,3 @@ def _sighting(box: F32, mask: Flags) -> Sighting:
     height, width = mask.shape
     x1, y1, x2, y2 = (float(share) for share in box / np.array([width, height, width, height], dtype=np.float32))
     return Sighting((x1, y1, x2, y2), middle_of(mask))
-
-
-def middle_of(mask: Flags) -> tuple[float, float]:
-    """Of the pixels of a (h, w) mask the one nearest to their middle, as shares of the width and height."""
-    rows, columns = np.nonzero(mask)
-    nearest = int(np.argmin((rows - rows.mean()) ** 2 + (columns - columns.mean()) ** 2))
-    return (float(columns[nearest]) + 0.5) / mask.shape[1], (float(rows[nearest]) + 0.5) / mask.shape[0]

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import cv2
 import numpy as np
 import torch
-from scipy import ndimage
 from torch import Tensor
 from torch.nn import functional
 
@@ -34,7 +33,7 @@ from remqa_data.agents.networks.detection.refiner import (
     with_margin,
 )
 from remqa_data.agents.networks.detection.regions import candidates
-from remqa_data.agents.training.pictures import UNKNOWN, Picture, Pictures, Which, detector_types, varied
+from remqa_data.agents.training.pictures import UNKNOWN, Picture, Pictures, Which, detector_types, shown_in, varied
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.geometry.types import F32
 
@@ -81,13 +80,8 @@ class DetectionTask:
 
     def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> tuple[Tensor, Wanted]:
         """(n, 3, side, side) pictures, and what is true of them."""
-        pictures, wanted = [], []
-        for sample, rng in zip(samples, rngs, strict=True):
-            source, index = self._places[sample]
-            picture = varied(source[index], self.side, rng)
-            pictures.append(torch.from_numpy(picture.rgb).permute(2, 0, 1))
-            wanted.append(wanted_of(picture.instances, picture.types))
-        return torch.stack(pictures), batch_of(wanted)
+        parts = _parts(self._places, samples, self.side, rngs)
+        return _colours(parts), batch_of([wanted_of(part.instances, part.types) for part in parts])
 
     def losses(self, batch: tuple[Tensor, Wanted]) -> Mapping[str, Tensor]:
         """See `detector_losses`."""
@@ -98,7 +92,7 @@ class DetectionTask:
         """Losses on whole frames of val rooms, and the share of cells whose type is right."""
         sums: dict[str, Any] = {}
         for picture in self._scored:
-            rgb = torch.from_numpy(picture.rgb).permute(2, 0, 1)[None].to(self.device)
+            rgb = _colours([picture]).to(self.device)
             raw = self.model(rgb)
             wanted = batch_of([wanted_of(picture.instances, picture.types)]).on(self.device)
             found = dict(detector_losses(self.model, raw, wanted, rgb.shape[-2:]))
@@ -135,18 +129,13 @@ class RefinementTask:
 
     def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> Proposed:
         """Parts of pictures, and boxes in them that the first stage has seen, or that are nearly right."""
-        pictures = [
-            varied(source[index], self.side, rng)
-            for (source, index), rng in zip((self._places[sample] for sample in samples), rngs, strict=True)
-        ]
-        rgb = torch.stack([torch.from_numpy(picture.rgb).permute(2, 0, 1) for picture in pictures]).to(self.device)
+        parts = _parts(self._places, samples, self.side, rngs)
+        rgb = _colours(parts).to(self.device)
         voted = self._first.vote(rgb, LEAST_VOTES)
-        proposed = [
-            propose(picture, peaks.boxes, rng) for picture, peaks, rng in zip(pictures, voted.peaks, rngs, strict=True)
-        ]
+        proposed = [propose(part, peaks.boxes, rng) for part, peaks, rng in zip(parts, voted.peaks, rngs, strict=True)]
         images = np.repeat(np.arange(len(proposed)), [len(one.boxes) for one in proposed])
         boxes, true, kinds, shapes = (
-            torch.from_numpy(np.concatenate(parts)).to(self.device) for parts in zip(*proposed, strict=True)
+            torch.from_numpy(np.concatenate(arrays)).to(self.device) for arrays in zip(*proposed, strict=True)
         )
         return Proposed(rgb, torch.from_numpy(images).to(self.device), boxes, true, kinds, shapes)
 
@@ -202,12 +191,8 @@ class ProposalTask:
 
     def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> tuple[Tensor, Wanted]:
         """(n, 3, side, side) pictures, and what is true of them when they are enlarged."""
-        pictures = [
-            varied(source[index], self.side, rng)
-            for (source, index), rng in zip((self._places[sample] for sample in samples), rngs, strict=True)
-        ]
-        rgb = torch.stack([torch.from_numpy(picture.rgb).permute(2, 0, 1) for picture in pictures])
-        return rgb, batch_of([wanted_of(_enlarged(picture.instances), picture.types) for picture in pictures])
+        parts = _parts(self._places, samples, self.side, rngs)
+        return _colours(parts), batch_of([wanted_of(_enlarged(part.instances), part.types) for part in parts])
 
     def losses(self, batch: tuple[Tensor, Wanted]) -> Mapping[str, Tensor]:
         """See `middle_losses`; "loss" is the sum."""
@@ -267,11 +252,9 @@ class Proposals(NamedTuple):
 
 def objects_of(picture: Picture) -> Objects:
     """The objects of known types of which enough is seen."""
-    sizes = np.bincount(picture.instances.ravel(), minlength=len(picture.types) + 1)[1:]
-    places = ndimage.find_objects(picture.instances, max_label=len(picture.types))
-    numbers = np.flatnonzero((picture.types != UNKNOWN) & (sizes >= LEAST_PIXELS)) + 1
-    boxes = [(columns.start, rows.start, columns.stop, rows.stop) for rows, columns in (places[n - 1] for n in numbers)]
-    return Objects(numbers, np.array(boxes, dtype=np.float32).reshape(-1, 4), picture.types[numbers - 1])
+    pixels, boxes = shown_in(picture.instances, len(picture.types))
+    places = np.flatnonzero((picture.types != UNKNOWN) & (pixels >= LEAST_PIXELS))
+    return Objects(places + 1, boxes[places], picture.types[places])
 
 
 def propose(picture: Picture, seen: F32, rng: np.random.Generator) -> Proposals:
@@ -311,7 +294,7 @@ def _found_and_known(detector: TwoStageDetector, pictures: Sequence[Picture], de
     """Shares of the objects in frames of val rooms: found with half of their box, and known for what they are."""
     asked, found, known = 0, 0, 0
     for picture in pictures:
-        (seen,) = detector.detect(torch.from_numpy(picture.rgb).permute(2, 0, 1)[None].to(device))
+        (seen,) = detector.detect(_colours([picture]).to(device))
         true = objects_of(picture)
         chosen = candidates(seen)
         fits = iou(true.boxes, seen.boxes[chosen]) >= FOUND_IOU
@@ -326,6 +309,19 @@ def _enlarged(instances: np.ndarray) -> np.ndarray:
     height, width = (round(side * ENLARGED) for side in instances.shape)
     larger = cv2.resize(instances.astype(np.float32), (width, height), interpolation=cv2.INTER_NEAREST)
     return larger.astype(np.int32)
+
+
+def _parts(
+    places: Sequence[tuple[Pictures, int]], samples: np.ndarray, side: int, rngs: Sequence[np.random.Generator]
+) -> list[Picture]:
+    """Parts of the pictures at some places, of so many pixels a side, varied."""
+    chosen = (places[sample] for sample in samples)
+    return [varied(source[index], side, rng) for (source, index), rng in zip(chosen, rngs, strict=True)]
+
+
+def _colours(pictures: Sequence[Picture]) -> Tensor:
+    """(n, 3, h, w) uint8."""
+    return torch.stack([torch.from_numpy(picture.rgb).permute(2, 0, 1) for picture in pictures])
 
 
 def _places(roots: Sequence[Path], types: Sequence[str]) -> list[tuple[Pictures, int]]:

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 import torch
-from scipy import ndimage
 from torch import Tensor
 
 from remqa_data.agents.networks.detection.detector import iou
@@ -26,6 +25,7 @@ from remqa_data.agents.networks.matcher import (
     PlainMatcher,
     ranking_loss,
 )
+from remqa_data.agents.training.pictures import shown_in
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.datasets.vocabulary import Vocabulary
@@ -249,14 +249,11 @@ def views_with_expressions(root: Path, split: str, rooms: frozenset[str] | None 
         if rooms is not None and row["scene"] not in rooms:
             continue
         (stored,) = reader.images(place, ["start_instances"])
-        instances = decode_instances(stored).astype(np.int32)
-        boxes = ndimage.find_objects(instances, max_label=len(row["object_ids"]))
-        pixels = np.bincount(instances.ravel(), minlength=len(boxes) + 1)[1:]
+        ids = row["object_ids"]
+        pixels, boxes = shown_in(decode_instances(stored).astype(np.int32), len(ids))
         objects = [
-            {"id": name, "pixels": int(count), "box_2d": [across.start, down.start, across.stop, down.stop]}
-            for name, count, (down, across) in (
-                one for one in zip(row["object_ids"], pixels, boxes, strict=True) if one[2] is not None
-            )
+            {"id": ids[number], "pixels": int(pixels[number]), "box_2d": boxes[number].tolist()}
+            for number in np.flatnonzero(pixels).tolist()
         ]
         said = {
             "expression_id": row["question_id"],

@@ -9,10 +9,11 @@ from typing import Literal
 
 import cv2
 import numpy as np
+from scipy import ndimage
 
 from remqa_data.catalog import catalog
 from remqa_data.datasets.random_access import SplitReader
-from remqa_data.geometry.types import U8
+from remqa_data.geometry.types import F32, U8
 from remqa_data.tables.images import decode_instances, decode_rgb
 
 Which = Literal["rgb", "start_rgb", "end_rgb"]
@@ -90,6 +91,17 @@ class Pictures:
         row = int(self.rows[index])
         rgb, instances = self._reader.images(row, self._names)
         return Picture(decode_rgb(rgb), decode_instances(instances).astype(np.int32), self._types[row])
+
+
+def shown_in(instances: np.ndarray, count: int) -> tuple[np.ndarray, F32]:
+    """What (h, w) numbers of objects, from 1, show of each: (count,) pixels, and (count, 4) boxes, 0 where nothing shows."""
+    pixels = np.bincount(instances.ravel(), minlength=count + 1)[1:]
+    boxes = np.zeros((count, 4), dtype=np.float32)
+    for box, place in zip(boxes, ndimage.find_objects(instances, max_label=count), strict=True):
+        if place is not None:
+            rows, columns = place
+            box[:] = columns.start, rows.start, columns.stop, rows.stop
+    return pixels, boxes
 
 
 def varied(picture: Picture, side: int, rng: np.random.Generator) -> Picture:

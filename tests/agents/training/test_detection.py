@@ -6,7 +6,7 @@ import torch
 
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.training.detection import RefinementTask
-from remqa_data.agents.training.pictures import detector_types
+from remqa_data.agents.training.pictures import detector_types, shown_in
 
 
 @pytest.mark.slow
@@ -25,3 +25,11 @@ def test_the_second_stage_begins_with_the_first_ones_backbone_and_leaves_that_as
     assert all(torch.equal(detector.state_dict()[name], value) for name, value in before.items())
     learnt = dict(task.model.backbone.named_parameters())
     assert not any(torch.equal(value, of_first[name]) for name, value in learnt.items())
+
+
+def test_of_what_a_picture_does_not_show_there_are_no_pixels() -> None:
+    instances = np.zeros((6, 8), dtype=np.int32)
+    instances[1:3, 2:7], instances[2, 4] = 1, 3
+    pixels, boxes = shown_in(instances, 4)
+    assert pixels.tolist() == [9, 0, 1, 0]
+    assert boxes.tolist() == [[2, 1, 7, 3], [0, 0, 0, 0], [4, 2, 5, 3], [0, 0, 0, 0]]
