@@ -31,7 +31,7 @@ ANSWERERS := $(filter answerer%,$(NETWORKS))
 SYSTEMS := random semantic_map framework framework_two_stage framework_anchored framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
 
 # They find what an expression means.
-REFERRING := language_attention language_attention_two_stage anchored_matcher plain_matcher compositional_matcher mcn cgan
+REFERRING := language_attention language_attention_two_stage anchored_matcher plain_matcher mcn cgan
 
 # What walkers of the paper learn depends much on the draws; these are trained and played with other seeds than 0, too.
 SEEDED := a3c savn scene_priors eqa iqa

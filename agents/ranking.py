@@ -25,9 +25,9 @@ NAMESAKES: Mapping[str, Mapping[str, str]] = {
     "REC": {
         "MCN": "MCN",
         "CGAN": "CGAN",
-        "BiLSTM, pairs (CMN), detected boxes": "BiLSTM + detectron2",
-        "LAN, detected boxes": "LAN + detectron2 (Ours)",
-        "LAN, two stages, detected boxes": "LAN + MaskRCNN",
+        "BiLSTM, no modules, two stages, detected boxes": "BiLSTM + detectron2",
+        "LAN, detected boxes": "LAN + MaskRCNN",
+        "LAN with anchors, two stages, detected boxes": "LAN + detectron2 (Ours)",
     },
     "REMQA": {
         "EQA (PACMAN), LAN": "EQA",

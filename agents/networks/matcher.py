@@ -9,20 +9,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
 from remqa_data.agents.networks.detection.arrangement import PAIR, RANKS, arrangement_of
+from remqa_data.agents.networks.detection.box_head import BoxHead, Fit
 from remqa_data.agents.networks.detection.pyramid import CHANNELS
-from remqa_data.agents.networks.detection.regions import ALIKE, PLACE, Regions, compared
+from remqa_data.agents.networks.detection.regions import ALIKE, PLACE, Regions
 from remqa_data.agents.networks.language import EMBEDDED, HIDDEN, WordReader
+from remqa_data.geometry.types import F32, I64
 
 JOINT = 128
 """Numbers of what is compared."""
-
-PAIRED = 96
-"""The same, where all pairs are compared."""
 
 BETWEEN = 64
 """The same, of how pairs lie."""
@@ -30,6 +30,9 @@ BETWEEN = 64
 PARTS = ("subject", "location", "relationship")
 SHARPNESS = 10.0
 """What similarities, -1 to 1, are multiplied with."""
+
+TRUST = 0.5
+"""How much it counts at first how well a box fits."""
 
 UNLIKELY = -1e4
 """Logit of what cannot be: nothing is its own anchor, unless it is alone."""
@@ -46,14 +49,63 @@ class Match(NamedTuple):
         How much each part counts.
     attention : (e, 3, t) or (e, 4, t)
         How much each word counts for each part, and for the anchor if there is one.
+    fit : Fit, optional
+        Where each object ends, and how well its box fits it, if that is judged; else the boxes stay as they are.
     """
 
     scores: Tensor
     weights: Tensor
     attention: Tensor
+    fit: Fit | None = None
+
+    @property
+    def chosen(self) -> I64:
+        """(e,) which object each expression means."""
+        return np.asarray(self.scores.argmax(1).numpy(force=True))
+
+    def boxes_of(self, regions: Regions) -> F32:
+        """(m, 4) where the objects are that were matched, pixels."""
+        return regions.boxes if self.fit is None else self.fit.boxes.numpy(force=True)
 
 
-class ModularMatcher(nn.Module):
+class Matcher(nn.Module):
+    """Tells which object of a picture an expression means.
+
+    Parameters
+    ----------
+    types : int
+        How many types the detector knows.
+    box_head : bool
+        Whether it judges boxes that were found, and moves them.
+    """
+
+    def __init__(self, types: int, box_head: bool) -> None:
+        super().__init__()
+        self.box_head = BoxHead(types) if box_head else None
+        self.trust = nn.Parameter(torch.tensor(TRUST)) if box_head else None
+
+    def forward(self, numbers: Tensor, regions: Regions) -> Match:
+        """How well the objects of a picture fit expressions that have (e, t) numbers of words.
+
+        What was found counts the more the better its box fits an object.
+        """
+        match = self.match(numbers, regions)
+        if self.box_head is None or regions.are_known:
+            return match
+        (fit,) = self.box_head([regions])
+        return self.judged(match, fit)
+
+    def match(self, numbers: Tensor, regions: Regions) -> Match:
+        """The same, however well their boxes fit."""
+        raise NotImplementedError
+
+    def judged(self, match: Match, fit: Fit) -> Match:
+        """A match of objects of which is said how well their boxes fit."""
+        assert self.trust is not None
+        return match._replace(scores=match.scores + self.trust * fit.quality.detach(), fit=fit)
+
+
+class ModularMatcher(Matcher):
     """What is said of each part of an expression, and how well objects fit its subject.
 
     Parameters
@@ -66,10 +118,12 @@ class ModularMatcher(nn.Module):
         How many times the words are weighed; the subject comes first.
     seen : sequence of int
         How many numbers are compared with each of the first phrases.
+    box_head : bool
+        Whether it judges boxes that were found, and moves them.
     """
 
-    def __init__(self, words: int, types: int, phrases: int, seen: Sequence[int]) -> None:
-        super().__init__()
+    def __init__(self, words: int, types: int, phrases: int, seen: Sequence[int], box_head: bool) -> None:
+        super().__init__(types, box_head)
         self.reader = WordReader(words)
         self.attend = nn.Linear(2 * HIDDEN, phrases)
         self.weigh = nn.Linear(2 * HIDDEN, len(PARTS))
@@ -110,11 +164,11 @@ class LanguageAttentionMatcher(ModularMatcher):
         How many types the detector knows.
     """
 
-    def __init__(self, words: int, types: int) -> None:
-        super().__init__(words, types, len(PARTS), (2 * CHANNELS, PLACE * (1 + ALIKE), 2 * CHANNELS + PLACE))
+    def __init__(self, words: int, types: int, box_head: bool = False) -> None:
+        super().__init__(words, types, len(PARTS), (2 * CHANNELS, PLACE * (1 + ALIKE), 2 * CHANNELS + PLACE), box_head)
 
-    def forward(self, numbers: Tensor, regions: Regions) -> Match:
-        """How well the objects of a picture fit expressions that have (e, t) numbers of words."""
+    def match(self, numbers: Tensor, regions: Regions) -> Match:
+        """See `Matcher.match`."""
         weights, attention, (of_subject, of_place, of_relation) = self.read(numbers)
         types = self.type_look(regions.types)
         subject = self.fit_subject(of_subject, regions.looks, types)
@@ -126,17 +180,17 @@ class LanguageAttentionMatcher(ModularMatcher):
         return _weighed(subject, location, relationship, weights, attention)
 
 
-class PlainMatcher(nn.Module):
+class PlainMatcher(Matcher):
     """The same without modules: one vector for the expression, one for each object. What LAN is compared with."""
 
-    def __init__(self, words: int, types: int) -> None:
-        super().__init__()
+    def __init__(self, words: int, types: int, box_head: bool = False) -> None:
+        super().__init__(types, box_head)
         self.reader = WordReader(words)
         self.asked = _joint(2 * HIDDEN)
         self.seen = _joint(CHANNELS + types + PLACE * (1 + ALIKE))
 
-    def forward(self, numbers: Tensor, regions: Regions) -> Match:
-        """See `LanguageAttentionMatcher.forward`; every word counts alike."""
+    def match(self, numbers: Tensor, regions: Regions) -> Match:
+        """See `Matcher.match`; every word counts alike."""
         words = self.reader(numbers)
         asked = _unit(self.asked(words.sentence))
         seen = [regions.looks.mean((2, 3)), regions.types, regions.places, regions.from_alike.flatten(1)]
@@ -144,50 +198,6 @@ class PlainMatcher(nn.Module):
         is_word = words.is_word.to(scores.dtype)
         attention = (is_word / is_word.sum(1, keepdim=True))[:, None].expand(-1, len(PARTS), -1)
         return Match(scores, torch.full((len(numbers), len(PARTS)), 1 / len(PARTS)), attention)
-
-
-class CompositionalMatcher(nn.Module):
-    """Compositional modular networks (Hu et al. 2017): an expression as subject, relationship and object, softly chosen words.
-
-    Unlike LAN it weighs pairs: a subject is as good as it fits its own words, with the object for which words of the object
-    and of the relationship fit best.
-
-    Parameters
-    ----------
-    words : int
-        Size of the vocabulary.
-    types : int
-        How many types the detector knows.
-    """
-
-    def __init__(self, words: int, types: int) -> None:
-        super().__init__()
-        self.reader = WordReader(words, layers=2)
-        self.attend = nn.Linear(2 * 2 * HIDDEN, len(PARTS))
-        self.looks = nn.Linear(CHANNELS + types + PLACE, PAIRED)
-        self.pair = nn.Linear(PLACE, PAIRED)
-        self.asked = nn.ModuleList(nn.Linear(EMBEDDED, PAIRED) for _ in PARTS)
-        self.score = nn.ModuleList(nn.Linear(PAIRED, 1) for _ in PARTS)
-
-    def forward(self, numbers: Tensor, regions: Regions) -> Match:
-        """See `LanguageAttentionMatcher.forward`; parts are the subject, the relationship and its object, and count alike."""
-        words = self.reader(numbers)
-        first = words.read[:, :1].expand_as(words.read)
-        attention = _attention(self.attend(torch.cat([words.read, first], 2)), words.is_word)
-        phrases = (attention @ words.embedded).unbind(1)
-        subject, relation, other = (layer(phrase) for layer, phrase in zip(self.asked, phrases, strict=True))
-        seen = self.looks(torch.cat([regions.looks.mean((2, 3)), regions.types, regions.places], 1))
-        subjects = self._fit(0, subject[:, None] * seen)
-        others = self._fit(2, other[:, None] * seen)
-        pairs = self._fit(1, relation[:, None, None] * self.pair(compared(regions.places)))
-        is_self = torch.eye(len(seen), dtype=torch.bool, device=seen.device)
-        best = (pairs + others[:, None]).masked_fill(is_self, -torch.inf).amax(2)
-        scores = subjects + torch.where(best.isfinite(), best, torch.zeros_like(best))
-        return Match(scores, scores.new_full((len(numbers), len(PARTS)), 1 / len(PARTS)), attention)
-
-    def _fit(self, part: int, both: Tensor) -> Tensor:
-        """(...) how well words and what is seen fit, by (..., PAIRED) products of the two."""
-        return self.score[part](_unit(both))[..., 0]  # type: ignore[no-any-return]
 
 
 class AnchoredMatcher(ModularMatcher):
@@ -205,14 +215,14 @@ class AnchoredMatcher(ModularMatcher):
         How many types the detector knows.
     """
 
-    def __init__(self, words: int, types: int) -> None:
-        super().__init__(words, types, len(PARTS) + 1, (2 * CHANNELS, PLACE + RANKS + CHANNELS))
+    def __init__(self, words: int, types: int, box_head: bool = False) -> None:
+        super().__init__(words, types, len(PARTS) + 1, (2 * CHANNELS, PLACE + RANKS + CHANNELS), box_head)
         self.anchor, self.asked_anchor = _joint(2 * CHANNELS), _joint(EMBEDDED)
         self.pair = _joint(PAIR, BETWEEN)
         self.asked_pair = nn.Sequential(nn.Linear(EMBEDDED, JOINT), nn.ReLU(), nn.Linear(JOINT, BETWEEN))
 
-    def forward(self, numbers: Tensor, regions: Regions) -> Match:
-        """See `LanguageAttentionMatcher.forward`; attention is that of its three parts, and of the anchor."""
+    def match(self, numbers: Tensor, regions: Regions) -> Match:
+        """See `Matcher.match`; attention is that of its three parts, and of the anchor."""
         weights, attention, (of_subject, of_place, of_relation, of_anchor) = self.read(numbers)
         types, lie = self.type_look(regions.types), arrangement_of(regions)
         subject = self.fit_subject(of_subject, regions.looks, types)
@@ -222,9 +232,6 @@ class AnchoredMatcher(ModularMatcher):
         is_anchor = fits[:, None].masked_fill(~lie.is_other, UNLIKELY).softmax(2)
         beside = torch.einsum("ej,mkj->emk", _unit(self.asked_pair(of_relation)), _unit(self.pair(lie.pairs)))
         return _weighed(subject, location, (is_anchor * beside).sum(2), weights, attention)
-
-
-Matcher = LanguageAttentionMatcher | PlainMatcher | CompositionalMatcher | AnchoredMatcher
 
 
 def _weighed(subject: Tensor, location: Tensor, relationship: Tensor, weights: Tensor, attention: Tensor) -> Match:

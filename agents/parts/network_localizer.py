@@ -12,7 +12,7 @@ from remqa_data.agents.knowledge.reading import Question
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.detection.regions import AnyDetector, candidates, regions_of
 from remqa_data.agents.networks.grounding import CELL_PX, Grounder, grounded, sight_of
-from remqa_data.agents.networks.matcher import Matcher
+from remqa_data.agents.networks.matcher import Match, Matcher
 from remqa_data.agents.networks.threads import one_thread
 from remqa_data.agents.parts.interfaces import Percept, Sighting, middle_of
 from remqa_data.datasets.vocabulary import Vocabulary
@@ -49,8 +49,9 @@ class NetworkLocalizer:
             boxes, scores = found.boxes[places], found.scores[places]
             regions = regions_of(self.detector, seen, boxes, percept.depth, percept.pose.horizon_deg, scores)
             numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.expression])[0])
-            best = places[int(self.matcher(numbers, regions).scores[0].argmax())]
-        return _sighting(found.boxes[best], found.mask(best, percept.depth.shape))
+            match: Match = self.matcher(numbers, regions)
+            (best,) = match.chosen.tolist()
+        return _sighting(match.boxes_of(regions)[best], found.mask(places[best], percept.depth.shape))
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,19 +62,21 @@ class ProposerConfig(_Network):
 
 
 class MatcherConfig(_Network):
-    """Finds what an expression means, by language attention, with an anchor or not, by pairs, or with one vector for all words.
+    """Finds what an expression means, by language attention, with an anchor or not, or with one vector for all words.
 
     It chooses among what the detector finds, with a second stage of the name `refiner` if that is given, and boxes of
     `proposer`, which has learnt on that stage. Boxes that overlap what is meant by `spared_iou` are no wrong choice.
-    With `questions` it learns from what questions say of the views before their manipulations, too.
+    With `questions` it learns from what questions say of the views before their manipulations, too; with `box_head` also where
+    objects end, and how well boxes fit them.
     """
 
     kind: Literal["matcher"]
-    form: Literal["language_attention", "anchored", "plain", "compositional"]
+    form: Literal["language_attention", "anchored", "plain"]
     refiner: str | None = None
     proposer: str | None = None
     spared_iou: Annotated[float, Field(gt=0, le=1)] | None = None
     questions: bool = False
+    box_head: bool = False
 
     @model_validator(mode="after")
     def _proposes_for_a_second_stage(self) -> MatcherConfig:

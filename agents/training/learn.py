@@ -156,6 +156,7 @@ def _task(
             device,
             spared_iou=network.spared_iou,
             questions=network.questions,
+            box_head=network.box_head,
             progress=on_look,
         )
     detector = trained(DETECTOR, Detector, folder, roots[0])

@@ -12,13 +12,14 @@ import numpy as np
 import numpy.typing as npt
 import torch
 from torch import Tensor
+from torch.nn import functional
 
+from remqa_data.agents.networks.detection.box_head import Fit
 from remqa_data.agents.networks.detection.detector import iou
-from remqa_data.agents.networks.detection.detector_loss import LEAST_PIXELS
+from remqa_data.agents.networks.detection.detector_loss import LEAST_PIXELS, box_loss
 from remqa_data.agents.networks.detection.regions import AnyDetector, Regions, candidates, regions_of
 from remqa_data.agents.networks.matcher import (
     AnchoredMatcher,
-    CompositionalMatcher,
     LanguageAttentionMatcher,
     Match,
     Matcher,
@@ -29,21 +30,23 @@ from remqa_data.agents.training.pictures import shown_in
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.datasets.vocabulary import Vocabulary
-from remqa_data.geometry.types import F32
+from remqa_data.geometry.types import F32, Flags
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
 
 RIGHT_IOU = 0.5
 
+MOVED_IOU = 0.3
+"""Boxes that overlap an object so much are to be moved to it."""
+
 IMAGES, START_IMAGES = ("rgb", "depth"), ("start_rgb", "start_depth")
 """Columns of frames of walks, and of questions."""
 
-MATCHERS: Mapping[str, Callable[[int, int], Matcher]] = {
+MATCHERS: Mapping[str, Callable[[int, int, bool], Matcher]] = {
     "language_attention": LanguageAttentionMatcher,
     "anchored": AnchoredMatcher,
     "plain": PlainMatcher,
-    "compositional": CompositionalMatcher,
 }
 
 
@@ -58,8 +61,8 @@ class Referred:
         Box of what each expression means, pixels.
     found, true : Regions
         What the detector found, and the objects that are there.
-    right_found, right_true : (e,) int64
-        Which of them each expression means; -1 where the detector has not found it.
+    right_true : (e,) int64
+        Which of those that are there each expression means.
     """
 
     expression_ids: tuple[str, ...]
@@ -67,7 +70,6 @@ class Referred:
     targets: F32
     found: Regions
     true: Regions
-    right_found: np.ndarray
     right_true: np.ndarray
 
 
@@ -79,17 +81,14 @@ class Choices(NamedTuple):
     numbers : (e, t) int64
         Words.
     regions : Regions
-        m objects.
-    right : (e,) int64
-        Which each means; -1 where it is not among them.
-    fits : (e, m) bool
-        Which are no wrong choice.
+        m objects, which are there or were found.
+    picture : Referred
+        Of which they are.
     """
 
     numbers: Tensor
     regions: Regions
-    right: np.ndarray
-    fits: np.ndarray
+    picture: Referred
 
 
 class MatchingTask:
@@ -109,6 +108,8 @@ class MatchingTask:
         Detected boxes that overlap what is meant so much are no wrong choice; by default only the one that fits best is none.
     questions : bool
         It learns from what questions say of the target in the view before the manipulation, too.
+    box_head : bool
+        It learns where objects end, and how well boxes fit them, too.
     progress : callable, optional
         Called with the number of pictures that were looked at since the last call, before training begins.
     """
@@ -122,6 +123,7 @@ class MatchingTask:
         *,
         spared_iou: float | None = None,
         questions: bool = False,
+        box_head: bool = False,
         progress: Callable[[int], None] | None = None,
     ) -> None:
         detector = detector.to(device).eval()
@@ -134,32 +136,40 @@ class MatchingTask:
         self._val = referred_pictures(val, detector, device, progress)
         self.vocabulary = Vocabulary.build((text for picture in self._pictures for text in picture.texts), ())
         types = detector.types
-        self.model: Matcher = MATCHERS[kind](len(self.vocabulary.words), types)
+        self.model: Matcher = MATCHERS[kind](len(self.vocabulary.words), types, box_head)
         self.device, self.spared_iou = device, spared_iou
 
     def __len__(self) -> int:
         return len(self._pictures)
 
     def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> list[Choices]:
-        """Of each picture the words of its expressions, regions, found or true by chance, and which are right."""
+        """Of each picture the words of its expressions, and regions, found or true by chance."""
         made = []
         for sample, rng in zip(samples, rngs, strict=True):
             picture = self._pictures[sample]
             is_true = rng.random() < 0.5 or not len(picture.found.boxes)
-            made.append(choices_of(picture, self._numbers(picture.texts), self.spared_iou, is_true=is_true))
+            made.append(Choices(self._numbers(picture.texts), picture.true if is_true else picture.found, picture))
         return made
 
     def losses(self, batch: list[Choices]) -> Mapping[str, Tensor]:
-        """The ranking loss, a mean over expressions whose object is among the regions."""
-        total, hits, asked = torch.zeros((), device=self.device), 0, 0
-        for numbers, regions, right, fits in batch:
-            scores = self.model(numbers, regions).scores
+        """The ranking loss, a mean over expressions whose object is among the regions; that of a box head, over pictures."""
+        ranking = fitting = torch.zeros((), device=self.device)
+        hits, asked = 0, 0
+        for (numbers, regions, picture), fit in zip(batch, self._fits(batch), strict=True):
+            match: Match = self.model.match(numbers, regions)
+            if fit is not None:
+                fitting = fitting + fitting_loss(fit, picture.found.boxes, picture.true.boxes) / len(batch)
+                if not regions.are_known:
+                    match = self.model.judged(match, fit)
+            right, fits = rights_of(picture, regions, match.boxes_of(regions), self.spared_iou)
             for e in np.flatnonzero(right >= 0).tolist():
-                wrong = torch.cat([scores[e, ~fits[e]], scores[~fits[:, right[e]], right[e]]])
-                total = total + ranking_loss(scores[e, right[e]], wrong)
-                hits += int(scores[e].argmax()) == int(right[e])
+                scores = match.scores[e]
+                wrong = torch.cat([scores[~fits[e]], match.scores[~fits[:, right[e]], right[e]]])
+                ranking = ranking + ranking_loss(scores[right[e]], wrong)
+                hits += int(scores.argmax()) == int(right[e])
                 asked += 1
-        return {"loss": total / max(asked, 1), "right": torch.tensor(hits / max(asked, 1))}
+        losses = {"ranking": ranking / max(asked, 1), "fitting": fitting}
+        return {"loss": losses["ranking"] + losses["fitting"], **losses, "right": torch.tensor(hits / max(asked, 1))}
 
     def score(self) -> Mapping[str, float]:
         """prec@0.5 on val expressions, with detected and with true boxes, and the share of targets that are detected."""
@@ -167,35 +177,65 @@ class MatchingTask:
         asked = 0
         for picture in self._val:
             asked += len(picture.texts)
-            found["recall"] += int((picture.right_found >= 0).sum())
             for name, regions in (("detected", picture.found), ("true", picture.true)):
-                if len(regions.boxes):
-                    boxes = chosen(self.model, self._numbers(picture.texts), regions)
-                    found[name] += int(sum(iou(boxes, picture.targets).diagonal() >= RIGHT_IOU))
+                if not len(regions.boxes):
+                    continue
+                match: Match = self.model(self._numbers(picture.texts), regions)
+                overlaps = iou(picture.targets, match.boxes_of(regions))
+                found[name] += int(sum(overlaps[range(len(overlaps)), match.chosen] >= RIGHT_IOU))
+                if name == "detected":
+                    found["recall"] += int((overlaps.max(1) >= RIGHT_IOU).sum())
         return {f"val_{name}": count / max(asked, 1) for name, count in found.items()}
+
+    def _fits(self, batch: list[Choices]) -> Sequence[Fit | None]:
+        """What the box head says of what was found in each picture, whether or not that is chosen among."""
+        found = [choices.picture.found for choices in batch]
+        if self.model.box_head is None or sum(len(regions.boxes) for regions in found) < 2:  # too few to norm
+            return [None] * len(batch)
+        return self.model.box_head(found)  # type: ignore[no-any-return]
 
     def _numbers(self, texts: Sequence[str]) -> Tensor:
         return torch.from_numpy(self.vocabulary.encode_batch(texts)[0]).to(self.device)
 
 
-def choices_of(picture: Referred, numbers: Tensor, spared_iou: float | None, *, is_true: bool) -> Choices:
-    """What the expressions of a picture, (e, t) words, may mean of what is there, or of what the detector found.
+def rights_of(
+    picture: Referred, regions: Regions, boxes: F32, spared_iou: float | None
+) -> tuple[npt.NDArray[np.int64], Flags]:
+    """(e,) which region each expression of a picture means, -1 for none of them, and (e, m) which are no wrong choice.
 
-    Where detected boxes that overlap what is meant by `spared_iou` are spared, they are no wrong choice.
+    Of what was found it is the one with the best of (m, 4) boxes. Where those that overlap what is meant by `spared_iou` are
+    spared, they are no wrong choice either.
     """
-    regions, right = (picture.true, picture.right_true) if is_true else (picture.found, picture.right_found)
-    fits = right[:, None] == np.arange(len(regions.boxes))
-    if spared_iou is not None and not is_true:
-        fits |= iou(picture.targets, regions.boxes) >= spared_iou
-    return Choices(numbers, regions, right, fits)
+    if regions.are_known:
+        return picture.right_true, picture.right_true[:, None] == np.arange(len(boxes))
+    overlaps = iou(picture.targets, boxes)
+    right = np.where(overlaps.max(1) >= RIGHT_IOU, overlaps.argmax(1), -1)
+    fits = right[:, None] == np.arange(len(boxes))
+    return right, fits if spared_iou is None else fits | (overlaps >= spared_iou)
+
+
+def fitting_loss(fit: Fit, boxes: F32, objects: F32) -> Tensor:
+    """How far what is said of (m, 4) boxes, which were found, is from (k, 4) objects.
+
+    Those near an object are to be moved to it; the quality of each is the IoU with the nearest when it has been moved.
+    """
+    overlaps = iou(boxes, objects)
+    is_near = torch.from_numpy(overlaps.max(1, initial=0.0) >= MOVED_IOU).to(fit.boxes.device)
+    if not len(boxes):
+        return fit.quality.sum()
+    if not is_near.any():
+        return functional.binary_cross_entropy_with_logits(fit.quality, torch.zeros_like(fit.quality))
+    best = overlaps.argmax(1)
+    moved = iou(fit.boxes.numpy(force=True), objects)[range(len(best)), best]
+    quality = functional.binary_cross_entropy_with_logits(fit.quality, torch.from_numpy(moved).to(fit.quality))
+    return quality + box_loss(fit.boxes, torch.from_numpy(objects[best]).to(fit.boxes))[is_near].mean()
 
 
 @torch.no_grad()
 def chosen(matcher: Matcher, numbers: Tensor, regions: Regions) -> F32:
     """(e, 4) the boxes that (e, t) expressions mean."""
     match: Match = matcher(numbers, regions)
-    places: npt.NDArray[np.int64] = match.scores.argmax(1).numpy(force=True)
-    return np.asarray(regions.boxes[places])
+    return np.asarray(match.boxes_of(regions)[match.chosen])
 
 
 class FrameExpressions(NamedTuple):
@@ -293,9 +333,6 @@ def referred(frame: FrameExpressions, detector: AnyDetector, device: str) -> Ref
     shown = [item for item in objects if item["pixels"] >= LEAST_PIXELS or item["id"] in asked]
     true = np.array([item["box_2d"] for item in shown], dtype=np.float32)
     targets = np.array([row["box_2d"] for row in rows], dtype=np.float32)
-    overlaps = iou(targets, boxes)
-    best = overlaps.argmax(1) if len(boxes) else np.zeros(len(targets), dtype=np.int64)
-    is_found = overlaps.max(1, initial=0.0) >= RIGHT_IOU
     numbers = {item["id"]: number for number, item in enumerate(shown)}
     return Referred(
         tuple(row["expression_id"] for row in rows),
@@ -303,6 +340,5 @@ def referred(frame: FrameExpressions, detector: AnyDetector, device: str) -> Ref
         targets,
         regions_of(detector, seen, boxes, metres, frame.horizon_deg, found.scores[places]),
         regions_of(detector, seen, true, metres, frame.horizon_deg),
-        np.where(is_found, best, -1),
         np.array([numbers[row["target_id"]] for row in rows]),
     )

@@ -1,4 +1,4 @@
-"""The promises about the 120 rooms: four rooms always, all of them in the slow tests."""
+"""The promises about the 120 rooms."""
 
 from dataclasses import dataclass
 
@@ -103,11 +103,6 @@ def check(tally: Tally, wrong: list[str]) -> None:
     assert tally.at_rest / tally.loose >= 0.95
     assert tally.usable / tally.openable >= 0.95
     assert tally.pairs > 0
-
-
-@pytest.mark.slow
-def test_four_rooms_are_as_recorded() -> None:
-    check(*survey(SOME))
 
 
 @pytest.mark.slow

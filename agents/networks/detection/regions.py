@@ -62,6 +62,10 @@ class Regions:
         The places, with metres as of a camera that looks straight ahead.
     scores : (m,) float32
         How likely there is an object; 1 for those that are known to be there.
+    size : tuple of int
+        Height and width of the picture.
+    are_known : bool
+        Whether they are the objects that are there, and not what was found.
     """
 
     boxes: F32
@@ -74,6 +78,8 @@ class Regions:
     is_around: Tensor
     level: Tensor
     scores: Tensor
+    size: tuple[int, int]
+    are_known: bool
 
 
 def candidates(found: Detections) -> list[int]:
@@ -130,6 +136,8 @@ def regions_of(
         is_around,
         levelled(places, horizon_deg),
         torch.ones_like(places[:, 0]) if scores is None else torch.from_numpy(scores).to(places),
+        (depth.shape[0], depth.shape[1]),
+        scores is None,
     )
 
 

@@ -2,28 +2,30 @@ import numpy as np
 import pytest
 import torch
 
+from remqa_data.agents.networks.detection.box_head import Fit
 from remqa_data.agents.networks.detection.detector import Detections, Detector, FeatureMaps
 from remqa_data.agents.networks.detection.pyramid import CHANNELS
 from remqa_data.agents.networks.detection.regions import Regions, candidates, compared, nearest, places_of, regions_of
 from remqa_data.agents.networks.matcher import (
+    TRUST,
     AnchoredMatcher,
-    CompositionalMatcher,
     LanguageAttentionMatcher,
     Matcher,
     PlainMatcher,
     ranking_loss,
 )
 
-MATCHERS = (LanguageAttentionMatcher, AnchoredMatcher, PlainMatcher, CompositionalMatcher)
+MATCHERS = (LanguageAttentionMatcher, AnchoredMatcher, PlainMatcher)
 TYPES, WORDS = 5, 12
 BOXES = np.array([[10, 10, 40, 40], [50, 10, 90, 60], [5, 60, 45, 95], [60, 70, 80, 90]], dtype=np.float32)
 
 
-def regions(boxes: np.ndarray = BOXES) -> Regions:
+def regions(boxes: np.ndarray = BOXES, scores: np.ndarray | None = None) -> Regions:
+    """By their scores they are found, without any they are known."""
     torch.manual_seed(0)
     detector, features = Detector(TYPES).eval(), torch.randn((1, CHANNELS, 25, 25))
     seen = FeatureMaps(torch.zeros((1, 3, 100, 100), dtype=torch.uint8), features)
-    return regions_of(detector, seen, boxes, np.full((100, 100), 2.0, dtype=np.float32), 0.0)
+    return regions_of(detector, seen, boxes, np.full((100, 100), 2.0, dtype=np.float32), 0.0, scores)
 
 
 def matcher_of(kind: type[Matcher]) -> Matcher:
@@ -98,16 +100,23 @@ def test_a_box_is_chosen_from_once() -> None:
     assert candidates(found) == [0, 2]
 
 
-def test_of_pairs_the_other_one_is_never_the_object_itself() -> None:
-    """Where words of the object fit one object alone, it helps all but itself."""
-    matcher, seen = matcher_of(CompositionalMatcher), regions()
-    found = []
-    with torch.no_grad():
-        for fits in (0.0, 50.0):
-            matcher._fit = (
-                lambda part, both, fits=fits: (  # type: ignore[method-assign]
-                    torch.tensor([0.0, fits, 0.0, 0.0]) if part == 2 else torch.zeros(both.shape[:-1])
-                ).expand(both.shape[:-1])
-            )
-            found.append(matcher(torch.tensor([[2, 3]]), seen).scores[0])
-    assert (found[1] - found[0]).tolist() == [50.0, 0.0, 50.0, 50.0]
+@pytest.mark.parametrize("kind", MATCHERS)
+def test_what_fits_better_is_chosen_where_boxes_are_judged_and_objects_that_are_known_are_not(
+    kind: type[Matcher],
+) -> None:
+    torch.manual_seed(1)
+    matcher, numbers = kind(WORDS, TYPES, True).eval(), torch.tensor([[2, 3, 4]])
+    found = regions(scores=np.array([0.9, 0.2, 0.5, 0.4], dtype=np.float32))
+    before = matcher(numbers, found)
+    assert torch.equal(before.scores, matcher.match(numbers, found).scores)  # it has learnt nothing, so all fit alike
+    assert np.array_equal(before.boxes_of(found), BOXES)
+    judged = Fit(torch.from_numpy(BOXES + 1), torch.tensor([0.0, 0.0, 100.0, 0.0]))
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr(matcher.box_head, "forward", lambda pictures: [judged])
+        after = matcher(numbers, found)
+        known = matcher(numbers, regions())
+    assert (after.scores - before.scores)[0].tolist() == pytest.approx([0, 0, 100 * TRUST, 0], abs=1e-4)
+    assert after.chosen.tolist() == [2]
+    assert np.array_equal(after.boxes_of(found), BOXES + 1)
+    assert torch.equal(known.scores, matcher.match(numbers, regions()).scores)
+    assert np.array_equal(known.boxes_of(regions()), BOXES)

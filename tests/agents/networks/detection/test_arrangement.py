@@ -25,6 +25,8 @@ def lie(boxes: np.ndarray, types: list[int], scores: list[float] | None = None) 
             torch.zeros((count, AROUND), dtype=torch.bool),
             places,
             torch.ones(count) if scores is None else torch.tensor(scores),
+            (100, 100),
+            scores is None,
         )
     )
 
