@@ -161,10 +161,10 @@ class MatchingTask:
                 fitting = fitting + fitting_loss(fit, picture.found.boxes, picture.true.boxes) / len(batch)
                 if not regions.are_known:
                     match = self.model.judged(match, fit)
-            right, fits = rights_of(picture, regions, match.boxes_of(regions), self.spared_iou)
+            right, spared = rights_of(picture, regions, match.boxes_of(regions), self.spared_iou)
             for e in np.flatnonzero(right >= 0).tolist():
                 scores = match.scores[e]
-                wrong = torch.cat([scores[~fits[e]], match.scores[~fits[:, right[e]], right[e]]])
+                wrong = torch.cat([scores[~spared[e]], match.scores[~spared[:, right[e]], right[e]]])
                 ranking = ranking + ranking_loss(scores[right[e]], wrong)
                 hits += int(scores.argmax()) == int(right[e])
                 asked += 1
@@ -210,8 +210,8 @@ def rights_of(
         return picture.right_true, picture.right_true[:, None] == np.arange(len(boxes))
     overlaps = iou(picture.targets, boxes)
     right = np.where(overlaps.max(1) >= RIGHT_IOU, overlaps.argmax(1), -1)
-    fits = right[:, None] == np.arange(len(boxes))
-    return right, fits if spared_iou is None else fits | (overlaps >= spared_iou)
+    spared = right[:, None] == np.arange(len(boxes))
+    return right, spared if spared_iou is None else spared | (overlaps >= spared_iou)
 
 
 def fitting_loss(fit: Fit, boxes: F32, objects: F32) -> Tensor:

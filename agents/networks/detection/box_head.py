@@ -1,4 +1,4 @@
-"""A third look at boxes that were found: where their objects truly end, and how well each box fits one.
+"""Boxes that were found, judged and moved: how well each fits an object, and where that truly ends.
 
 Of two boxes of the same thing the likelier one is not always the better one: how well a box fits is learnt for itself (IoU-Net,
 Jiang et al. 2018), and so is where its sides belong, which a box that was moved once shows better than one that was proposed

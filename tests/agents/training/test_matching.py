@@ -31,30 +31,30 @@ PICTURE = Referred(
 
 
 def test_only_what_fits_best_is_right() -> None:
-    right, fits = rights_of(PICTURE, FOUND, FOUND.boxes, None)
+    right, spared = rights_of(PICTURE, FOUND, FOUND.boxes, None)
     assert right.tolist() == [0, -1]
-    assert fits.tolist() == [[True, False, False, False], [False] * 4]
+    assert spared.tolist() == [[True, False, False, False], [False] * 4]
 
 
 def test_what_overlaps_what_is_meant_may_be_no_wrong_choice() -> None:
-    right, fits = rights_of(PICTURE, FOUND, FOUND.boxes, 0.5)
+    right, spared = rights_of(PICTURE, FOUND, FOUND.boxes, 0.5)
     assert right.tolist() == [0, -1]
-    assert fits.tolist() == [[True, False, True, False], [False] * 4]
+    assert spared.tolist() == [[True, False, True, False], [False] * 4]
     assert rights_of(PICTURE, FOUND, FOUND.boxes, 0.1)[1][0].tolist() == [True, False, True, True]
 
 
 def test_what_is_right_follows_from_where_boxes_are_moved_to() -> None:
     moved = FOUND.boxes.copy()
     moved[3] = THING
-    right, fits = rights_of(PICTURE, FOUND, moved, 0.5)
+    right, spared = rights_of(PICTURE, FOUND, moved, 0.5)
     assert right.tolist() == [3, -1]
-    assert fits[0].tolist() == [True, False, True, True]
+    assert spared[0].tolist() == [True, False, True, True]
 
 
 def test_of_what_is_there_one_is_right() -> None:
-    right, fits = rights_of(PICTURE, PICTURE.true, PICTURE.true.boxes, 0.01)
+    right, spared = rights_of(PICTURE, PICTURE.true, PICTURE.true.boxes, 0.01)
     assert right.tolist() == [0, 1]
-    assert fits.tolist() == [[True, False], [False, True]]
+    assert spared.tolist() == [[True, False], [False, True]]
 
 
 def test_boxes_learn_to_end_where_their_objects_do_and_how_well_they_fit() -> None:
