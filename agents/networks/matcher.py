@@ -31,9 +31,6 @@ PARTS = ("subject", "location", "relationship")
 SHARPNESS = 10.0
 """What similarities, -1 to 1, are multiplied with."""
 
-TRUST = 0.5
-"""How much it counts at first how well a box fits."""
-
 UNLIKELY = -1e4
 """Logit of what cannot be: nothing is its own anchor, unless it is alone."""
 
@@ -63,6 +60,10 @@ class Match(NamedTuple):
         """(e,) which object each expression means."""
         return np.asarray(self.scores.argmax(1).numpy(force=True))
 
+    def judged(self, fit: Fit) -> Match:
+        """The same match, of objects of which is said how well their boxes fit."""
+        return self._replace(scores=self.scores + fit.worth, fit=fit)
+
     def boxes_of(self, regions: Regions) -> F32:
         """(m, 4) where the objects are that were matched, pixels."""
         return regions.boxes if self.fit is None else self.fit.boxes.numpy(force=True)
@@ -82,7 +83,6 @@ class Matcher(nn.Module):
     def __init__(self, types: int, box_head: bool) -> None:
         super().__init__()
         self.box_head = BoxHead(types) if box_head else None
-        self.trust = nn.Parameter(torch.tensor(TRUST)) if box_head else None
 
     def forward(self, numbers: Tensor, regions: Regions) -> Match:
         """How well the objects of a picture fit expressions that have (e, t) numbers of words.
@@ -93,16 +93,11 @@ class Matcher(nn.Module):
         if self.box_head is None or regions.are_known:
             return match
         (fit,) = self.box_head([regions])
-        return self.judged(match, fit)
+        return match.judged(fit)
 
     def match(self, numbers: Tensor, regions: Regions) -> Match:
         """The same, however well their boxes fit."""
         raise NotImplementedError
-
-    def judged(self, match: Match, fit: Fit) -> Match:
-        """A match of objects of which is said how well their boxes fit."""
-        assert self.trust is not None
-        return match._replace(scores=match.scores + self.trust * fit.quality.detach(), fit=fit)
 
 
 class ModularMatcher(Matcher):

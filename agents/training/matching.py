@@ -160,7 +160,7 @@ class MatchingTask:
             if fit is not None:
                 fitting = fitting + fitting_loss(fit, picture.found.boxes, picture.true.boxes) / len(batch)
                 if not regions.are_known:
-                    match = self.model.judged(match, fit)
+                    match = match.judged(fit)
             right, spared = rights_of(picture, regions, match.boxes_of(regions), self.spared_iou)
             for e in np.flatnonzero(right >= 0).tolist():
                 scores = match.scores[e]
@@ -219,10 +219,10 @@ def fitting_loss(fit: Fit, boxes: F32, objects: F32) -> Tensor:
 
     Those near an object are to be moved to it; the quality of each is the IoU with the nearest when it has been moved.
     """
-    overlaps = iou(boxes, objects)
-    is_near = torch.from_numpy(overlaps.max(1, initial=0.0) >= MOVED_IOU).to(fit.boxes.device)
     if not len(boxes):
         return fit.quality.sum()
+    overlaps = iou(boxes, objects)
+    is_near = torch.from_numpy(overlaps.max(1, initial=0.0) >= MOVED_IOU).to(fit.boxes.device)
     if not is_near.any():
         return functional.binary_cross_entropy_with_logits(fit.quality, torch.zeros_like(fit.quality))
     best = overlaps.argmax(1)

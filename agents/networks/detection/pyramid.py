@@ -81,6 +81,14 @@ class Residual(nn.Module):
         return functional.relu(x + self.second(self.first(x)))
 
 
+def zero_linear(inputs: int, outputs: int) -> nn.Linear:
+    """A layer that says 0 of everything at first."""
+    layer = nn.Linear(inputs, outputs)
+    nn.init.zeros_(layer.weight)
+    nn.init.zeros_(layer.bias)
+    return layer
+
+
 def conv_block(before: int, after: int, stride: int = 1) -> nn.Sequential:
     """A 3 x 3 convolution, normalised over the batch, with a ReLU."""
     return nn.Sequential(

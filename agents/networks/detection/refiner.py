@@ -35,6 +35,7 @@ from remqa_data.agents.networks.detection.pyramid import (
     conv_block,
     features_in,
     normalised,
+    zero_linear,
 )
 from remqa_data.geometry.types import F32, Flags
 
@@ -141,9 +142,7 @@ class Refiner(nn.Module):
         )
         self.shape = nn.Conv2d(whole, 1, 3, padding=1)
         self.kind = nn.Linear(KNOWN, 1 + types)
-        self.sides = nn.Linear(KNOWN, 4)
-        nn.init.zeros_(self.sides.weight)
-        nn.init.zeros_(self.sides.bias)
+        self.sides = zero_linear(KNOWN, 4)
 
     def see(self, rgb: Tensor) -> Tensor:
         """(n, CHANNELS, h', w') features of (n, 3, h, w) uint8 pictures, enlarged."""

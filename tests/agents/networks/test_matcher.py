@@ -2,12 +2,11 @@ import numpy as np
 import pytest
 import torch
 
-from remqa_data.agents.networks.detection.box_head import Fit
+from remqa_data.agents.networks.detection.box_head import TRUST
 from remqa_data.agents.networks.detection.detector import Detections, Detector, FeatureMaps
 from remqa_data.agents.networks.detection.pyramid import CHANNELS
 from remqa_data.agents.networks.detection.regions import Regions, candidates, compared, nearest, places_of, regions_of
 from remqa_data.agents.networks.matcher import (
-    TRUST,
     AnchoredMatcher,
     LanguageAttentionMatcher,
     Matcher,
@@ -110,13 +109,14 @@ def test_what_fits_better_is_chosen_where_boxes_are_judged_and_objects_that_are_
     before = matcher(numbers, found)
     assert torch.equal(before.scores, matcher.match(numbers, found).scores)  # it has learnt nothing, so all fit alike
     assert np.array_equal(before.boxes_of(found), BOXES)
-    judged = Fit(torch.from_numpy(BOXES + 1), torch.tensor([0.0, 0.0, 100.0, 0.0]))
+    sides = np.tile(1 / (BOXES[:, 2:] - BOXES[:, :2]), 2)  # all are moved by a pixel
+    said = torch.from_numpy(np.column_stack([[0.0, 0.0, 100.0, 0.0], sides]).astype(np.float32))
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr(matcher.box_head, "forward", lambda pictures: [judged])
+        monkeypatch.setattr(matcher.box_head.said, "forward", lambda known: said)
         after = matcher(numbers, found)
         known = matcher(numbers, regions())
     assert (after.scores - before.scores)[0].tolist() == pytest.approx([0, 0, 100 * TRUST, 0], abs=1e-4)
     assert after.chosen.tolist() == [2]
-    assert np.array_equal(after.boxes_of(found), BOXES + 1)
+    assert np.allclose(after.boxes_of(found), BOXES + 1, atol=1e-4)
     assert torch.equal(known.scores, matcher.match(numbers, regions()).scores)
     assert np.array_equal(known.boxes_of(regions()), BOXES)
