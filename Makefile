@@ -25,7 +25,7 @@ MORE := out/sampled-$(MORE_SCENES)
 YET_MORE := $(MORE)-1
 
 # All that come with the package; the others are built upon the first ones.
-FIRST := detector view_encoder refiner proposer
+FIRST := detector view_encoder refiner
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
 ANSWERERS := $(filter answerer%,$(NETWORKS))
 SYSTEMS := random semantic_map framework framework_two_stage framework_anchored framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
@@ -55,7 +55,7 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	$(BIN)/remqa-data cache $(DATASET) --split train --configurations 0 --features remqa_data.agents.view_features:features
 	$(BIN)/remqa-agent train $(filter-out $(ANSWERERS),$(NETWORKS)) --data $(DATASET) --more $(MORE) --resume
 	$(BIN)/remqa-agent train $(ANSWERERS) --data $(DATASET) --more $(MORE) --more $(YET_MORE) --resume
-	$(BIN)/remqa-agent predict detector refiner proposer $(REFERRING) --data $(DATASET) --split val --weights out/weights
+	$(BIN)/remqa-agent predict detector refiner $(REFERRING) --data $(DATASET) --split val --weights out/weights
 	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --resume
 	for seed in $(SEEDS); do \

@@ -134,6 +134,9 @@ def train(
     ] = None,
     device: Device = "cpu",
     threads: Annotated[int | None, typer.Option(min=1, help="Cores; the same number gives the same weights.")] = None,
+    workers: Annotated[
+        int, typer.Option(min=0, help="Processes that make batches of pictures ahead: for a GPU, one for each core.")
+    ] = 0,
     resume: Resume = False,
     seed: Seed = None,
 ) -> None:
@@ -166,6 +169,7 @@ def train(
                     out,
                     views=views,
                     device=device,
+                    workers=workers,
                     resume=resume,
                     on_look=on_look,
                     on_learn=begin,

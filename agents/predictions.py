@@ -12,13 +12,12 @@ import torch
 from remqa_data.agents.detection_scores import score_detector
 from remqa_data.agents.networks.answerer import ManipulationAnswerer, likeliest
 from remqa_data.agents.networks.detection.detector import Detector
-from remqa_data.agents.networks.detection.proposer import Proposer
 from remqa_data.agents.networks.detection.refiner import Refiner, TwoStageDetector
 from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.networks.grounding import Grounder, grounded
 from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.training.answering import AskedViews
-from remqa_data.agents.training.config import AnswererConfig, ProposerConfig
+from remqa_data.agents.training.config import AnswererConfig
 from remqa_data.agents.training.grounding import asked_frames, seen_frames
 from remqa_data.agents.training.matching import chosen, frames_with_expressions, referred_pictures
 from remqa_data.agents.training.weights import DETECTOR, About, load_network, trained, trained_detector, weights_path
@@ -124,8 +123,8 @@ def predict_all(
 ) -> list[Path]:
     """Let networks say what they see in the pictures of a split, and write it.
 
-    Matchers and grounders write submissions to `<out>/rec`, answerers to `<out>/qa`, a detector, its second stage and that
-    with more proposals their scores to `<out>/detector-<split>.json`, `refiner-<split>.json` and `proposer-<split>.json`.
+    Matchers and grounders write submissions to `<out>/rec`, answerers to `<out>/qa`, a detector and its second stage their
+    scores to `<out>/detector-<split>.json` and `refiner-<split>.json`.
 
     Raises
     ------
@@ -139,8 +138,12 @@ def predict_all(
     grounders = [(network, about) for network, about in loaded if isinstance(network, Grounder)]
     written: list[Path] = []
     for network, about in loaded:
-        if isinstance(network, Detector | Refiner | Proposer):
-            detector = _detector_with(network, about, weights, root, force=force)
+        if isinstance(network, Detector | Refiner):
+            detector: AnyDetector
+            if isinstance(network, Refiner):
+                detector = TwoStageDetector(trained(DETECTOR, Detector, weights, root, force=force), network)
+            else:
+                detector = network
             scores = score_detector(detector, about.types, root, split, device, progress=progress)
             written.append(out / f"{about.network.network.kind}-{split}.json")
             with atomic_path(written[-1]) as temporary:
@@ -160,20 +163,6 @@ def predict_all(
         written.append(out / "rec" / file_name(title, split))
         write_predictions(written[-1], "rec", root, split, title, rows)
     return written
-
-
-def _detector_with(
-    network: Detector | Refiner | Proposer, about: About, weights: Path | None, root: Path, *, force: bool
-) -> AnyDetector:
-    """A detector whose last part is a network: itself, its second stage, or proposals for that."""
-    if isinstance(network, Detector):
-        return network
-    first = trained(DETECTOR, Detector, weights, root, force=force)
-    if isinstance(network, Refiner):
-        return TwoStageDetector(first, network)
-    config = about.network.network
-    assert isinstance(config, ProposerConfig)
-    return TwoStageDetector(first, trained(config.refiner, Refiner, weights, root, force=force), network)
 
 
 def _alike(matchers: Sequence[tuple[Matcher, About]]) -> list[list[tuple[Matcher, About]]]:

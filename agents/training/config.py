@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from remqa_data.agents.networks.windows import SIDE_PX
 from remqa_data.errors import ConfigError
@@ -25,8 +25,13 @@ class _Network(_Section):
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """Names of the trained networks that it is built upon."""
+        """Names of the trained networks that it works with."""
         return ("detector",)
+
+    @property
+    def began_with(self) -> tuple[str, ...]:
+        """Names of the trained networks whose weights it begins with, and does not need when it has learnt."""
+        return ()
 
 
 class DetectorConfig(_Network):
@@ -42,30 +47,17 @@ class DetectorConfig(_Network):
 
 
 class RefinerConfig(_Network):
-    """Looks at the boxes of the detector again; learns from squares of so many pixels."""
+    """Looks at the boxes of the detector again, and at those that it proposes; learns from squares of so many pixels."""
 
     kind: Literal["refiner"]
     side_px: Annotated[int, Field(ge=32, le=1024)]
 
 
-class ProposerConfig(_Network):
-    """Proposes boxes by the features of the second stage `refiner`; learns from squares of so many pixels."""
-
-    kind: Literal["proposer"]
-    side_px: Annotated[int, Field(ge=32, le=1024)]
-    refiner: str
-
-    @property
-    def needs(self) -> tuple[str, ...]:
-        """Both stages."""
-        return ("detector", self.refiner)
-
-
 class MatcherConfig(_Network):
     """Finds what an expression means, by language attention, with an anchor or not, or with one vector for all words.
 
-    It chooses among what the detector finds, with a second stage of the name `refiner` if that is given, and boxes of
-    `proposer`, which has learnt on that stage. Boxes that overlap what is meant by `spared_iou` are no wrong choice.
+    It chooses among what the detector finds, with a second stage of the name `refiner` if that is given. Boxes that overlap
+    what is meant by `spared_iou` are no wrong choice.
     With `questions` it learns from what questions say of the views before their manipulations, too; with `box_head` also where
     objects end, and how well boxes fit them.
     """
@@ -73,21 +65,14 @@ class MatcherConfig(_Network):
     kind: Literal["matcher"]
     form: Literal["language_attention", "anchored", "plain"]
     refiner: str | None = None
-    proposer: str | None = None
     spared_iou: Annotated[float, Field(gt=0, le=1)] | None = None
     questions: bool = False
     box_head: bool = False
 
-    @model_validator(mode="after")
-    def _proposes_for_a_second_stage(self) -> MatcherConfig:
-        if self.proposer and not self.refiner:
-            raise ValueError("proposer: needs a refiner, whose features it proposes by")
-        return self
-
     @property
     def needs(self) -> tuple[str, ...]:
         """The stages of what it sees through."""
-        return tuple(name for name in ("detector", self.refiner, self.proposer) if name)
+        return tuple(name for name in ("detector", self.refiner) if name)
 
 
 class GrounderConfig(_Network):
@@ -113,7 +98,12 @@ class AnswererConfig(_Network):
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """What it begins with."""
+        """None: it sees by itself."""
+        return ()
+
+    @property
+    def began_with(self) -> tuple[str, ...]:
+        """What it has learnt to see with."""
         return ("detector", self.refiner) if self.refiner else ("detector",)
 
 
@@ -121,6 +111,16 @@ class ViewEncoderConfig(_Network):
     """Says what the parts of small views show."""
 
     kind: Literal["view_encoder"]
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """None: it sees by itself."""
+        return ()
+
+    @property
+    def began_with(self) -> tuple[str, ...]:
+        """What has learnt to see before."""
+        return ("detector",)
 
 
 class WalkerConfig(_Network):
@@ -145,8 +145,13 @@ class AdaptiveWalkerConfig(_Network):
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """What it sees through, and what it begins with."""
-        return ("view_encoder", self.begins_with)
+        """What it sees through."""
+        return ("view_encoder",)
+
+    @property
+    def began_with(self) -> tuple[str, ...]:
+        """What has learnt to walk before."""
+        return (self.begins_with,)
 
 
 class ImitatorConfig(_Network):
@@ -177,7 +182,6 @@ class ScheduleConfig(_Section):
 Network = (
     DetectorConfig
     | RefinerConfig
-    | ProposerConfig
     | MatcherConfig
     | GrounderConfig
     | AnswererConfig

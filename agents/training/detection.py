@@ -1,4 +1,4 @@
-"""Learning to detect, on frames of walks and on views of what was opened: the detector, its second stage, and proposals."""
+"""Learning to detect, on frames of walks and on views of what was opened: the detector, and its second stage."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from remqa_data.agents.networks.detection.detector import ENLARGED, Detector, iou
+from remqa_data.agents.networks.detection.detector import ENLARGED, MOST_PEAKS, Detector, iou
 from remqa_data.agents.networks.detection.detector_loss import (
     LEAST_PIXELS,
     Wanted,
@@ -22,16 +22,9 @@ from remqa_data.agents.networks.detection.detector_loss import (
     middle_losses,
     wanted_of,
 )
-from remqa_data.agents.networks.detection.proposer import Proposer
+from remqa_data.agents.networks.detection.proposer import likeliest_boxes
 from remqa_data.agents.networks.detection.pyramid import STRIDE
-from remqa_data.agents.networks.detection.refiner import (
-    GRID,
-    LEAST_VOTES,
-    Refined,
-    Refiner,
-    TwoStageDetector,
-    with_margin,
-)
+from remqa_data.agents.networks.detection.refiner import GRID, Refined, Refiner, TwoStageDetector, with_margin
 from remqa_data.agents.networks.detection.regions import candidates
 from remqa_data.agents.training.pictures import UNKNOWN, Picture, Pictures, Which, detector_types, shown_in, varied
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
@@ -43,7 +36,7 @@ SEEN: tuple[Which, Which] = ("rgb", "end_rgb")
 FRAMES_APART, END_TIMES = 2, 2
 """In an epoch every second frame of a walk is seen, as it is much like the next, and twice what each question is about."""
 
-MOST_BOXES = 24
+MOST_BOXES = 32
 """So many boxes of a picture are looked at again; half of them have an object, if there are so many."""
 
 LIKE_IOU, FOUND_IOU = 0.4, 0.5
@@ -105,12 +98,12 @@ class DetectionTask:
 
 
 class RefinementTask:
-    """The second stage learns where the first one, which stays as it is, sees objects; see `DetectionTask`.
+    """The second stage learns to propose boxes, and what they show; see `DetectionTask`.
 
     Parameters
     ----------
     detector : Detector
-        Trained.
+        Trained; it stays as it is, and the second stage begins with its backbone.
     """
 
     def __init__(
@@ -127,110 +120,27 @@ class RefinementTask:
     def __len__(self) -> int:
         return len(self._places)
 
-    def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> Proposed:
-        """Parts of pictures, and boxes in them that the first stage has seen, or that are nearly right."""
-        parts = _parts(self._places, samples, self.side, rngs)
-        rgb = _colours(parts).to(self.device)
-        voted = self._first.vote(rgb, LEAST_VOTES)
-        proposed = [propose(part, peaks.boxes, rng) for part, peaks, rng in zip(parts, voted.peaks, rngs, strict=True)]
-        images = np.repeat(np.arange(len(proposed)), [len(one.boxes) for one in proposed])
-        boxes, true, kinds, shapes = (
-            torch.from_numpy(np.concatenate(arrays)).to(self.device) for arrays in zip(*proposed, strict=True)
-        )
-        return Proposed(rgb, torch.from_numpy(images).to(self.device), boxes, true, kinds, shapes)
+    def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> Shown:
+        """Parts of pictures with what is true of them."""
+        return shown_of(_parts(self._places, samples, self.side, rngs), rngs)
 
-    def losses(self, batch: Proposed) -> Mapping[str, Tensor]:
-        """How far boxes, kinds and shapes are from what is true; "right" is the share of objects whose kind is."""
-        features = self.model.see(batch.rgb).float()
-        said = Refined(*(part.float() for part in self.model(batch.rgb, features, batch.boxes, batch.images)))
-        is_object = batch.kinds > 0
-        count = is_object.sum().clamp(min=1)
-        losses = {
-            "kinds": functional.cross_entropy(said.kinds, batch.kinds),
-            "boxes": box_loss(said.boxes, batch.true)[is_object].sum() / count,
-            "shapes": functional.binary_cross_entropy_with_logits(
-                said.shapes[is_object], batch.shapes[is_object], reduction="sum"
-            )
-            / (count * GRID**2),
-        }
-        right = ((said.kinds.argmax(1) == batch.kinds) & is_object).sum() / count
-        return {"loss": sum(losses.values(), torch.zeros(())), **losses, "right": right}
+    def losses(self, batch: Shown) -> Mapping[str, Tensor]:
+        """See `refiner_losses`."""
+        return refiner_losses(self.model, batch.on(self.device))
 
     def score(self) -> Mapping[str, float]:
-        """See `_found_and_known`."""
-        return _found_and_known(TwoStageDetector(self._first, self.model), self._scored, self.device)
-
-
-class ProposalTask:
-    """Proposing boxes is learnt by the features of the second stage, which stays as it is; see `DetectionTask`.
-
-    Parameters
-    ----------
-    first, second
-        Trained.
-    """
-
-    def __init__(
-        self,
-        roots: Sequence[Path],
-        side: int,
-        first: Detector,
-        second: Refiner,
-        device: str = "cpu",
-        scored: int = 100,
-    ) -> None:
-        self.types = detector_types()
-        self.model = Proposer()
-        self.side, self.device = side, device
-        self._first, self._second = first.to(device).eval(), second.to(device).eval()
-        self._places = _places(roots, self.types)
-        self._scored = _val_frames(roots[0], self.types, scored)
-
-    def __len__(self) -> int:
-        return len(self._places)
-
-    def batch(self, samples: np.ndarray, rngs: list[np.random.Generator]) -> tuple[Tensor, Wanted]:
-        """(n, 3, side, side) pictures, and what is true of them when they are enlarged."""
-        parts = _parts(self._places, samples, self.side, rngs)
-        return _colours(parts), batch_of([wanted_of(_enlarged(part.instances), part.types) for part in parts])
-
-    def losses(self, batch: tuple[Tensor, Wanted]) -> Mapping[str, Tensor]:
-        """See `middle_losses`; "loss" is the sum."""
-        rgb, wanted = batch
-        with torch.no_grad():
-            features = self._second.see(rgb.to(self.device))
-        said = self.model(features)
-        size = tuple(side * STRIDE for side in features.shape[-2:])
-        losses = middle_losses(said.middles, said.sides, wanted.on(self.device), size)
-        return {"loss": sum(losses.values(), torch.zeros(())), **losses}
-
-    def score(self) -> Mapping[str, float]:
-        """See `_found_and_known`."""
-        return _found_and_known(TwoStageDetector(self._first, self._second, self.model), self._scored, self.device)
-
-
-class Proposed(NamedTuple):
-    """Boxes in pictures, and what is true of them.
-
-    Attributes
-    ----------
-    rgb : (n, 3, side, side) uint8
-    images : (m,) int64
-        Which picture each box is in.
-    boxes, true : (m, 4) float32
-        In pixels; as proposed, and of the object that is meant.
-    kinds : (m,) int64
-        Index of its type + 1; 0 where no object is.
-    shapes : (m, GRID, GRID) float32
-        1 where the box with its margin shows the object.
-    """
-
-    rgb: Tensor
-    images: Tensor
-    boxes: Tensor
-    true: Tensor
-    kinds: Tensor
-    shapes: Tensor
+        """Shares of the objects in frames of val rooms: found with half of their box, and known for what they are."""
+        asked, found, known = 0, 0, 0
+        detector = TwoStageDetector(self._first, self.model)
+        for picture in self._scored:
+            (seen,) = detector.detect(_colours([picture]).to(self.device))
+            true = objects_of(picture)
+            chosen = candidates(seen)
+            fits = iou(true.boxes, seen.boxes[chosen]) >= FOUND_IOU
+            asked += len(true.boxes)
+            found += int(fits.any(1).sum())
+            known += int((fits & (true.types[:, None] == seen.types[chosen])).any(1).sum())
+        return {"val_found": found / max(asked, 1), "val_known": known / max(asked, 1)}
 
 
 class Objects(NamedTuple):
@@ -241,13 +151,60 @@ class Objects(NamedTuple):
     types: np.ndarray
 
 
-class Proposals(NamedTuple):
-    """The same as in `Proposed`, of one picture, as arrays."""
+class Shown(NamedTuple):
+    """n parts of pictures, each with at most m objects, and what is drawn for them.
 
-    boxes: F32
-    true: F32
-    kinds: np.ndarray
-    shapes: F32
+    Attributes
+    ----------
+    rgb : (n, 3, side, side) uint8
+    wanted : Wanted
+        What is true of the parts when they are enlarged.
+    instances : (n, side, side) int32
+        0, or the number of an object, from 1.
+    boxes : (n, m, 4) float32
+        Of the objects, pixels.
+    kinds : (n, m) int64
+        Index of its type + 1; 0 where there are fewer.
+    numbers : (n, m) int32
+        Of the objects in `instances`.
+    shifts : (n, m, 4) float32
+        By how much true boxes are moved to learn from, as shares of their sizes.
+    lots : (n, MOST_PEAKS + m) float32
+        Which boxes are learnt from: those that draw the lowest.
+    """
+
+    rgb: Tensor
+    wanted: Wanted
+    instances: Tensor
+    boxes: Tensor
+    kinds: Tensor
+    numbers: Tensor
+    shifts: Tensor
+    lots: Tensor
+
+    def on(self, device: str) -> Shown:
+        """The same elsewhere."""
+        rgb, wanted, *others = self
+        return Shown(rgb.to(device), wanted.on(device), *(part.to(device) for part in others))
+
+
+class Asked(NamedTuple):
+    """k boxes in each of n pictures, and what is true of them.
+
+    Attributes
+    ----------
+    boxes, true : (n, k, 4) float32
+        In pixels; as proposed, and of the object that is meant.
+    kinds : (n, k) int64
+        Index of its type + 1; 0 where no object is.
+    shapes : (n, k, GRID, GRID) float32
+        1 where the box with its margin shows the object.
+    """
+
+    boxes: Tensor
+    true: Tensor
+    kinds: Tensor
+    shapes: Tensor
 
 
 def objects_of(picture: Picture) -> Objects:
@@ -257,51 +214,102 @@ def objects_of(picture: Picture) -> Objects:
     return Objects(places + 1, boxes[places], picture.types[places])
 
 
-def propose(picture: Picture, seen: F32, rng: np.random.Generator) -> Proposals:
-    """Boxes to learn from: of those that are seen, (k, 4), and of the true ones, moved a little; objects and none alike."""
-    objects = objects_of(picture)
-    sizes = np.tile(objects.boxes[:, 2:] - objects.boxes[:, :2], 2)
-    near = objects.boxes + (rng.normal(0, JITTER, sizes.shape) * sizes).astype(np.float32)
-    boxes = np.concatenate([seen, near])
-    boxes = boxes[(boxes[:, 2:] - boxes[:, :2]).min(axis=1, initial=np.inf) >= 1]
-    overlaps = iou(boxes, objects.boxes)
-    is_object = overlaps.max(1, initial=0.0) >= LIKE_IOU
-    order = rng.permutation(len(boxes))
-    good, bad = order[is_object[order]][: MOST_BOXES // 2], order[~is_object[order]]
-    chosen = np.concatenate([good, bad[: MOST_BOXES - len(good)]])
-    boxes, is_object = boxes[chosen], is_object[chosen]
-    if not len(objects.boxes):
-        blank = np.zeros((len(boxes), GRID, GRID), dtype=np.float32)
-        return Proposals(boxes, boxes, np.zeros(len(boxes), dtype=np.int64), blank)
-    best = overlaps[chosen].argmax(1)
-    kinds = np.where(is_object, objects.types[best] + 1, 0)
-    return Proposals(boxes, objects.boxes[best], kinds, _shapes(picture.instances, boxes, objects.numbers[best]))
+def shown_of(parts: Sequence[Picture], rngs: Sequence[np.random.Generator]) -> Shown:
+    """Some parts of pictures as a batch."""
+    objects = [objects_of(part) for part in parts]
+    most = max(1, *(len(one.numbers) for one in objects))
+
+    def padded(arrays: Sequence[np.ndarray]) -> Tensor:
+        return torch.from_numpy(np.stack([np.pad(a, ((0, most - len(a)), *[(0, 0)] * (a.ndim - 1))) for a in arrays]))
+
+    return Shown(
+        _colours(parts),
+        batch_of([wanted_of(_enlarged(part.instances), part.types) for part in parts]),
+        torch.from_numpy(np.stack([part.instances for part in parts])),
+        padded([one.boxes for one in objects]),
+        padded([one.types + 1 for one in objects]),
+        padded([one.numbers.astype(np.int32) for one in objects]),
+        padded(
+            [rng.normal(0, JITTER, one.boxes.shape).astype(np.float32) for one, rng in zip(objects, rngs, strict=True)]
+        ),
+        torch.from_numpy(np.stack([rng.random(MOST_PEAKS + most, dtype=np.float32) for rng in rngs])),
+    )
 
 
-def _shapes(instances: np.ndarray, boxes: F32, numbers: np.ndarray) -> F32:
-    """(m, GRID, GRID) 1 where boxes with their margin show the object of a number."""
-    seen = with_margin(torch.from_numpy(boxes)).numpy()
-    steps = (np.arange(GRID) + 0.5) / GRID
-    columns, rows = (seen[:, axis, None] + steps * (seen[:, axis + 2] - seen[:, axis])[:, None] for axis in (0, 1))
-    height, width = instances.shape
-    is_in = ((rows >= 0) & (rows < height))[:, :, None] & ((columns >= 0) & (columns < width))[:, None, :]
-    down, across = (np.clip(at.astype(int), 0, most - 1) for at, most in ((rows, height), (columns, width)))
-    shown = instances[down[:, :, None], across[:, None, :]]
-    return np.asarray((shown == numbers[:, None, None]) & is_in, dtype=np.float32)
+def refiner_losses(refiner: Refiner, shown: Shown) -> dict[str, Tensor]:
+    """How far proposals are from the truth, and sides, kinds and shapes of boxes; "loss" is the sum.
+
+    "right" is the share of boxes of objects whose kind is right.
+    """
+    features = refiner.see(shown.rgb).float()
+    said = refiner.proposer(features)
+    size = tuple(side * STRIDE for side in features.shape[-2:])
+    proposing = middle_losses(said.middles, said.sides, shown.wanted, size)
+    asked = asked_again(likeliest_boxes(said)[1].detach(), shown)
+    again = Refined(*(part.float() for part in refiner(shown.rgb, features, asked.boxes)))
+    true, kinds, shapes = (part.flatten(0, 1) for part in (asked.true, asked.kinds, asked.shapes))
+    is_object = kinds > 0
+    count = is_object.sum().clamp(min=1)
+    shape = functional.binary_cross_entropy_with_logits(again.shapes, shapes, reduction="none").mean((1, 2))
+    losses = {
+        "proposed_middles": proposing["middles"],
+        "proposed_boxes": proposing["boxes"],
+        "kinds": functional.cross_entropy(again.kinds, kinds),
+        "boxes": (box_loss(again.boxes, true) * is_object).sum() / count,
+        "shapes": (shape * is_object).sum() / count,
+    }
+    right = ((again.kinds.argmax(1) == kinds) & is_object).sum() / count
+    return {"loss": torch.stack(list(losses.values())).sum(), **losses, "right": right}
 
 
-def _found_and_known(detector: TwoStageDetector, pictures: Sequence[Picture], device: str) -> dict[str, float]:
-    """Shares of the objects in frames of val rooms: found with half of their box, and known for what they are."""
-    asked, found, known = 0, 0, 0
-    for picture in pictures:
-        (seen,) = detector.detect(_colours([picture]).to(device))
-        true = objects_of(picture)
-        chosen = candidates(seen)
-        fits = iou(true.boxes, seen.boxes[chosen]) >= FOUND_IOU
-        asked += len(true.boxes)
-        found += int(fits.any(1).sum())
-        known += int((fits & (true.types[:, None] == seen.types[chosen])).any(1).sum())
-    return {"val_found": found / max(asked, 1), "val_known": known / max(asked, 1)}
+def asked_again(proposed: Tensor, shown: Shown) -> Asked:
+    """Boxes to learn from: of (n, p, 4) that are proposed, and of the true ones, moved a little; objects and none alike."""
+    near = shown.boxes + shown.shifts * (shown.boxes[..., 2:] - shown.boxes[..., :2]).repeat(1, 1, 2)
+    boxes = torch.cat([proposed, near], 1)
+    is_there = shown.kinds > 0
+    overlaps, which = (overlaps_of(boxes, shown.boxes) * is_there[:, None]).max(2)
+    is_object = overlaps >= LIKE_IOU
+    lots = shown.lots[:, : boxes.shape[1]] + (~is_object).float()
+    lots[:, proposed.shape[1] :] += 4 * (~is_there).float()
+    order = lots.argsort(1)
+    half = torch.arange(boxes.shape[1], device=boxes.device) >= MOST_BOXES // 2
+    is_too_many = is_object.gather(1, order) & half
+    chosen = order.gather(1, (lots.gather(1, order) + 2 * is_too_many.float()).argsort(1))[:, :MOST_BOXES]
+    boxes, which = boxes.gather(1, _fours(chosen)), which.gather(1, chosen)
+    kinds = torch.where(is_object.gather(1, chosen), shown.kinds.gather(1, which), 0)
+    numbers = torch.where(kinds > 0, shown.numbers.gather(1, which), UNKNOWN)
+    shapes = _shapes(shown.instances, boxes, numbers)
+    return Asked(boxes, shown.boxes.gather(1, _fours(which)), kinds, shapes)
+
+
+def overlaps_of(first: Tensor, second: Tensor) -> Tensor:
+    """(n, p, m) IoU of (n, p, 4) and (n, m, 4) boxes of n pictures."""
+    low = torch.maximum(first[:, :, None, :2], second[:, None, :, :2])
+    high = torch.minimum(first[:, :, None, 2:], second[:, None, :, 2:])
+    common = (high - low).clamp(min=0).prod(3)
+    areas = [(boxes[..., 2:] - boxes[..., :2]).clamp(min=0).prod(2) for boxes in (first, second)]
+    return common / (areas[0][:, :, None] + areas[1][:, None] - common).clamp(min=1e-6)
+
+
+def _fours(places: Tensor) -> Tensor:
+    """(n, k, 4) places of the sides of boxes, by (n, k) places of boxes."""
+    return places[..., None].expand(-1, -1, 4)
+
+
+def _shapes(instances: Tensor, boxes: Tensor, numbers: Tensor) -> Tensor:
+    """(n, k, GRID, GRID) 1 where (n, k, 4) boxes with their margin show the object of (n, k) numbers."""
+    seen = with_margin(boxes.flatten(0, 1)).view_as(boxes)
+    steps = (torch.arange(GRID, device=boxes.device) + 0.5) / GRID
+    places, is_in = [], []
+    for axis, length in enumerate(reversed(instances.shape[1:])):
+        low, high = seen[..., axis, None], seen[..., axis + 2, None]
+        at = low + steps * (high - low)
+        is_in.append((at >= 0) & (at < length))
+        places.append(at.long().clamp(0, length - 1))
+    columns, rows = places
+    images = torch.arange(len(boxes), device=boxes.device)[:, None, None, None]
+    is_shown = instances[images, rows[..., None], columns[:, :, None]] == numbers[..., None, None]
+    return (is_shown & is_in[1][..., None] & is_in[0][:, :, None]).float()
 
 
 def _enlarged(instances: np.ndarray) -> np.ndarray:

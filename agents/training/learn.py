@@ -22,12 +22,11 @@ from remqa_data.agents.training.config import (
     MatcherConfig,
     Network,
     NetworkConfig,
-    ProposerConfig,
     RefinerConfig,
     ViewEncoderConfig,
     WalkerConfig,
 )
-from remqa_data.agents.training.detection import DetectionTask, ProposalTask, RefinementTask
+from remqa_data.agents.training.detection import DetectionTask, RefinementTask
 from remqa_data.agents.training.grounding import GroundingTask
 from remqa_data.agents.training.imitating import ImitationTask
 from remqa_data.agents.training.matching import MatchingTask
@@ -51,6 +50,9 @@ from remqa_data.files import sha256_of
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.views import views_beside
 
+OF_PICTURES = (DetectionTask, RefinementTask, ViewingTask, AnsweringTask)
+"""Tasks whose batches are pictures, which any process can make."""
+
 
 def learn(
     name: str,
@@ -60,6 +62,7 @@ def learn(
     *,
     views: Path | None = None,
     device: str = "cpu",
+    workers: int = 0,
     resume: bool = False,
     on_look: Callable[[int], None] | None = None,
     on_learn: Callable[[int], Callable[[int], None]] | None = None,
@@ -80,6 +83,8 @@ def learn(
         The cached views of the first dataset, for those who learn to walk; by default the folder beside it.
     device : str
         Where to compute: "cpu" or, say, "cuda".
+    workers : int
+        Processes that make batches of pictures ahead, for a GPU that would wait for them; other networks learn without.
     resume : bool
         Go on with an interrupted run, if there is one; what is finished is not done again.
     on_look : callable, optional
@@ -93,18 +98,28 @@ def learn(
     """
     network = config.network
     datasets = tuple(dataset_sha256(load_manifest(root)) for root in roots)
-    needs = {needed: sha256_of(weights_path(needed, folder)) for needed in network.needs}
+    needs, began_with = (
+        {other: sha256_of(weights_path(other, folder)) for other in others}
+        for others in (network.needs, network.began_with)
+    )
     path = folder / f"{name}{SUFFIX}"
     if resume and path.is_file():
         _, about = load_network(path)
-        if (about.network, about.datasets, about.needs) == (config, datasets, needs):
+        if (about.network, about.datasets, about.needs, about.began_with) == (config, datasets, needs, began_with):
             return about
     task = _task(network, config.schedule.seed, roots, folder, views, device, on_look)
-    fingerprint = json.dumps([config.sha256, datasets, needs])
+    fingerprint = json.dumps([config.sha256, datasets, needs, began_with])
     schedule = Schedule(**config.schedule.model_dump())
     progress = on_learn(schedule.samples(len(task))) if on_learn else None
     score = train(
-        task, schedule, folder / name, fingerprint=fingerprint, resume=resume, device=device, progress=progress
+        task,
+        schedule,
+        folder / name,
+        fingerprint=fingerprint,
+        resume=resume,
+        device=device,
+        workers=workers if isinstance(task, OF_PICTURES) else 0,
+        progress=progress,
     )
     halved(task.model)
     with torch.no_grad():
@@ -118,6 +133,7 @@ def learn(
         vocabulary.answers if vocabulary else (),
         {key: round(value, 4) for key, value in score.items()},
         needs,
+        began_with,
     )
     save_network(path, task.model, about)
     return about
@@ -163,10 +179,6 @@ def _task(
     torch.manual_seed(seed)
     if isinstance(network, RefinerConfig):
         return RefinementTask(roots, network.side_px, detector, device)
-    if isinstance(network, ProposerConfig):
-        return ProposalTask(
-            roots, network.side_px, detector, trained(network.refiner, Refiner, folder, roots[0]), device
-        )
     if isinstance(network, ViewEncoderConfig):
         return ViewingTask(roots, detector, device)
     if isinstance(network, AnswererConfig):

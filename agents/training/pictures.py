@@ -19,8 +19,8 @@ from remqa_data.tables.images import decode_instances, decode_rgb
 Which = Literal["rgb", "start_rgb", "end_rgb"]
 UNKNOWN = -1
 
-LEAST_SIDE_PX, MOST_SIDE_PX = 110.0, 330.0
-"""Sides of the squares that are cut out of pictures for training."""
+LEAST_CUT, MOST_CUT = 110 / 192, 330 / 192
+"""Squares that are cut out of pictures for training, in sides of what is made of them."""
 
 LIGHTER, COLOURED = 0.2, 0.06
 """How much brightness, and each colour by itself, is changed at most."""
@@ -110,7 +110,7 @@ def varied(picture: Picture, side: int, rng: np.random.Generator) -> Picture:
     Every second part has an object in its middle that is drawn from those that are seen.
     """
     height, width = picture.instances.shape
-    cut = float(np.exp(rng.uniform(np.log(LEAST_SIDE_PX), np.log(MOST_SIDE_PX))))
+    cut = float(np.exp(rng.uniform(np.log(LEAST_CUT * side), np.log(MOST_CUT * side))))
     centre = rng.uniform(0, (width, height))
     seen = np.unique(picture.instances)
     if rng.random() < 0.5 and len(seen) > 1:

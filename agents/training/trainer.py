@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Protocol
@@ -17,11 +17,15 @@ from typing import Any, Literal, Protocol
 import numpy as np
 import torch
 from torch import Tensor, nn
+from torch.utils.data import DataLoader, Dataset
 
 from remqa_data.errors import ConfigError
 from remqa_data.files import atomic_path
 
 CHECKPOINT, CURVES = "checkpoint.pt", "curves.csv"
+
+UNREAD = 32
+"""Losses are read after so many batches at the latest: a GPU that is asked for each one waits for who asks."""
 
 
 class Task(Protocol):
@@ -95,6 +99,7 @@ def train(
     fingerprint: str = "",
     resume: bool = False,
     device: str = "cpu",
+    workers: int = 0,
     checkpoint_s: float = 60.0,
     progress: Callable[[int], None] | None = None,
 ) -> dict[str, float]:
@@ -114,6 +119,8 @@ def train(
         Go on with an interrupted run, if there is one.
     device : str
         Where to compute, such as "cuda".
+    workers : int
+        Processes that make batches ahead, the same ones as without; 0 makes them as they are needed.
     checkpoint_s : float
         Seconds from one checkpoint to the next; nothing depends on it but what is done again.
     progress : callable, optional
@@ -131,7 +138,10 @@ def train(
     torch.manual_seed(schedule.seed)
     torch.use_deterministic_algorithms(device == "cpu")
     model = task.model.to(device)
-    optimizer = torch.optim.AdamW(model.parameters(), lr=schedule.learning_rate, weight_decay=schedule.weight_decay)
+    on_gpu = torch.device(device).type == "cuda"
+    optimizer = torch.optim.AdamW(
+        model.parameters(), lr=schedule.learning_rate, weight_decay=schedule.weight_decay, fused=on_gpu
+    )
     state = _State()
     path = folder / CHECKPOINT
     about = json.dumps({"schedule": vars(schedule), "of": fingerprint})
@@ -143,7 +153,16 @@ def train(
         optimizer.load_state_dict(stored["optimizer"])
         state = _State(**stored["state"])
 
+    unread: list[Mapping[str, Tensor]] = []
+
+    def read() -> None:
+        for losses in unread:
+            for name, value in losses.items():
+                state.sums[name] = state.sums.get(name, 0.0) + float(value)
+        unread.clear()
+
     def save() -> None:
+        read()
         with atomic_path(path) as temporary:
             parts = {"model": model.state_dict(), "optimizer": optimizer.state_dict(), "state": vars(state)}
             torch.save({"about": about, **parts}, temporary)
@@ -152,17 +171,14 @@ def train(
     if progress is not None:
         progress((state.epoch * batches + state.step) * schedule.batch_size)
     saved = began = time.monotonic()
+    made = _Batches(task, schedule).since(state.epoch * batches + state.step, workers)
     while state.epoch < schedule.epochs:
-        order = np.random.default_rng([schedule.seed, state.epoch]).permutation(len(task))
         model.train()
         while state.step < batches:
+            batch = next(made)
             rate = schedule.rate((state.epoch * batches + state.step) / (schedule.epochs * batches))
             for group in optimizer.param_groups:
                 group["lr"] = rate
-            samples = order[state.step * schedule.batch_size : (state.step + 1) * schedule.batch_size]
-            rngs = [np.random.default_rng([schedule.seed, state.epoch, int(sample)]) for sample in samples]
-            torch.manual_seed(int(np.random.default_rng([schedule.seed, state.epoch, state.step]).integers(2**62)))
-            batch = task.batch(samples, rngs)
             with torch.autocast(torch.device(device).type, torch.bfloat16, enabled=schedule.precision == "bfloat16"):
                 losses = task.losses(batch)
             optimizer.zero_grad()
@@ -170,15 +186,17 @@ def train(
             nn.utils.clip_grad_norm_(model.parameters(), 10.0)
             optimizer.step()
             state.step += 1
-            for name, value in losses.items():
-                state.sums[name] = state.sums.get(name, 0.0) + float(value.detach())
+            unread.append({name: value.detach() for name, value in losses.items()})
+            if len(unread) >= UNREAD:
+                read()
             if progress is not None:
-                progress(len(samples))
+                progress(schedule.batch_size)
             if time.monotonic() - saved > checkpoint_s:
                 state.minutes += (time.monotonic() - began) / 60
                 save()
                 saved = began = time.monotonic()
         state.epoch += 1
+        read()
         curve: dict[str, float] = {"epoch": state.epoch} | {k: v / batches for k, v in state.sums.items()}
         if state.epoch % schedule.score_every == 0 or state.epoch == schedule.epochs:
             model.eval()
@@ -193,6 +211,53 @@ def train(
         saved = began = time.monotonic()
     model.eval()
     return state.score | {"minutes": state.minutes}
+
+
+class _Batches(Dataset[Any]):
+    """All batches of a training; each depends on its number alone, whoever makes it."""
+
+    def __init__(self, task: Task, schedule: Schedule) -> None:
+        self.task, self.schedule = task, schedule
+        self._each = schedule.batches(len(task))
+        self._epoch, self._order = -1, np.zeros(0, dtype=np.int64)
+
+    def __getitem__(self, number: int) -> Any:
+        epoch, step = divmod(number, self._each)
+        if epoch != self._epoch:
+            self._epoch, self._order = epoch, self._drawn(epoch).permutation(len(self.task))
+        size = self.schedule.batch_size
+        samples = self._order[step * size : (step + 1) * size]
+        self.seed(number)
+        return self.task.batch(samples, [self._drawn(epoch, int(sample)) for sample in samples])
+
+    def seed(self, number: int) -> None:
+        """Seed torch's own generator for a batch and what is learnt from it."""
+        torch.manual_seed(int(self._drawn(*divmod(number, self._each)).integers(2**62)))
+
+    def since(self, first: int, workers: int) -> Iterator[Any]:
+        """All from a number on, made by so many other processes, or here, when they are asked for."""
+        numbers = range(first, self.schedule.epochs * self._each)
+        if not workers:
+            yield from (self[number] for number in numbers)
+            return
+        made = DataLoader(
+            self,
+            batch_size=None,
+            sampler=numbers,
+            num_workers=workers,
+            collate_fn=_as_it_is,
+            multiprocessing_context="fork",  # they begin with what the task holds, and use no GPU
+        )
+        for number, batch in zip(numbers, made, strict=True):
+            self.seed(number)
+            yield batch
+
+    def _drawn(self, *numbers: int) -> np.random.Generator:
+        return np.random.default_rng([self.schedule.seed, *numbers])
+
+
+def _as_it_is(batch: Any) -> Any:
+    return batch
 
 
 class _State:

@@ -15,7 +15,6 @@ from torch import nn
 from remqa_data.agents.networks.actor_critic import ActorCritic
 from remqa_data.agents.networks.answerer import ManipulationAnswerer
 from remqa_data.agents.networks.detection.detector import Detector
-from remqa_data.agents.networks.detection.proposer import Proposer
 from remqa_data.agents.networks.detection.refiner import Refiner, TwoStageDetector
 from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.networks.planner_controller import PlannerController
@@ -29,7 +28,6 @@ from remqa_data.agents.training.config import (
     MatcherConfig,
     Network,
     NetworkConfig,
-    ProposerConfig,
     RefinerConfig,
     ViewEncoderConfig,
     WalkerConfig,
@@ -77,8 +75,8 @@ class About:
         Of its vocabulary.
     score : dict
         Of the val rooms, and the minutes that its training took.
-    needs : dict
-        sha256 of the weights of the networks that it was built upon, by name.
+    needs, began_with : dict
+        sha256 of the weights of the networks that it works with, and of those that it began with, by name.
     """
 
     config: dict[str, Any]
@@ -88,6 +86,7 @@ class About:
     answers: tuple[str, ...] = ()
     score: dict[str, float] = field(default_factory=dict)
     needs: dict[str, str] = field(default_factory=dict)
+    began_with: dict[str, str] = field(default_factory=dict)
     format: int = FORMAT
 
     @property
@@ -192,9 +191,7 @@ def trained_detector(
     first = trained(DETECTOR, Detector, folder, root, force=force)
     if not isinstance(network, MatcherConfig) or not network.refiner:
         return first
-    second = trained(network.refiner, Refiner, folder, root, force=force)
-    proposer = trained(network.proposer, Proposer, folder, root, force=force) if network.proposer else None
-    return TwoStageDetector(first, second, proposer)
+    return TwoStageDetector(first, trained(network.refiner, Refiner, folder, root, force=force))
 
 
 def empty_network(about: About) -> nn.Module:
@@ -204,8 +201,6 @@ def empty_network(about: About) -> nn.Module:
         return Detector(types)
     if isinstance(network, RefinerConfig):
         return Refiner(types)
-    if isinstance(network, ProposerConfig):
-        return Proposer()
     if isinstance(network, WalkerConfig):
         return ActorCritic(types, network.form)
     if isinstance(network, AdaptiveWalkerConfig):

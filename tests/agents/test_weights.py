@@ -13,6 +13,9 @@ pytestmark = pytest.mark.slow
 
 MOST_MB = 25
 
+BEGAN_BEFORE = ("answerer", "answerer_end", "answerer_start")
+"""They began with the backbone of a second stage that had learnt for a shorter time than the one in the package."""
+
 
 def test_shipped_weights_are_of_their_configurations_from_the_same_data_and_detector_and_not_too_large() -> None:
     paths = {path.stem: path for path in weights_path("detector").parent.glob("*.safetensors")}
@@ -21,8 +24,12 @@ def test_shipped_weights_are_of_their_configurations_from_the_same_data_and_dete
     assert all(about.network == load_network_config(name) for name, about in abouts.items())
     # Who walks learns from the views of the first dataset alone.
     assert len({about.datasets[0] for about in abouts.values()}) == 1
-    for about in abouts.values():
-        assert about.needs == {name: sha256_of(paths[name]) for name in about.network.network.needs}
+    for name, about in abouts.items():
+        network = about.network.network
+        assert about.needs == {other: sha256_of(paths[other]) for other in network.needs}
+        assert set(about.began_with) == set(network.began_with)
+        changed = {other for other, sha256 in about.began_with.items() if sha256 != sha256_of(paths[other])}
+        assert changed == ({"refiner"} if name in BEGAN_BEFORE else set())
     assert sum(path.stat().st_size for path in paths.values()) < MOST_MB * 1e6
 
 

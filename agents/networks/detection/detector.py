@@ -178,7 +178,7 @@ class Detector(nn.Module):
     @torch.no_grad()
     def looks_in(self, seen: FeatureMaps, boxes: Tensor, size: int) -> Tensor:
         """(m, CHANNELS, size, size) features in each of (m, 4) boxes in the one picture that was seen."""
-        return features_in(seen.features, boxes, first_of(boxes), size)
+        return features_in(seen.features, boxes[None], size)[0]
 
     @torch.no_grad()
     def types_of(self, seen: FeatureMaps, boxes: Tensor) -> Tensor:
@@ -228,11 +228,6 @@ def enlarged(rgb: Tensor) -> Tensor:
     """(n, 3, h, w) uint8 pictures, ENLARGED times as wide and high."""
     larger = [round(side * ENLARGED) for side in rgb.shape[-2:]]
     return functional.interpolate(rgb.to(torch.float32), size=larger, mode="bilinear").round().to(torch.uint8)
-
-
-def first_of(boxes: Tensor) -> Tensor:
-    """(m,) which picture each of (m, 4) boxes is in, where there is one."""
-    return torch.zeros(len(boxes), dtype=torch.int64, device=boxes.device)
 
 
 def begin_with_few(heads: nn.Conv2d) -> None:

@@ -1,7 +1,7 @@
 """Where objects may be, by what the second stage of the detector sees of the whole picture (as in Ren et al. 2015).
 
-The first stage looks with a backbone that has learnt less, and misses most drawers. What it finds stays: both propose, and of
-two boxes that are of the same object the likelier one is looked at again.
+The first stage looks with a backbone that knows less, and misses most drawers. What it finds stays: both propose, and of two
+boxes that are of the same object the likelier one is looked at again.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Middles(NamedTuple):
 
 
 class Proposer(nn.Module):
-    """Proposes boxes, whatever they hold; a small network on features that stay as they are."""
+    """Proposes boxes, whatever they hold; a small network on the second stage's features."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -67,9 +67,20 @@ class Proposer(nn.Module):
         least_votes : float
             What is less likely an object is not proposed.
         """
-        said = self(features)
-        (scores,), (rows,), (columns,) = likeliest_middles(said.middles)
-        size = tuple(side * STRIDE for side in features.shape[-2:])
-        own = boxes_at(said.sides[0, :, rows, columns].T, rows, columns, size) / ENLARGED
+        (scores,), (own,) = likeliest_boxes(self(features))
         boxes = np.concatenate([seen.boxes, own.numpy(force=True)])
         return boxes[apart(boxes, np.concatenate([seen.votes.sum(axis=1), scores.numpy(force=True)]), least_votes)]
+
+
+def likeliest_boxes(said: Middles) -> tuple[Tensor, Tensor]:
+    """How likely the likeliest middles in each of n enlarged pictures are, (n, k), and their boxes, (n, k, 4), in pixels.
+
+    Pixels are those of the pictures as they were.
+    """
+    scores, rows, columns = likeliest_middles(said.middles)
+    height, width = said.middles.shape[1:]
+    places = (rows * width + columns)[:, None].expand(-1, 4, -1)
+    sides = said.sides.flatten(2).gather(2, places).transpose(1, 2)
+    size = (height * STRIDE, width * STRIDE)
+    boxes = boxes_at(sides.flatten(0, 1), rows.flatten(), columns.flatten(), size) / ENLARGED
+    return scores, boxes.view(*scores.shape, 4)

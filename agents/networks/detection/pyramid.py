@@ -104,17 +104,15 @@ def normalised(rgb: Tensor) -> Tensor:
     return (rgb.to(torch.float32) / 255 - mean) / spread
 
 
-def features_in(features: Tensor, boxes: Tensor, images: Tensor, size: int, cell_px: float = STRIDE) -> Tensor:
+def features_in(features: Tensor, boxes: Tensor, size: int, cell_px: float = STRIDE) -> Tensor:
     """Features at a grid of points in each of some boxes, by bilinear interpolation.
 
     Parameters
     ----------
     features : (n, c, h, w) float32
         Of `Pyramid`.
-    boxes : (m, 4) float32
-        x1, y1, x2, y2 in pixels of the pictures.
-    images : (m,) int64
-        Which picture each box is in.
+    boxes : (n, k, 4) float32
+        x1, y1, x2, y2 in pixels of the pictures: k boxes in each.
     size : int
         Points across and down, at the middles of equal parts of the box.
     cell_px : float
@@ -122,19 +120,14 @@ def features_in(features: Tensor, boxes: Tensor, images: Tensor, size: int, cell
 
     Returns
     -------
-    (m, c, size, size) float32
+    (n, k, c, size, size) float32
     """
+    count, each = boxes.shape[:2]
     height, width = features.shape[-2:]
     steps = (torch.arange(size, device=boxes.device, dtype=boxes.dtype) + 0.5) / size
-    x = boxes[:, 0, None] + steps * (boxes[:, 2] - boxes[:, 0])[:, None]
-    y = boxes[:, 1, None] + steps * (boxes[:, 3] - boxes[:, 1])[:, None]
-    x, y = x / (width * cell_px) * 2 - 1, y / (height * cell_px) * 2 - 1
-    grid = torch.stack([x[:, None, :].expand(-1, size, -1), y[:, :, None].expand(-1, -1, size)], dim=-1)
-    found = torch.empty((len(boxes), features.shape[1], size, size), device=features.device, dtype=features.dtype)
-    for image in torch.unique(images).tolist():
-        of_image = images == image
-        count = int(of_image.sum())
-        points = grid[of_image].reshape(1, count * size, size, 2)
-        sampled = functional.grid_sample(features[image : image + 1], points, align_corners=False)
-        found[of_image] = sampled.reshape(-1, count, size, size).transpose(0, 1)
-    return found
+    x1, y1, x2, y2 = boxes[..., None].unbind(2)
+    x, y = (x1 + steps * (x2 - x1)) / (width * cell_px) * 2 - 1, (y1 + steps * (y2 - y1)) / (height * cell_px) * 2 - 1
+    across, down = x[:, :, None].expand(-1, -1, size, -1), y[..., None].expand(-1, -1, -1, size)
+    points = torch.stack([across, down], dim=-1).view(count, each * size, size, 2)
+    found = functional.grid_sample(features, points, align_corners=False)
+    return found.view(count, features.shape[1], each, size, size).transpose(1, 2)

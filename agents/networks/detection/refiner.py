@@ -1,8 +1,8 @@
 """A second stage for the detector (Ren et al. 2015; He et al. 2017): each box is looked at again, by itself and from close by.
 
 The first stage says where objects may be. The second one has a backbone of its own, which begins with what the first one's
-knows. Of each such box, and of a margin around it, it sees its features and the pixels, and says what it is, where its sides
-truly are, and which parts of it are the object.
+knows, and proposes boxes, too. Of each box, and of a margin around it, it sees its features and the pixels, and says what it
+is, where its sides truly are, and which parts of it are the object.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from remqa_data.agents.networks.detection.detector import (
     FeatureMaps,
     Peaks,
     enlarged,
-    first_of,
     kept_objects,
     likeliest_types,
 )
@@ -128,6 +127,7 @@ class Refiner(nn.Module):
         fine, coarse = PIXEL_WIDTHS
         whole, half, quarter = WIDTHS
         self.backbone = Pyramid()
+        self.proposer = Proposer()
         self.pixels = nn.Sequential(conv_block(3, fine, stride=2), conv_block(fine, coarse, stride=2))
         self.near = nn.Sequential(
             nn.Conv2d(CHANNELS + coarse, whole, 1, bias=False), nn.BatchNorm2d(whole), nn.ReLU(), Residual(whole)
@@ -148,8 +148,8 @@ class Refiner(nn.Module):
         """(n, CHANNELS, h', w') features of (n, 3, h, w) uint8 pictures, enlarged."""
         return cast("Tensor", self.backbone(enlarged(rgb)))
 
-    def forward(self, rgb: Tensor, features: Tensor, boxes: Tensor, images: Tensor) -> Refined:
-        """Look at (m, 4) boxes, pixels, each in one of n pictures.
+    def forward(self, rgb: Tensor, features: Tensor, boxes: Tensor) -> Refined:
+        """Look at k boxes in each of n pictures.
 
         Parameters
         ----------
@@ -157,15 +157,20 @@ class Refiner(nn.Module):
             Pictures.
         features : (n, CHANNELS, h', w')
             What `see` gives for them.
-        images : (m,) int64
-            Which picture each box is in.
+        boxes : (n, k, 4)
+            x1, y1, x2, y2 in pixels of the pictures.
+
+        Returns
+        -------
+        What it says of the n * k boxes, picture by picture.
         """
-        seen = with_margin(boxes)
-        pixels = features_in(normalised(rgb), seen, images, PIXELS, cell_px=1)
-        looks = features_in(features, seen, images, GRID, STRIDE / ENLARGED)
+        rough = boxes.flatten(0, 1)
+        seen = with_margin(rough).view_as(boxes)
+        pixels = features_in(normalised(rgb), seen, PIXELS, cell_px=1).flatten(0, 1)
+        looks = features_in(features, seen, GRID, STRIDE / ENLARGED).flatten(0, 1)
         near = self.near(torch.cat([looks, self.pixels(pixels.contiguous(memory_format=torch.channels_last))], 1))
         known = self.all(near)
-        return Refined(moved(boxes, self.sides(known)), self.kind(known), self.shape(near)[:, 0])
+        return Refined(moved(rough, self.sides(known)), self.kind(known), self.shape(near)[:, 0])
 
 
 class TwoStageDetector:
@@ -173,13 +178,12 @@ class TwoStageDetector:
 
     Attributes
     ----------
-    first, second, proposer
-        Trained networks; the last one, which may be None, proposes other boxes than the first.
+    first, second
+        Trained networks.
     """
 
-    def __init__(self, first: Detector, second: Refiner, proposer: Proposer | None = None) -> None:
+    def __init__(self, first: Detector, second: Refiner) -> None:
         self.first, self.second = first.eval(), second.eval()
-        self.proposer = None if proposer is None else proposer.eval()
 
     @property
     def types(self) -> int:
@@ -188,8 +192,7 @@ class TwoStageDetector:
 
     def to(self, device: str) -> TwoStageDetector:
         """The same, computing elsewhere."""
-        proposer = None if self.proposer is None else self.proposer.to(device)
-        return TwoStageDetector(self.first.to(device), self.second.to(device), proposer)
+        return TwoStageDetector(self.first.to(device), self.second.to(device))
 
     def eval(self) -> TwoStageDetector:
         """The same: it never learns."""
@@ -210,7 +213,7 @@ class TwoStageDetector:
     @torch.no_grad()
     def looks_in(self, seen: FeatureMaps, boxes: Tensor, size: int) -> Tensor:
         """(m, CHANNELS, size, size) the second stage's features in each of (m, 4) boxes in the one picture that was seen."""
-        return features_in(seen.features, boxes, first_of(boxes), size, STRIDE / ENLARGED)
+        return features_in(seen.features, boxes[None], size, STRIDE / ENLARGED)[0]
 
     @torch.no_grad()
     def types_of(self, seen: FeatureMaps, boxes: Tensor) -> Tensor:
@@ -219,16 +222,14 @@ class TwoStageDetector:
 
     def _refined(self, seen: FeatureMaps, boxes: Tensor) -> Refined:
         said = [
-            self.second(seen.rgb, seen.features, some, first_of(some))
+            self.second(seen.rgb, seen.features, some[None])
             for some in torch.split(boxes, AT_ONCE)  # type: ignore[no-untyped-call]
         ]
         return Refined(*(torch.cat(parts) for parts in zip(*said, strict=True)))
 
     def _found(self, seen: FeatureMaps, peaks: Peaks, cells: np.ndarray) -> Detections:
         """The objects at the peaks of one picture, and where else they are proposed, as the second stage sees them."""
-        proposer = self.proposer
-        rough = peaks.boxes if proposer is None else proposer.propose(seen.features, peaks, LEAST_VOTES)
-        boxes = torch.from_numpy(rough).to(seen.rgb.device)
+        boxes = torch.from_numpy(self.second.proposer.propose(seen.features, peaks, LEAST_VOTES)).to(seen.rgb.device)
         found = self._refined(seen, boxes)
         height, width = seen.rgb.shape[-2:]
         limits = np.array([width, height, width, height], dtype=np.float32)

@@ -41,12 +41,15 @@ def test_a_key_that_is_wrong_is_named(before: str, after: str, said: str, tmp_pa
         load_network_config(path)
 
 
-def test_proposals_need_a_second_stage(tmp_path: Path) -> None:
-    path = tmp_path / "mine.yaml"
-    text = Path("configs/agents/training/anchored_matcher.yaml").read_text()
-    assert "refiner: refiner, " in text
-    path.write_text(text.replace("refiner: refiner, ", ""))
-    with pytest.raises(ConfigError, match=r"mine\.yaml: network\.matcher.*proposer: needs a refiner"):
-        load_network_config(path)
-    assert load_network_config("anchored_matcher").network.needs == ("detector", "refiner", "proposer")
-    assert load_network_config("proposer").network.needs == ("detector", "refiner")
+def test_what_a_network_works_with_is_not_what_it_began_with() -> None:
+    networks = {name: load_network_config(name).network for name in ("anchored_matcher", "answerer", "savn")}
+    assert {name: network.needs for name, network in networks.items()} == {
+        "anchored_matcher": ("detector", "refiner"),
+        "answerer": (),
+        "savn": ("view_encoder",),
+    }
+    assert {name: network.began_with for name, network in networks.items()} == {
+        "anchored_matcher": (),
+        "answerer": ("detector", "refiner"),
+        "savn": ("a3c",),
+    }

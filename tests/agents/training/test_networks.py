@@ -55,7 +55,7 @@ def short(name: str, folder: Path) -> Path:
 def trained(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Weights of all networks."""
     folder = tmp_path_factory.mktemp("trained")
-    first = ["detector", "view_encoder", "refiner", "proposer"]
+    first = ["detector", "view_encoder", "refiner"]
     then = [name for name in networks() if name not in first]
     options = ("--data", two_rooms, "--out", folder / "weights", "--threads", 1)
     asked("train", *(short(name, folder) for name in first), *options)
@@ -93,7 +93,7 @@ def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path,
         assert wanted in text
     board = json.loads((tmp_path / "leaderboard.json").read_text())
     assert len(board["entries"]) == len(WITH_MAPS) + len(WALKERS)
-    for stage in ("detector", "refiner", "proposer"):
+    for stage in ("detector", "refiner"):
         scores = json.loads((tmp_path / f"{stage}-test.json").read_text())
         assert scores["frames"] > 0
     rows = [json.loads(line) for line in (tmp_path / "framework.jsonl").read_text().splitlines()[1:]]

@@ -31,6 +31,23 @@ def test_the_same_seed_gives_the_same_weights_and_another_seed_others(tmp_path: 
     assert found[0] == found[1] != found[2]
 
 
+def test_other_processes_make_the_same_batches(tmp_path: Path) -> None:
+    here, elsewhere, stopped = Sums(), Sums(), Sums()
+    train(here, SCHEDULE, tmp_path / "here")
+    train(elsewhere, SCHEDULE, tmp_path / "elsewhere", workers=2)
+    assert elsewhere.drawn == 0 < here.drawn
+    assert checksum(elsewhere.model) == checksum(here.model)
+
+    def stop(count: int) -> None:
+        if (tmp_path / "stopped" / CHECKPOINT).is_file():
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        train(stopped, SCHEDULE, tmp_path / "stopped", workers=2, checkpoint_s=0.0, progress=stop)
+    train(stopped, SCHEDULE, tmp_path / "stopped", workers=2, resume=True)
+    assert checksum(stopped.model) == checksum(here.model)
+
+
 def test_it_learns_in_bfloat16_with_weights_of_float32(tmp_path: Path) -> None:
     short = replace(SCHEDULE, epochs=40, precision="bfloat16")
     tasks = [Sums() for _ in range(3)]

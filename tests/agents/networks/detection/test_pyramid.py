@@ -14,6 +14,8 @@ def test_features_in_a_box_are_those_that_lie_there() -> None:
     column = torch.arange(10.0).view(1, 1, 1, 10).expand(2, 1, 10, 10)  # feature k is at x = 4 k + 2
     features = torch.stack([column[0], column[1] + 100])
     boxes = torch.tensor([[2.0, 2.0, 38.0, 38.0], [4.0, 4.0, 8.0, 8.0]])
-    found = features_in(features, boxes, torch.tensor([0, 1]), 3)
-    assert torch.allclose(found[0, 0], torch.tensor([1.5, 4.5, 7.5]).expand(3, 3))  # x = 8, 20 and 32
-    assert torch.allclose(found[1, 0, 1, 1], torch.tensor(101.0))
+    found = features_in(features, torch.stack([boxes, boxes.flip(0)]), 3)
+    assert found.shape == (2, 2, 1, 3, 3)
+    assert torch.allclose(found[0, 0, 0], torch.tensor([1.5, 4.5, 7.5]).expand(3, 3))  # x = 8, 20 and 32
+    assert torch.allclose(found[0, 1, 0, 1, 1], torch.tensor(1.0))
+    assert torch.allclose(found[1], found[0].flip(0) + 100)

@@ -13,12 +13,22 @@ from remqa_data.agents.networks.detection.refiner import (
     moved,
     with_margin,
 )
-from remqa_data.agents.training.detection import JITTER, MOST_BOXES, Proposals, objects_of, propose
+from remqa_data.agents.training.detection import (
+    JITTER,
+    MOST_BOXES,
+    asked_again,
+    objects_of,
+    overlaps_of,
+    refiner_losses,
+    shown_of,
+)
 from remqa_data.agents.training.pictures import Picture
 
 BOXES = torch.tensor([[10.0, 20.0, 30.0, 60.0], [50.0, 50.0, 52.0, 90.0]])
 THING = (40, 30, 70, 90)
 """x1, y1, x2, y2 of a thing in the pictures here."""
+
+ROUGH = np.array([[26, 26, 74, 74]], np.float32)
 
 
 def test_a_margin_leaves_the_middle_where_it_is_and_thin_things_get_more() -> None:
@@ -38,7 +48,7 @@ def test_who_has_learnt_nothing_leaves_boxes_as_they_are() -> None:
     refiner = Refiner(3).eval()
     features = refiner.see(rgb)
     assert features.shape == (1, CHANNELS, 36, 36)
-    said = refiner(rgb, features, BOXES, torch.zeros(2, dtype=torch.int64))
+    said = refiner(rgb, features, BOXES[None])
     assert torch.equal(said.boxes, BOXES)
     assert said.kinds.shape == (2, 4)
     assert said.shapes.shape == (2, GRID, GRID)
@@ -68,17 +78,20 @@ def picture(x1: int, y1: int, x2: int, y2: int) -> Picture:
     return Picture(rgb, instances, np.array([2, 1]))
 
 
-def test_what_is_proposed_has_the_truth_beside_it() -> None:
-    seen = np.array([[38, 28, 72, 92], [0, 0, 20, 20], [60, 60, 61, 60.5]], dtype=np.float32)
+def test_what_is_looked_at_again_has_the_truth_beside_it() -> None:
     asked = picture(*THING)
-    made = propose(asked, seen, np.random.default_rng(0))
     assert objects_of(asked).boxes.tolist() == [list(THING)]
-    assert sorted(made.kinds.tolist()) == [0, 3, 3]  # beside the thing as it was seen, and moved a little
+    two = [asked, picture(10, 10, 50, 30)]
+    shown = shown_of(two, [np.random.default_rng(number) for number in range(2)])
+    seen = torch.tensor([[38.0, 28.0, 72.0, 92.0], [0.0, 0.0, 20.0, 20.0]]).repeat(2, 1, 1)
+    made = asked_again(seen, shown)
+    assert made.kinds.sort(1).values.tolist() == [[0, 3, 3], [0, 0, 3]]  # as it was seen, and moved a little
     of_thing = made.kinds == 3
-    assert (made.true[of_thing] == np.array(THING)).all()
-    shares = (made.boxes[of_thing] - THING) / np.tile([30, 60], 2)
-    assert np.abs(shares).max() < 5 * JITTER
-    as_seen = made.shapes[made.boxes[:, 0] == 38][0]
+    assert (made.true[0][of_thing[0]] == torch.tensor(THING)).all()
+    assert (made.true[1][of_thing[1]] == torch.tensor([10, 10, 50, 30])).all()
+    shares = (made.boxes[0][of_thing[0]] - torch.tensor(THING)) / torch.tensor([30, 60, 30, 60])
+    assert shares.abs().max() < 5 * JITTER
+    as_seen = made.shapes[0][made.boxes[0, :, 0] == 38][0].numpy()
     steps = (np.arange(GRID) + 0.5) / GRID
     across, down = 55 + (steps - 0.5) * 34 * MARGIN, 60 + (steps - 0.5) * 64 * MARGIN
     inside = ((down >= 30) & (down < 90))[:, None] & ((across >= 40) & (across < 70))
@@ -86,19 +99,40 @@ def test_what_is_proposed_has_the_truth_beside_it() -> None:
     assert 0 < inside.mean() < 1
 
 
-def test_in_an_empty_picture_nothing_is_proposed_as_an_object() -> None:
+def test_objects_and_none_are_looked_at_alike_often() -> None:
+    shown = shown_of([picture(*THING)], [np.random.default_rng(0)])
+    of_it = torch.tensor(THING) + torch.arange(30.0)[:, None] / 10
+    nowhere = torch.tensor([0.0, 0.0, 20.0, 20.0]).repeat(40, 1)
+    made = asked_again(torch.cat([of_it, nowhere])[None], shown)
+    assert made.boxes.shape == (1, MOST_BOXES, 4)
+    assert int((made.kinds > 0).sum()) == MOST_BOXES // 2
+    chosen = made.boxes[0][made.kinds[0] > 0]
+    assert len({tuple(box) for box in chosen.tolist()}) == MOST_BOXES // 2
+
+
+def test_in_an_empty_picture_nothing_is_taken_for_an_object() -> None:
     empty = Picture(np.zeros((50, 50, 3), np.uint8), np.zeros((50, 50), np.int32), np.zeros(0, np.int64))
-    made = propose(empty, np.array([[0, 0, 20, 20]] * 40, dtype=np.float32), np.random.default_rng(0))
-    assert len(made.boxes) == MOST_BOXES
+    shown = shown_of([empty], [np.random.default_rng(0)])
+    made = asked_again(torch.tensor([[0.0, 0.0, 20.0, 20.0]]).repeat(1, 40, 1), shown)
+    assert made.boxes[0].tolist() == [[0.0, 0.0, 20.0, 20.0]] * MOST_BOXES
     assert not made.kinds.any()
     assert not made.shapes.any()
+
+
+def test_overlaps_are_those_of_arrays() -> None:
+    rng = np.random.default_rng(0)
+    low = rng.uniform(0, 40, (2, 6, 2))
+    boxes = np.concatenate([low, low + rng.uniform(0, 30, low.shape)], 2).astype(np.float32)
+    found = overlaps_of(torch.from_numpy(boxes), torch.from_numpy(boxes[:, :3]))
+    for each, one in zip(found.numpy(), boxes, strict=True):
+        assert np.allclose(each, iou(one, one[:3]), atol=1e-6)
 
 
 class Rough(Detector):
     """Sees one thing in the middle of each picture, and not where it ends."""
 
     def vote(self, rgb: torch.Tensor, least_votes: float = 0.0) -> Voted:
-        rough = Peaks(np.array([[26, 26, 74, 74]], np.float32), np.ones((1, self.types), np.float32) / self.types)
+        rough = Peaks(ROUGH, np.ones((1, self.types), np.float32) / self.types)
         return Voted([rough] * len(rgb), np.zeros((len(rgb), 1, 1), np.int64))
 
 
@@ -118,16 +152,8 @@ def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
         return torch.stack([torch.from_numpy(one.rgb).permute(2, 0, 1) for one in made]), made
 
     for _ in range(steps):
-        rgb, pictures = shown(12)
-        voted = first.vote(rgb)
-        parts = [propose(one, p.boxes, rng) for one, p in zip(pictures, voted.peaks, strict=True)]
-        images = torch.from_numpy(np.repeat(np.arange(12), [len(one.boxes) for one in parts]))
-        made = Proposals(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
-        said = second(rgb, second.see(rgb), torch.from_numpy(made.boxes), images)
-        kinds, true = torch.from_numpy(made.kinds), torch.from_numpy(made.true)
-        is_object = kinds > 0
-        loss = torch.nn.functional.cross_entropy(said.kinds, kinds)
-        loss = loss + (said.boxes - true)[is_object].abs().mean() / 10
+        _, pictures = shown(12)
+        loss = refiner_losses(second, shown_of(pictures, [rng] * 12))["loss"]
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
@@ -136,7 +162,7 @@ def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
     rgb, pictures = shown(20)
     seen, found = TwoStageDetector(first, second).look(rgb)
     true = np.concatenate([objects_of(one).boxes for one in pictures])
-    rough = iou(true, np.array([[26, 26, 74, 74]], np.float32))[:, 0]
+    rough = iou(true, ROUGH)[:, 0]
     better = np.array([iou(true[i : i + 1], one.boxes[:1])[0, 0] for i, one in enumerate(found)])
     assert better.mean() > rough.mean() + 0.15
     assert np.mean([one.types[0] == 2 for one in found]) > 0.9
