@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import json
+import multiprocessing
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -133,8 +134,10 @@ def train(
     Raises
     ------
     ConfigError
-        If what is to be gone on with is another run.
+        If what is to be gone on with is another run, or other processes cannot make batches on this system.
     """
+    if workers and "fork" not in multiprocessing.get_all_start_methods():
+        raise ConfigError("--workers: this system forks no processes; leave it out")
     torch.manual_seed(schedule.seed)
     torch.use_deterministic_algorithms(device == "cpu")
     model = task.model.to(device)

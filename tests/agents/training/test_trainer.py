@@ -48,6 +48,12 @@ def test_other_processes_make_the_same_batches(tmp_path: Path) -> None:
     assert checksum(stopped.model) == checksum(here.model)
 
 
+def test_where_no_process_can_be_forked_that_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("multiprocessing.get_all_start_methods", lambda: ["spawn"])
+    with pytest.raises(ConfigError, match="--workers: this system forks no processes; leave it out"):
+        train(Sums(), SCHEDULE, tmp_path, workers=1)
+
+
 def test_it_learns_in_bfloat16_with_weights_of_float32(tmp_path: Path) -> None:
     short = replace(SCHEDULE, epochs=40, precision="bfloat16")
     tasks = [Sums() for _ in range(3)]

@@ -124,6 +124,7 @@ def test_overlaps_are_those_of_arrays() -> None:
     low = rng.uniform(0, 40, (2, 6, 2))
     boxes = np.concatenate([low, low + rng.uniform(0, 30, low.shape)], 2).astype(np.float32)
     found = overlaps_of(torch.from_numpy(boxes), torch.from_numpy(boxes[:, :3]))
+    assert found.shape == (2, 6, 3)
     for each, one in zip(found.numpy(), boxes, strict=True):
         assert np.allclose(each, iou(one, one[:3]), atol=1e-6)
 
