@@ -43,7 +43,7 @@ class NetworkLocalizer:
         with one_thread():
             rgb = torch.from_numpy(percept.rgb).permute(2, 0, 1)[None]
             seen, (found,) = self.detector.look(rgb)
-            places = candidates(found)
+            places = candidates(found, self.detector.candidates)
             if not len(places):
                 return None
             boxes, scores = found.boxes[places], found.scores[places]

@@ -135,7 +135,7 @@ class RefinementTask:
         for picture in self._scored:
             (seen,) = detector.detect(_colours([picture]).to(self.device))
             true = objects_of(picture)
-            chosen = candidates(seen)
+            chosen = candidates(seen, detector.candidates)
             fits = iou(true.boxes, seen.boxes[chosen]) >= FOUND_IOU
             asked += len(true.boxes)
             found += int(fits.any(1).sum())

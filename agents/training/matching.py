@@ -327,7 +327,7 @@ def referred(frame: FrameExpressions, detector: AnyDetector, device: str) -> Ref
     picture = torch.from_numpy(decode_rgb(rgb)).permute(2, 0, 1)[None].to(device)
     seen, (found,) = detector.look(picture)
     metres = decode_depth(depth)
-    places = candidates(found)
+    places = candidates(found, detector.candidates)
     boxes = found.boxes[places]
     asked = {row["target_id"] for row in rows}
     shown = [item for item in objects if item["pixels"] >= LEAST_PIXELS or item["id"] in asked]

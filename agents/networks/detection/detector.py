@@ -84,10 +84,18 @@ class FeatureMaps(NamedTuple):
     rgb : (n, 3, h, w) uint8
     features : (n, CHANNELS, h', w')
         Of its backbone; of the pictures enlarged, if it has two stages.
+    closely : FeatureMaps, optional
+        The same of the pictures from closer by, if it looks at them so, too.
     """
 
     rgb: Tensor
     features: Tensor
+    closely: FeatureMaps | None = None
+
+    def of(self, image: int) -> FeatureMaps:
+        """What it keeps of one picture."""
+        one = slice(image, image + 1)
+        return FeatureMaps(self.rgb[one], self.features[one], self.closely and self.closely.of(image))
 
 
 class Voted(NamedTuple):
@@ -144,6 +152,9 @@ class Detector(nn.Module):
     types : int
         How many types of objects it knows.
     """
+
+    candidates = 60
+    """Detections of a picture among which one is chosen."""
 
     def __init__(self, types: int) -> None:
         super().__init__()
@@ -224,9 +235,9 @@ class Detector(nn.Module):
         return found
 
 
-def enlarged(rgb: Tensor) -> Tensor:
-    """(n, 3, h, w) uint8 pictures, ENLARGED times as wide and high."""
-    larger = [round(side * ENLARGED) for side in rgb.shape[-2:]]
+def enlarged(rgb: Tensor, times: float = ENLARGED) -> Tensor:
+    """(n, 3, h, w) uint8 pictures, so many times as wide and high."""
+    larger = [round(side * times) for side in rgb.shape[-2:]]
     return functional.interpolate(rgb.to(torch.float32), size=larger, mode="bilinear").round().to(torch.uint8)
 
 
@@ -282,13 +293,13 @@ def _peaks_of_both(whole: Peaks, closely: Peaks, least_votes: float) -> Peaks:
     return Peaks(boxes[kept], votes[kept])
 
 
-def apart(boxes: F32, scores: F32, least: float) -> list[int]:
+def apart(boxes: F32, scores: F32, least: float, same_iou: float = SAME_OBJECT_IOU) -> list[int]:
     """Which of (m, 4) boxes with (m,) scores are of different objects, whatever their types, the likeliest first.
 
-    What is less likely than `least` is left out.
+    What is less likely than `least` is left out, and of two boxes that overlap more than `same_iou` the less likely one.
     """
     order = np.argsort(-scores, kind="stable")
-    overlaps = iou(boxes, boxes) > SAME_OBJECT_IOU
+    overlaps = iou(boxes, boxes) > same_iou
     kept: list[int] = []
     for place in order[scores[order] >= least].tolist():
         if not overlaps[place, kept].any():
@@ -314,11 +325,14 @@ def likeliest_types(votes: F32) -> tuple[np.ndarray, np.ndarray, F32]:
     return rows, types.ravel(), np.take_along_axis(votes, types, axis=1).ravel()
 
 
-def kept_objects(boxes: F32, types: np.ndarray, scores: F32) -> list[int]:
-    """Which of (m, 4) boxes with types and scores are reported, the likeliest first: one of several of the same object."""
+def kept_objects(boxes: F32, types: np.ndarray, scores: F32, same_iou: float = SAME_OBJECT_IOU) -> list[int]:
+    """Which of (m, 4) boxes with types and scores are reported, the likeliest first.
+
+    Of two boxes of a type that overlap more than `same_iou` it is the likelier one.
+    """
     order = np.argsort(-scores, kind="stable")
     order = order[scores[order] >= LEAST_SCORE]
-    overlaps = iou(boxes, boxes) > SAME_OBJECT_IOU
+    overlaps = iou(boxes, boxes) > same_iou
     kept: list[int] = []
     for place in order.tolist():
         if not any(overlaps[place, other] and types[place] == types[other] for other in kept):

@@ -6,6 +6,7 @@ boxes that are of the same object the likelier one is looked at again.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,9 @@ from remqa_data.agents.networks.detection.detector import (
 )
 from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE, conv_block
 from remqa_data.geometry.types import F32
+
+SAME_PLACE_IOU = 0.7
+"""Of two boxes that overlap more, the likelier one is looked at; that is not always the better one, so some others may stay."""
 
 
 class Middles(NamedTuple):
@@ -55,21 +59,25 @@ class Proposer(nn.Module):
         return Middles(said[:, 0], sides_of(said[:, 1:]))
 
     @torch.no_grad()
-    def propose(self, features: Tensor, seen: Peaks, least_votes: float) -> F32:
+    def propose(self, looks: Sequence[tuple[Tensor, float]], seen: Peaks, least_votes: float) -> F32:
         """(m, 4) boxes in one picture, pixels: those that were seen, and its own.
 
         Parameters
         ----------
-        features : (1, CHANNELS, h', w')
-            Of the second stage.
+        looks : sequence of ((1, CHANNELS, h', w') features, float)
+            Of the second stage, and how many times as wide and high as the picture that was which it saw.
         seen : Peaks
             Of the first stage.
         least_votes : float
             What is less likely an object is not proposed.
         """
-        (scores,), (own,) = likeliest_boxes(self(features))
-        boxes = np.concatenate([seen.boxes, own.numpy(force=True)])
-        return boxes[apart(boxes, np.concatenate([seen.votes.sum(axis=1), scores.numpy(force=True)]), least_votes)]
+        boxes, scores = [seen.boxes], [seen.votes.sum(axis=1)]
+        for features, times in looks:
+            (likely,), (own,) = likeliest_boxes(self(features))
+            boxes.append((own / times).numpy(force=True))
+            scores.append(likely.numpy(force=True))
+        proposed = np.concatenate(boxes)
+        return proposed[apart(proposed, np.concatenate(scores), least_votes, SAME_PLACE_IOU)]
 
 
 def likeliest_boxes(said: Middles) -> tuple[Tensor, Tensor]:

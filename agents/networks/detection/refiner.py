@@ -2,7 +2,8 @@
 
 The first stage says where objects may be. The second one has a backbone of its own, which begins with what the first one's
 knows, and proposes boxes, too. Of each box, and of a margin around it, it sees its features and the pixels, and says what it
-is, where its sides truly are, and which parts of it are the object.
+is, where its sides truly are, and which parts of it are the object. It looks at a picture twice, as it is and enlarged: small
+things are seen in the one, large ones in the other, and what both say of a box is more often right than what either says.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from remqa_data.agents.networks.detection.detector import (
     kept_objects,
     likeliest_types,
 )
-from remqa_data.agents.networks.detection.proposer import Proposer
+from remqa_data.agents.networks.detection.proposer import SAME_PLACE_IOU, Proposer
 from remqa_data.agents.networks.detection.pyramid import (
     CHANNELS,
     STRIDE,
@@ -61,6 +62,9 @@ KNOWN = 256
 LEAST_VOTES = 0.02
 """What the first stage thinks less likely an object at all is not looked at again."""
 
+CLOSER = 1.75
+"""A picture is looked at as it is, and so many times as wide and high."""
+
 AT_ONCE = 40
 """Boxes that are looked at together."""
 
@@ -83,15 +87,36 @@ class Refined(NamedTuple):
     shapes: Tensor
 
 
+class Judged(NamedTuple):
+    """What both looks say of m boxes.
+
+    Attributes
+    ----------
+    boxes : (m, 4)
+        x1, y1, x2, y2 in pixels.
+    kinds : (m, 1 + types)
+        How likely each is what: 0 is nothing, or something else.
+    looked_at : (2, m, 4)
+        Boxes with their margins, as they were looked at; thin ones got more of it in the first look.
+    shapes : (2, m, GRID, GRID)
+        How likely a point of those is the object.
+    """
+
+    boxes: Tensor
+    kinds: Tensor
+    looked_at: Tensor
+    shapes: Tensor
+
+
 @dataclass(frozen=True, eq=False)
 class RefinedDetections(Detections):
     """Objects that were found in one picture, and which parts of their boxes they are.
 
     Attributes
     ----------
-    looked_at : (m, 4) float32
-        Boxes with their margins, in which the shapes lie.
-    shapes : (m, GRID, GRID) float32
+    looked_at : (2, m, 4) float32
+        Boxes with their margins, in which the shapes lie, in either look.
+    shapes : (2, m, GRID, GRID) float32
         How likely each point is the object.
     """
 
@@ -100,16 +125,22 @@ class RefinedDetections(Detections):
 
     def mask(self, place: int, size: tuple[int, int]) -> Flags:
         """(h, w) pixels of the object at a place of the list, in a picture of a size; all of its box if they are none."""
-        height, width = size
-        x1, y1, x2, y2 = self.looked_at[place]
-        columns = ((np.arange(width, dtype=np.float32) + 0.5 - x1) / (x2 - x1) * GRID - 0.5)[None].repeat(height, 0)
-        rows = ((np.arange(height, dtype=np.float32) + 0.5 - y1) / (y2 - y1) * GRID - 0.5)[:, None].repeat(width, 1)
-        shown = cv2.remap(self.shapes[place], columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        looks = zip(self.looked_at[:, place], self.shapes[:, place], strict=True)
+        shown = np.mean([drawn(shape, box, size) for box, shape in looks], axis=0)
         x1, y1, x2, y2 = np.rint(self.boxes[place]).astype(int)
         is_inside = np.zeros(size, dtype=bool)
         is_inside[max(y1, 0) : max(y2, y1 + 1), max(x1, 0) : max(x2, x1 + 1)] = True
-        found = is_inside & (np.asarray(shown) > 0.5)
+        found = is_inside & (shown > 0.5)
         return found if found.any() else is_inside
+
+
+def drawn(shape: F32, box: F32, size: tuple[int, int]) -> F32:
+    """(h, w) how likely the pixels of a picture of a size are an object, of (GRID, GRID) shares of a box."""
+    height, width = size
+    x1, y1, x2, y2 = box
+    columns = ((np.arange(width, dtype=np.float32) + 0.5 - x1) / (x2 - x1) * GRID - 0.5)[None].repeat(height, 0)
+    rows = ((np.arange(height, dtype=np.float32) + 0.5 - y1) / (y2 - y1) * GRID - 0.5)[:, None].repeat(width, 1)
+    return np.asarray(cv2.remap(shape, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE))
 
 
 class Refiner(nn.Module):
@@ -182,6 +213,9 @@ class TwoStageDetector:
         Trained networks.
     """
 
+    candidates = 100
+    """Detections of a picture among which one is chosen; not all that are right have the highest scores."""
+
     def __init__(self, first: Detector, second: Refiner) -> None:
         self.first, self.second = first.eval(), second.eval()
 
@@ -206,8 +240,11 @@ class TwoStageDetector:
     @torch.no_grad()
     def look(self, rgb: Tensor) -> tuple[FeatureMaps, list[Detections]]:
         """What the second stage keeps of pictures, and the objects that both find in them."""
-        voted, seen = self.first.vote(rgb, LEAST_VOTES), FeatureMaps(rgb, self.second.see(rgb))
-        each = (FeatureMaps(*(part[image : image + 1] for part in seen)) for image in range(len(rgb)))
+        voted, seen = (
+            self.first.vote(rgb, LEAST_VOTES),
+            self._seen(rgb)._replace(closely=self._seen(enlarged(rgb, CLOSER))),
+        )
+        each = (seen.of(image) for image in range(len(rgb)))
         return seen, [self._found(*one) for one in zip(each, voted.peaks, voted.cells, strict=True)]
 
     @torch.no_grad()
@@ -218,7 +255,35 @@ class TwoStageDetector:
     @torch.no_grad()
     def types_of(self, seen: FeatureMaps, boxes: Tensor) -> Tensor:
         """(m, types) how likely each of (m, 4) boxes in the one picture that was seen is of each type, by the second stage."""
-        return self._refined(seen, boxes).kinds.softmax(1)[:, 1:]
+        return self._judged(seen, boxes).kinds[:, 1:]
+
+    def _seen(self, rgb: Tensor) -> FeatureMaps:
+        return FeatureMaps(rgb, self.second.see(rgb))
+
+    def _found(self, seen: FeatureMaps, peaks: Peaks, cells: np.ndarray) -> Detections:
+        """The objects at the peaks of one picture, and where else they are proposed, as the second stage sees them."""
+        features = [(look.features, times) for look, times in looks_of(seen)]
+        boxes = torch.from_numpy(self.second.proposer.propose(features, peaks, LEAST_VOTES)).to(seen.rgb.device)
+        found = self._judged(seen, boxes)
+        height, width = seen.rgb.shape[-2:]
+        limits = np.array([width, height, width, height], dtype=np.float32)
+        better = np.clip(found.boxes.numpy(force=True), 0, limits)
+        places, types, scores = likeliest_types(found.kinds[:, 1:].numpy(force=True))
+        kept = kept_objects(better[places], types, scores, SAME_PLACE_IOU)
+        of = places[kept]
+        looked_at, shapes = (part[:, of].numpy(force=True) for part in (found.looked_at, found.shapes))
+        return RefinedDetections(better[of], types[kept], scores[kept], cells, looked_at, shapes)
+
+    def _judged(self, seen: FeatureMaps, boxes: Tensor) -> Judged:
+        """What is said of (m, 4) boxes in the one picture that was seen: the mean of both looks."""
+        said = []
+        for look, times in looks_of(seen):
+            asked = boxes * times
+            refined = self._refined(look, asked)
+            own = refined.boxes / times, refined.kinds.softmax(1), with_margin(asked) / times, refined.shapes.sigmoid()
+            said.append(Judged(*own))
+        both = Judged(*(torch.stack(parts) for parts in zip(*said, strict=True)))
+        return both._replace(boxes=both.boxes.mean(0), kinds=both.kinds.mean(0))
 
     def _refined(self, seen: FeatureMaps, boxes: Tensor) -> Refined:
         said = [
@@ -227,18 +292,11 @@ class TwoStageDetector:
         ]
         return Refined(*(torch.cat(parts) for parts in zip(*said, strict=True)))
 
-    def _found(self, seen: FeatureMaps, peaks: Peaks, cells: np.ndarray) -> Detections:
-        """The objects at the peaks of one picture, and where else they are proposed, as the second stage sees them."""
-        boxes = torch.from_numpy(self.second.proposer.propose(seen.features, peaks, LEAST_VOTES)).to(seen.rgb.device)
-        found = self._refined(seen, boxes)
-        height, width = seen.rgb.shape[-2:]
-        limits = np.array([width, height, width, height], dtype=np.float32)
-        better = np.clip(found.boxes.numpy(force=True), 0, limits)
-        places, types, scores = likeliest_types(found.kinds.softmax(1)[:, 1:].numpy(force=True))
-        kept = kept_objects(better[places], types, scores)
-        of = places[kept]
-        looked_at, shapes = with_margin(boxes).numpy(force=True), found.shapes.sigmoid().numpy(force=True)
-        return RefinedDetections(better[of], types[kept], scores[kept], cells, looked_at[of], shapes[of])
+
+def looks_of(seen: FeatureMaps) -> list[tuple[FeatureMaps, float]]:
+    """What was kept of each look at pictures, and how many times as wide and high as they these were shown."""
+    assert seen.closely is not None
+    return [(seen, 1.0), (seen.closely, CLOSER)]
 
 
 def with_margin(boxes: Tensor) -> Tensor:

@@ -25,9 +25,6 @@ ALIKE, AROUND = 5, 10
 SAME_TYPE = 0.5
 """Cosine of the probabilities of two objects that are of one type."""
 
-CANDIDATES = 60
-"""Detections of a picture among which one is chosen."""
-
 SAME_BOX_IOU = 0.9
 
 UNSEEN_M = 4.0
@@ -82,12 +79,12 @@ class Regions:
     are_known: bool
 
 
-def candidates(found: Detections) -> list[int]:
+def candidates(found: Detections, most: int) -> list[int]:
     """Which detections to choose from: each box once, the likeliest first."""
     kept: list[int] = []
     same = iou(found.boxes, found.boxes) > SAME_BOX_IOU
     for place in range(len(found.boxes)):
-        if len(kept) < CANDIDATES and not same[place, kept].any():
+        if len(kept) < most and not same[place, kept].any():
             kept.append(place)
     return kept
 

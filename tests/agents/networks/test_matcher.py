@@ -96,7 +96,8 @@ def test_the_nearest_are_those_that_are_allowed_and_no_more_than_there_are() -> 
 def test_a_box_is_chosen_from_once() -> None:
     boxes = np.repeat(BOXES[:2], 2, axis=0)
     found = Detections(boxes, np.array([0, 1, 0, 1]), np.array([0.9, 0.8, 0.7, 0.6], np.float32), np.zeros((25, 25)))
-    assert candidates(found) == [0, 2]
+    assert candidates(found, 60) == [0, 2]
+    assert candidates(found, 1) == [0]
 
 
 @pytest.mark.parametrize("kind", MATCHERS)

@@ -3,15 +3,25 @@ import pytest
 import torch
 from torch import Tensor
 
-from remqa_data.agents.networks.detection.detector import ENLARGED, MOST_PEAKS, Detector, Peaks, Voted, apart, iou
+from remqa_data.agents.networks.detection.detector import (
+    ENLARGED,
+    MOST_PEAKS,
+    Detector,
+    Peaks,
+    Voted,
+    apart,
+    iou,
+    kept_objects,
+)
 from remqa_data.agents.networks.detection.detector_loss import batch_of, middle_losses, wanted_of
 from remqa_data.agents.networks.detection.proposer import Middles, Proposer
 from remqa_data.agents.networks.detection.pyramid import CHANNELS, STRIDE
-from remqa_data.agents.networks.detection.refiner import LEAST_VOTES, Refiner, TwoStageDetector
+from remqa_data.agents.networks.detection.refiner import CLOSER, LEAST_VOTES, Refiner, TwoStageDetector
 
 NOTHING_SEEN = Peaks(np.zeros((0, 4), np.float32), np.zeros((0, 3), np.float32))
 CELLS = 30
 FEATURES = torch.zeros(1, CHANNELS, CELLS, CELLS)
+AS_IT_IS = FEATURES, 1.0
 
 
 class Sure(Proposer):
@@ -26,20 +36,28 @@ class Sure(Proposer):
 
 def test_boxes_are_in_pixels_of_the_picture_that_was_not_enlarged() -> None:
     x, y = (20 + 0.5) * STRIDE, (10 + 0.5) * STRIDE
-    (box,) = Sure().propose(FEATURES, NOTHING_SEEN, LEAST_VOTES)
+    (box,) = Sure().propose([AS_IT_IS], NOTHING_SEEN, LEAST_VOTES)
     assert box.tolist() == pytest.approx(
         [(x - 12) / ENLARGED, (y - 6) / ENLARGED, (x + 12) / ENLARGED, (y + 6) / ENLARGED]
     )
 
 
 def test_what_both_see_is_proposed_once_by_the_one_that_is_surer() -> None:
-    (own,) = Sure().propose(FEATURES, NOTHING_SEEN, LEAST_VOTES)
+    (own,) = Sure().propose([AS_IT_IS], NOTHING_SEEN, LEAST_VOTES)
     seen = np.stack([own + np.float32(0.5), own + np.float32(40)])
     for votes, likelier in ((0.9, own), (0.99, seen[0])):  # its own is as likely as .95
         both = Peaks(seen, np.array([[votes], [0.3]], np.float32))
-        boxes = Sure().propose(FEATURES, both, LEAST_VOTES)
+        boxes = Sure().propose([AS_IT_IS], both, LEAST_VOTES)
         assert boxes.tolist() == [likelier.tolist(), seen[1].tolist()]
-    assert len(Sure().propose(FEATURES, NOTHING_SEEN, 0.96)) == 0
+    assert len(Sure().propose([AS_IT_IS], NOTHING_SEEN, 0.96)) == 0
+
+
+def test_what_is_seen_in_a_picture_from_closer_by_is_smaller() -> None:
+    (own,) = Sure().propose([AS_IT_IS], NOTHING_SEEN, LEAST_VOTES)
+    both = Sure().propose([AS_IT_IS, (FEATURES, 2.0)], NOTHING_SEEN, LEAST_VOTES)
+    assert both.tolist() == [own.tolist(), (own / 2).tolist()]
+    again = Sure().propose([AS_IT_IS, (FEATURES, 1.01)], NOTHING_SEEN, LEAST_VOTES)
+    assert again.tolist() == [own.tolist()]
 
 
 def test_who_has_learnt_nothing_thinks_objects_rare() -> None:
@@ -53,7 +71,12 @@ def test_who_has_learnt_nothing_thinks_objects_rare() -> None:
 
 def test_boxes_of_one_object_are_told_apart_from_others_by_how_much_they_overlap() -> None:
     boxes = np.array([[0, 0, 10, 10], [0, 0, 10, 8], [0, 0, 10, 4], [30, 30, 40, 40]], dtype=np.float32)
-    assert apart(boxes, np.array([0.5, 0.9, 0.4, 0.1], np.float32), 0.2) == [1, 2]
+    scores = np.array([0.5, 0.9, 0.4, 0.1], np.float32)
+    assert apart(boxes, scores, 0.2) == [1, 2]
+    assert apart(boxes, scores, 0.2, 0.85) == [1, 0, 2]
+    types = np.array([0, 0, 0, 1])
+    assert kept_objects(boxes, types, scores) == [1, 2, 3]
+    assert kept_objects(boxes, types, scores, 0.85) == [1, 0, 2, 3]
 
 
 class Blind(Detector):
@@ -70,11 +93,11 @@ def test_a_second_stage_looks_at_what_is_proposed_too() -> None:
     assert all(len(found.boxes) == 0 for found in TwoStageDetector(first, second).detect(rgb))
     second.proposer = Sure()
     sure = TwoStageDetector(first, second)
-    (own,) = Sure().propose(FEATURES, NOTHING_SEEN, LEAST_VOTES)
+    proposed = Sure().propose([AS_IT_IS, (FEATURES, CLOSER)], NOTHING_SEEN, LEAST_VOTES)
+    assert len(proposed) == 2
     for found in sure.detect(rgb):
-        assert {tuple(box) for box in found.boxes.tolist()} == {
-            tuple(own.tolist())
-        }  # a stage that has learnt nothing moves none
+        seen = np.unique(found.boxes, axis=0)
+        assert np.allclose(seen, np.unique(proposed, axis=0))  # a stage that has learnt nothing moves none
 
 
 @pytest.mark.slow
@@ -117,7 +140,7 @@ def test_it_learns_where_things_are_by_features_that_tell() -> None:
     for one, drawn in zip(features, instances, strict=True):
         rows, columns = np.nonzero(drawn)
         true = np.array([[columns.min(), rows.min(), columns.max() + 1, rows.max() + 1]], np.float32) / ENLARGED
-        boxes = proposer.propose(one[None], NOTHING_SEEN, 0.0)
+        boxes = proposer.propose([(one[None], 1.0)], NOTHING_SEEN, 0.0)
         assert len(boxes) <= MOST_PEAKS
         overlaps.append(iou(true, boxes[:1])[0, 0])
     assert np.mean(overlaps) > 0.6

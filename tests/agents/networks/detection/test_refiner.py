@@ -5,8 +5,10 @@ import torch
 from remqa_data.agents.networks.detection.detector import Detector, Peaks, Voted, iou
 from remqa_data.agents.networks.detection.pyramid import CHANNELS
 from remqa_data.agents.networks.detection.refiner import (
+    CLOSER,
     GRID,
     MARGIN,
+    Refined,
     RefinedDetections,
     Refiner,
     TwoStageDetector,
@@ -27,6 +29,8 @@ from remqa_data.agents.training.pictures import Picture
 BOXES = torch.tensor([[10.0, 20.0, 30.0, 60.0], [50.0, 50.0, 52.0, 90.0]])
 THING = (40, 30, 70, 90)
 """x1, y1, x2, y2 of a thing in the pictures here."""
+
+PICTURE_PX = 96
 
 ROUGH = np.array([[26, 26, 74, 74]], np.float32)
 
@@ -55,9 +59,9 @@ def test_who_has_learnt_nothing_leaves_boxes_as_they_are() -> None:
 
 
 def test_a_mask_is_the_part_of_the_box_that_was_said_to_be_the_object() -> None:
-    left = np.zeros((1, GRID, GRID), dtype=np.float32)
-    left[:, :, : GRID // 2] = 1
-    looked_at = np.array([[0, 0, 24, 24]], dtype=np.float32)
+    left = np.zeros((2, 1, GRID, GRID), dtype=np.float32)
+    left[..., : GRID // 2] = 1
+    looked_at = np.array([[[0, 0, 24, 24]]] * 2, dtype=np.float32)
     boxes = np.array([[4, 4, 20, 20]], dtype=np.float32)
     none = np.zeros((1, 1), dtype=np.int64)
     found = RefinedDetections(boxes, np.zeros(1, np.int64), np.ones(1, np.float32), none, looked_at, left)
@@ -65,6 +69,10 @@ def test_a_mask_is_the_part_of_the_box_that_was_said_to_be_the_object() -> None:
     expected[4:20, 4:12] = True
     assert (found.mask(0, (30, 40)) == expected).all()
     nothing = RefinedDetections(boxes, found.types, found.scores, none, looked_at, 0 * left)
+    other = left.copy()
+    other[1] = 0.3
+    unsure = RefinedDetections(boxes, found.types, found.scores, none, looked_at, other)
+    assert (unsure.mask(0, (30, 40)) == expected).all()  # one look is surer than the other
     expected[4:20, 4:20] = True
     assert (nothing.mask(0, (30, 40)) == expected).all()
 
@@ -137,6 +145,49 @@ class Rough(Detector):
         return Voted([rough] * len(rgb), np.zeros((len(rgb), 1, 1), np.int64))
 
 
+class Thin(Rough):
+    """Sees a line."""
+
+    def vote(self, rgb: torch.Tensor, least_votes: float = 0.0) -> Voted:
+        line = np.array([[50, 10, 52, 90]], np.float32)
+        return super().vote(rgb)._replace(peaks=[Peaks(line, np.ones((1, self.types), np.float32))] * len(rgb))
+
+
+class Biased(Refiner):
+    """Sees type 0 in pictures as they are and type 1 in larger ones, and left sides moved by as many pixels."""
+
+    def forward(self, rgb: torch.Tensor, features: torch.Tensor, boxes: torch.Tensor) -> Refined:
+        is_closer = rgb.shape[-1] > PICTURE_PX
+        kinds = torch.full((boxes.shape[1], 1 + self.types), -9.0)
+        kinds[:, 2 if is_closer else 1] = 9.0
+        shapes = torch.full((boxes.shape[1], GRID, GRID), 9.0 if is_closer else -4.0)
+        return Refined(boxes[0] + torch.tensor([4.0, 0, 0, 0]), kinds, shapes)
+
+
+def test_what_is_said_is_the_mean_of_a_look_at_the_picture_and_one_from_closer_by() -> None:
+    rgb = torch.zeros((2, 3, PICTURE_PX, PICTURE_PX), dtype=torch.uint8)
+    detector = TwoStageDetector(Rough(3), Biased(3))
+    seen, found = detector.look(rgb)
+    assert seen.closely is not None
+    assert seen.closely.rgb.shape[-1] == PICTURE_PX * CLOSER
+    types = detector.types_of(seen.of(1), torch.from_numpy(ROUGH))
+    assert types.numpy() == pytest.approx(np.array([[0.5, 0.5, 0]]), abs=1e-6)
+    moved_by = (4 + 4 / CLOSER) / 2
+    for one in found:
+        of_it = iou(ROUGH, one.boxes)[0] > 0.8
+        assert set(one.types[of_it]) == {0, 1}
+        assert one.boxes[of_it][0].tolist() == pytest.approx([26 + moved_by, 26, 74, 74])
+        assert one.mask(int(of_it.argmax()), (PICTURE_PX, PICTURE_PX)).sum() == (74 - 29) * (74 - 26)
+
+
+def test_thin_things_get_less_margin_from_closer_by() -> None:
+    rgb = torch.zeros((1, 3, PICTURE_PX, PICTURE_PX), dtype=torch.uint8)
+    (found,) = TwoStageDetector(Thin(3), Biased(3)).detect(rgb)
+    width, closer = (found.looked_at[:, 0, 2] - found.looked_at[:, 0, 0]).tolist()
+    assert width == pytest.approx(8 * MARGIN)
+    assert closer == pytest.approx(8 * MARGIN / CLOSER)
+
+
 @pytest.mark.slow
 def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
     torch.manual_seed(0)
@@ -145,22 +196,25 @@ def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
     steps = 60
     falling = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, steps)
 
-    def shown(count: int) -> tuple[torch.Tensor, list[Picture]]:
-        made = []
-        for _ in range(count):
-            low, size = rng.integers(26, 34, 2), rng.integers(32, 41, 2)  # so that the rough box is of the thing
-            made.append(picture(*low, *(low + size)))
-        return torch.stack([torch.from_numpy(one.rgb).permute(2, 0, 1) for one in made]), made
+    def near_the_rough_box() -> Picture:
+        low, size = rng.integers(26, 34, 2), rng.integers(32, 41, 2)
+        return picture(*low, *(low + size))
+
+    def anywhere() -> Picture:
+        size = rng.integers(32, 72, 2)  # as large as it is from closer by, too
+        low = rng.integers(0, PICTURE_PX - size)
+        return picture(*low, *(low + size))
 
     for _ in range(steps):
-        _, pictures = shown(12)
+        pictures = [anywhere() for _ in range(12)]
         loss = refiner_losses(second, shown_of(pictures, [rng] * 12))["loss"]
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
         falling.step()
 
-    rgb, pictures = shown(20)
+    pictures = [near_the_rough_box() for _ in range(20)]
+    rgb = torch.stack([torch.from_numpy(one.rgb).permute(2, 0, 1) for one in pictures])
     seen, found = TwoStageDetector(first, second).look(rgb)
     true = np.concatenate([objects_of(one).boxes for one in pictures])
     rough = iou(true, ROUGH)[:, 0]
