@@ -298,13 +298,7 @@ def apart(boxes: F32, scores: F32, least: float, same_iou: float = SAME_OBJECT_I
 
     What is less likely than `least` is left out, and of two boxes that overlap more than `same_iou` the less likely one.
     """
-    order = np.argsort(-scores, kind="stable")
-    overlaps = iou(boxes, boxes) > same_iou
-    kept: list[int] = []
-    for place in order[scores[order] >= least].tolist():
-        if not overlaps[place, kept].any():
-            kept.append(place)
-    return kept
+    return _first_of_each(iou(boxes, boxes) > same_iou, scores, least)
 
 
 def _shorter_sides(boxes: F32) -> F32:
@@ -330,12 +324,16 @@ def kept_objects(boxes: F32, types: np.ndarray, scores: F32, same_iou: float = S
 
     Of two boxes of a type that overlap more than `same_iou` it is the likelier one.
     """
+    is_same = (iou(boxes, boxes) > same_iou) & (types[:, None] == types)
+    return _first_of_each(is_same, scores, LEAST_SCORE)
+
+
+def _first_of_each(is_same: Flags, scores: F32, least: float) -> list[int]:
+    """Of (m,) scores the places, the highest first, that are not, by (m, m), the same as one before them."""
     order = np.argsort(-scores, kind="stable")
-    order = order[scores[order] >= LEAST_SCORE]
-    overlaps = iou(boxes, boxes) > same_iou
     kept: list[int] = []
-    for place in order.tolist():
-        if not any(overlaps[place, other] and types[place] == types[other] for other in kept):
+    for place in order[scores[order] >= least].tolist():
+        if not is_same[place, kept].any():
             kept.append(place)
     return kept
 

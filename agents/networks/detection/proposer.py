@@ -65,7 +65,7 @@ class Proposer(nn.Module):
         Parameters
         ----------
         looks : sequence of ((1, CHANNELS, h', w') features, float)
-            Of the second stage, and how many times as wide and high as the picture that was which it saw.
+            Of the second stage, and how many times as wide and high as the picture it was shown.
         seen : Peaks
             Of the first stage.
         least_votes : float

@@ -2,8 +2,8 @@
 
 The first stage says where objects may be. The second one has a backbone of its own, which begins with what the first one's
 knows, and proposes boxes, too. Of each box, and of a margin around it, it sees its features and the pixels, and says what it
-is, where its sides truly are, and which parts of it are the object. It looks at a picture twice, as it is and enlarged: small
-things are seen in the one, large ones in the other, and what both say of a box is more often right than what either says.
+is, where its sides truly are, and which parts of it are the object. It looks at a picture twice, as it is and from closer
+by, where small things are seen better; what counts is the mean of what both looks say of a box.
 """
 
 from __future__ import annotations
@@ -240,10 +240,8 @@ class TwoStageDetector:
     @torch.no_grad()
     def look(self, rgb: Tensor) -> tuple[FeatureMaps, list[Detections]]:
         """What the second stage keeps of pictures, and the objects that both find in them."""
-        voted, seen = (
-            self.first.vote(rgb, LEAST_VOTES),
-            self._seen(rgb)._replace(closely=self._seen(enlarged(rgb, CLOSER))),
-        )
+        voted = self.first.vote(rgb, LEAST_VOTES)
+        seen = self._seen(rgb)._replace(closely=self._seen(enlarged(rgb, CLOSER)))
         each = (seen.of(image) for image in range(len(rgb)))
         return seen, [self._found(*one) for one in zip(each, voted.peaks, voted.cells, strict=True)]
 

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from remqa_data.agents.networks.detection.detector import Detections, Detector, FeatureMaps, iou
+from remqa_data.agents.networks.detection.detector import Detections, Detector, FeatureMaps, apart
 from remqa_data.agents.networks.detection.refiner import TwoStageDetector
 from remqa_data.geometry.types import F32
 
@@ -81,12 +81,7 @@ class Regions:
 
 def candidates(found: Detections, most: int) -> list[int]:
     """Which detections to choose from: each box once, the likeliest first."""
-    kept: list[int] = []
-    same = iou(found.boxes, found.boxes) > SAME_BOX_IOU
-    for place in range(len(found.boxes)):
-        if len(kept) < most and not same[place, kept].any():
-            kept.append(place)
-    return kept
+    return apart(found.boxes, found.scores, 0.0, SAME_BOX_IOU)[:most]
 
 
 @torch.no_grad()
