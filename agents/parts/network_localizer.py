@@ -16,7 +16,7 @@ from remqa_data.agents.networks.matcher import Match, Matcher
 from remqa_data.agents.networks.threads import one_thread
 from remqa_data.agents.parts.interfaces import Percept, Sighting, middle_of
 from remqa_data.datasets.vocabulary import Vocabulary
-from remqa_data.geometry.types import F32, Flags
+from remqa_data.geometry.types import F32
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,9 @@ class NetworkLocalizer:
             numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.expression])[0])
             match: Match = self.matcher(numbers, regions)
             (best,) = match.chosen.tolist()
-        return _sighting(match.boxes_of(regions)[best], found.mask(places[best], percept.depth.shape))
+        box, mask = match.boxes_of(regions)[best], found.mask(places[best], percept.depth.shape)
+        point = middle_of_both(boxes[best], box, mask.shape) if asked.manipulation == "Open" else middle_of(mask)
+        return _sighting(box, point, mask.shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,11 +85,25 @@ class GroundingLocalizer:
         height, width = percept.depth.shape
         (found,) = grounded(said, (height, width))
         mask = np.kron(found.mask, np.ones((CELL_PX, CELL_PX), dtype=np.bool_))[:height, :width]
-        return _sighting(found.box, mask)
+        return _sighting(found.box, middle_of(mask), mask.shape)
 
 
-def _sighting(box: F32, mask: Flags) -> Sighting:
-    """A box in pixels and a (h, w) mask, as shares of the view."""
-    height, width = mask.shape
+def middle_of_both(found: F32, moved: F32, size: tuple[int, ...]) -> tuple[float, float]:
+    """The middle of what two boxes in pixels share, as shares of a view of a height and width.
+
+    What is opened is taken hold of there. Drawers lie side by side, and more often than this the middle of a mask is on
+    another one than is meant.
+
+    >>> middle_of_both(np.array([0, 20, 60, 60]), np.array([20, 0, 80, 60]), (100, 200))
+    (0.2, 0.4)
+    """
+    height, width = size
+    across, down = (np.maximum(found[:2], moved[:2]) + np.minimum(found[2:], moved[2:])) / 2
+    return float(across) / width, float(down) / height
+
+
+def _sighting(box: F32, point: tuple[float, float], size: tuple[int, ...]) -> Sighting:
+    """A box in pixels and a point in shares, as shares of a view of a height and width."""
+    height, width = size
     x1, y1, x2, y2 = (float(share) for share in box / np.array([width, height, width, height], dtype=np.float32))
-    return Sighting((x1, y1, x2, y2), middle_of(mask))
+    return Sighting((x1, y1, x2, y2), point)
