@@ -19,7 +19,7 @@ SCENES ?= 120
 # A folder for each number of rooms, so that one does not stand in the way of another.
 DATASET := out/remqa$(if $(filter-out 120,$(SCENES)),-$(SCENES))
 
-# Rooms that networks learn from beside that dataset's own; those that answer learn from as many others, too.
+# Rooms that networks learn from beside that dataset's own; those that answer or see in two stages learn from as many others, too.
 MORE_SCENES ?= 100
 MORE := out/sampled-$(MORE_SCENES)
 YET_MORE := $(MORE)-1
@@ -27,7 +27,7 @@ YET_MORE := $(MORE)-1
 # All that come with the package; the others are built upon the first ones.
 FIRST := detector view_encoder refiner
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
-ANSWERERS := $(filter answerer%,$(NETWORKS))
+FROM_ALL := $(filter answerer%,$(NETWORKS)) language_attention_two_stage anchored_matcher plain_matcher
 SYSTEMS := random semantic_map framework framework_two_stage framework_anchored framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
 
 # They find what an expression means.
@@ -53,8 +53,8 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	$(BIN)/remqa-gen --layouts sampled --scenes $(MORE_SCENES) --seed 1 --out $(YET_MORE) --resume
 	$(BIN)/remqa-agent train $(FIRST) --data $(DATASET) --more $(MORE) --resume
 	$(BIN)/remqa-data cache $(DATASET) --split train --configurations 0 --features remqa_data.agents.view_features:features
-	$(BIN)/remqa-agent train $(filter-out $(ANSWERERS),$(NETWORKS)) --data $(DATASET) --more $(MORE) --resume
-	$(BIN)/remqa-agent train $(ANSWERERS) --data $(DATASET) --more $(MORE) --more $(YET_MORE) --resume
+	$(BIN)/remqa-agent train $(filter-out $(FROM_ALL),$(NETWORKS)) --data $(DATASET) --more $(MORE) --resume
+	$(BIN)/remqa-agent train $(FROM_ALL) --data $(DATASET) --more $(MORE) --more $(YET_MORE) --resume
 	$(BIN)/remqa-agent predict detector refiner $(REFERRING) --data $(DATASET) --split val --weights out/weights
 	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --resume

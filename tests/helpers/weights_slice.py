@@ -58,7 +58,9 @@ def said_box(row: Row, name: str) -> list[float] | None:
     """The box of what a stored expression means to a matcher of a name, pixels."""
     pose = SimpleNamespace(horizon_deg=row["horizon_deg"])
     percept = SimpleNamespace(rgb=decode_rgb(row["rgb"]), depth=decode_depth(row["depth"]), pose=pose)
-    sighting = localizer(name).locate(SimpleNamespace(expression=row["text"]), None, percept, np.random.default_rng(0))
+    sighting = localizer(name).locate(
+        SimpleNamespace(expression=row["text"], manipulation=None), None, percept, np.random.default_rng(0)
+    )
     return None if sighting is None else [round(SIZE_PX * share, 2) for share in sighting.box]
 
 
