@@ -27,11 +27,12 @@ YET_MORE := $(MORE)-1
 # All that come with the package; the others are built upon the first ones.
 FIRST := detector view_encoder refiner
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
-FROM_ALL := $(filter answerer%,$(NETWORKS)) language_attention_two_stage anchored_matcher plain_matcher
+TWO_STAGE := language_attention_two_stage anchored_matcher plain_matcher
+FROM_ALL := $(filter answerer%,$(NETWORKS)) $(TWO_STAGE)
 SYSTEMS := random semantic_map framework framework_two_stage framework_anchored framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
 
 # They find what an expression means.
-REFERRING := language_attention language_attention_two_stage anchored_matcher plain_matcher mcn cgan
+REFERRING := language_attention $(TWO_STAGE) mcn cgan
 
 # What walkers of the paper learn depends much on the draws; these are trained and played with other seeds than 0, too.
 SEEDED := a3c savn scene_priors eqa iqa

@@ -51,9 +51,10 @@ class NetworkLocalizer:
             numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.expression])[0])
             match: Match = self.matcher(numbers, regions)
             (best,) = match.chosen.tolist()
-        box, mask = match.boxes_of(regions)[best], found.mask(places[best], percept.depth.shape)
-        point = middle_of_both(boxes[best], box, mask.shape) if asked.manipulation == "Open" else middle_of(mask)
-        return _sighting(box, point, mask.shape)
+        box, size = match.boxes_of(regions)[best], percept.depth.shape
+        if asked.manipulation == "Open":
+            return _sighting(box, middle_of_both(boxes[best], box, size), size)
+        return _sighting(box, middle_of(found.mask(places[best], size)), size)
 
 
 @dataclass(frozen=True, eq=False)
