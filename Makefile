@@ -19,16 +19,19 @@ SCENES ?= 120
 # A folder for each number of rooms, so that one does not stand in the way of another.
 DATASET := out/remqa$(if $(filter-out 120,$(SCENES)),-$(SCENES))
 
-# Rooms that networks learn from beside that dataset's own; those that answer or see in two stages learn from as many others, too.
+# Rooms that networks learn from beside that dataset's own. Those that answer learn from as many others, too, and those that find
+# in two stages what an expression means from as many again.
 MORE_SCENES ?= 100
-MORE := out/sampled-$(MORE_SCENES)
-YET_MORE := $(MORE)-1
+SAMPLED := out/sampled-$(MORE_SCENES)
+ONCE := --data $(DATASET) --more $(SAMPLED)
+TWICE := $(ONCE) --more $(SAMPLED)-1
+THRICE := $(TWICE) --more $(SAMPLED)-2
 
 # All that come with the package; the others are built upon the first ones.
 FIRST := detector view_encoder refiner
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
 TWO_STAGE := language_attention_two_stage anchored_matcher plain_matcher
-FROM_ALL := $(filter answerer%,$(NETWORKS)) $(TWO_STAGE)
+ANSWERERS := $(filter answerer%,$(NETWORKS))
 SYSTEMS := random semantic_map framework framework_two_stage framework_anchored framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
 
 # They find what an expression means.
@@ -50,12 +53,15 @@ dataset: $(INSTALLED)  ## the main job: the whole benchmark, in out/remqa; `make
 	$(BIN)/remqa-gen --scenes $(SCENES) --out $(DATASET) --resume
 
 agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all systems play, and make their tables, in out/agents
-	$(BIN)/remqa-gen --layouts sampled --scenes $(MORE_SCENES) --out $(MORE) --resume
-	$(BIN)/remqa-gen --layouts sampled --scenes $(MORE_SCENES) --seed 1 --out $(YET_MORE) --resume
-	$(BIN)/remqa-agent train $(FIRST) --data $(DATASET) --more $(MORE) --resume
+	$(BIN)/remqa-gen --layouts sampled --scenes $(MORE_SCENES) --out $(SAMPLED) --resume
+	for seed in 1 2; do \
+		$(BIN)/remqa-gen --layouts sampled --scenes $(MORE_SCENES) --seed $$seed --out $(SAMPLED)-$$seed --resume || exit; \
+	done
+	$(BIN)/remqa-agent train $(FIRST) $(ONCE) --resume
 	$(BIN)/remqa-data cache $(DATASET) --split train --configurations 0 --features remqa_data.agents.view_features:features
-	$(BIN)/remqa-agent train $(filter-out $(FROM_ALL),$(NETWORKS)) --data $(DATASET) --more $(MORE) --resume
-	$(BIN)/remqa-agent train $(FROM_ALL) --data $(DATASET) --more $(MORE) --more $(YET_MORE) --resume
+	$(BIN)/remqa-agent train $(filter-out $(ANSWERERS) $(TWO_STAGE),$(NETWORKS)) $(ONCE) --resume
+	$(BIN)/remqa-agent train $(ANSWERERS) $(TWICE) --resume
+	$(BIN)/remqa-agent train $(TWO_STAGE) $(THRICE) --resume
 	$(BIN)/remqa-agent predict detector refiner $(REFERRING) --data $(DATASET) --split val --weights out/weights
 	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --resume

@@ -91,7 +91,7 @@ def attention_picture(
     _draw_box(view, scale * np.array(row["box_2d"]), TRUE_COLOR)
     match = matcher(torch.from_numpy(vocabulary.encode_batch([row["text"]])[0]), regions)
     if len(regions.boxes):
-        _draw_box(view, scale * match.boxes_of(regions)[match.chosen[0]], CHOSEN_COLOR)
+        _draw_box(view, scale * match.meant_in(regions)[0], CHOSEN_COLOR)
     table = _table(row["text"].split(), match, view.shape[0])
     return np.vstack([np.hstack([view, table]), np.full((6, view.shape[1] + TABLE_PX, 3), 255, np.uint8)])
 

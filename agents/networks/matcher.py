@@ -16,8 +16,9 @@ from torch.nn import functional
 
 from remqa_data.agents.networks.detection.arrangement import PAIR, RANKS, arrangement_of
 from remqa_data.agents.networks.detection.box_head import BoxHead, Fit
+from remqa_data.agents.networks.detection.detector import iou
 from remqa_data.agents.networks.detection.pyramid import CHANNELS
-from remqa_data.agents.networks.detection.regions import ALIKE, PLACE, Regions
+from remqa_data.agents.networks.detection.regions import ALIKE, PLACE, SHADES, Regions
 from remqa_data.agents.networks.language import EMBEDDED, HIDDEN, WordReader
 from remqa_data.geometry.types import F32, I64
 
@@ -30,6 +31,12 @@ BETWEEN = 64
 PARTS = ("subject", "location", "relationship")
 SHARPNESS = 10.0
 """What similarities, -1 to 1, are multiplied with."""
+
+VOTING_IOU = 0.5
+"""Boxes that overlap the one that is chosen so much say, too, where it ends."""
+
+VOTING_SHARPNESS = 4.0
+"""What their scores are multiplied with before they are weighed by a softmax."""
 
 UNLIKELY = -1e4
 """Logit of what cannot be: nothing is its own anchor, unless it is alone."""
@@ -68,6 +75,19 @@ class Match(NamedTuple):
         """(m, 4) where the objects are that were matched, pixels."""
         return regions.boxes if self.fit is None else self.fit.boxes.numpy(force=True)
 
+    def meant_in(self, regions: Regions) -> F32:
+        """(e, 4) where what each expression means is, pixels.
+
+        Where boxes are judged it is the mean of all that overlap the chosen one, by how well they fit the expression (box
+        voting, Gidaris and Komodakis 2015).
+        """
+        boxes, chosen = self.boxes_of(regions), self.chosen
+        if self.fit is None:
+            return boxes[chosen]
+        is_heard = torch.from_numpy(iou(boxes[chosen], boxes) >= VOTING_IOU)
+        weights = (VOTING_SHARPNESS * self.scores.cpu()).masked_fill(~is_heard, -torch.inf).softmax(1)
+        return np.asarray(weights.numpy(force=True) @ boxes)
+
 
 class Matcher(nn.Module):
     """Tells which object of a picture an expression means.
@@ -78,10 +98,13 @@ class Matcher(nn.Module):
         How many types the detector knows.
     box_head : bool
         Whether it judges boxes that were found, and moves them.
+    colors : bool
+        Whether it sees colours, and not only what the detector, which need not tell them apart, keeps of them.
     """
 
-    def __init__(self, types: int, box_head: bool) -> None:
+    def __init__(self, types: int, box_head: bool, colors: bool) -> None:
         super().__init__()
+        self.colors = colors
         self.box_head = BoxHead(types) if box_head else None
 
     def forward(self, numbers: Tensor, regions: Regions) -> Match:
@@ -99,6 +122,10 @@ class Matcher(nn.Module):
         """The same, however well their boxes fit."""
         raise NotImplementedError
 
+    def looks_of(self, regions: Regions) -> Tensor:
+        """(m, CHANNELS, g, g) looks, or (m, CHANNELS + SHADES, g, g) with colours."""
+        return torch.cat([regions.looks, regions.colors], 1) if self.colors else regions.looks
+
 
 class ModularMatcher(Matcher):
     """What is said of each part of an expression, and how well objects fit its subject.
@@ -113,17 +140,17 @@ class ModularMatcher(Matcher):
         How many times the words are weighed; the subject comes first.
     seen : sequence of int
         How many numbers are compared with each of the first phrases.
-    box_head : bool
-        Whether it judges boxes that were found, and moves them.
+    box_head, colors : bool
+        See `Matcher`.
     """
 
-    def __init__(self, words: int, types: int, phrases: int, seen: Sequence[int], box_head: bool) -> None:
-        super().__init__(types, box_head)
+    def __init__(self, words: int, types: int, phrases: int, seen: Sequence[int], box_head: bool, colors: bool) -> None:
+        super().__init__(types, box_head, colors)
         self.reader = WordReader(words)
         self.attend = nn.Linear(2 * HIDDEN, phrases)
         self.weigh = nn.Linear(2 * HIDDEN, len(PARTS))
         self.type_look = nn.Linear(types, CHANNELS)
-        self.look = nn.Conv2d(CHANNELS, CHANNELS, 1)
+        self.look = nn.Conv2d(CHANNELS + SHADES * colors, CHANNELS, 1)
         self.asked_look = nn.Linear(EMBEDDED, CHANNELS)
         self.focus = nn.Linear(CHANNELS, 1)
         self.seen = nn.ModuleList(_joint(width) for width in seen)
@@ -136,7 +163,7 @@ class ModularMatcher(Matcher):
         return self.weigh(words.sentence).softmax(1), attention, (attention @ words.embedded).unbind(1)
 
     def fit_subject(self, phrases: Tensor, looks: Tensor, types: Tensor) -> Tensor:
-        """(e, m) how well objects, by (m, CHANNELS, g, g) looks and (m, CHANNELS) types, fit (e, EMBEDDED) phrases."""
+        """(e, m) how well objects, by their `looks_of` and (m, CHANNELS) types, fit (e, EMBEDDED) phrases."""
         at = self.look(looks).flatten(2).transpose(1, 2)
         focus = self.focus(torch.tanh(at[None] + self.asked_look(phrases)[:, None, None])).softmax(2)
         subjects = torch.einsum("mgc,emg->emc", at, focus[..., 0])
@@ -157,16 +184,19 @@ class LanguageAttentionMatcher(ModularMatcher):
         Size of the vocabulary.
     types : int
         How many types the detector knows.
+    box_head, colors : bool
+        See `Matcher`.
     """
 
-    def __init__(self, words: int, types: int, box_head: bool = False) -> None:
-        super().__init__(words, types, len(PARTS), (2 * CHANNELS, PLACE * (1 + ALIKE), 2 * CHANNELS + PLACE), box_head)
+    def __init__(self, words: int, types: int, box_head: bool = False, colors: bool = False) -> None:
+        seen = (2 * CHANNELS, PLACE * (1 + ALIKE), 2 * CHANNELS + PLACE)
+        super().__init__(words, types, len(PARTS), seen, box_head, colors)
 
     def match(self, numbers: Tensor, regions: Regions) -> Match:
         """See `Matcher.match`."""
         weights, attention, (of_subject, of_place, of_relation) = self.read(numbers)
         types = self.type_look(regions.types)
-        subject = self.fit_subject(of_subject, regions.looks, types)
+        subject = self.fit_subject(of_subject, self.looks_of(regions), types)
         location = self.fit_place(of_place, torch.cat([regions.places, regions.from_alike.flatten(1)], 1))
         looks = regions.looks.mean((2, 3))
         seen = torch.cat([looks[regions.around], types[regions.around], regions.from_around], 2)
@@ -178,17 +208,17 @@ class LanguageAttentionMatcher(ModularMatcher):
 class PlainMatcher(Matcher):
     """The same without modules: one vector for the expression, one for each object. What LAN is compared with."""
 
-    def __init__(self, words: int, types: int, box_head: bool = False) -> None:
-        super().__init__(types, box_head)
+    def __init__(self, words: int, types: int, box_head: bool = False, colors: bool = False) -> None:
+        super().__init__(types, box_head, colors)
         self.reader = WordReader(words)
         self.asked = _joint(2 * HIDDEN)
-        self.seen = _joint(CHANNELS + types + PLACE * (1 + ALIKE))
+        self.seen = _joint(CHANNELS + SHADES * colors + types + PLACE * (1 + ALIKE))
 
     def match(self, numbers: Tensor, regions: Regions) -> Match:
         """See `Matcher.match`; every word counts alike."""
         words = self.reader(numbers)
         asked = _unit(self.asked(words.sentence))
-        seen = [regions.looks.mean((2, 3)), regions.types, regions.places, regions.from_alike.flatten(1)]
+        seen = [self.looks_of(regions).mean((2, 3)), regions.types, regions.places, regions.from_alike.flatten(1)]
         scores = SHARPNESS * asked @ _unit(self.seen(torch.cat(seen, 1))).T
         is_word = words.is_word.to(scores.dtype)
         attention = (is_word / is_word.sum(1, keepdim=True))[:, None].expand(-1, len(PARTS), -1)
@@ -208,10 +238,13 @@ class AnchoredMatcher(ModularMatcher):
         Size of the vocabulary.
     types : int
         How many types the detector knows.
+    box_head, colors : bool
+        See `Matcher`.
     """
 
-    def __init__(self, words: int, types: int, box_head: bool = False) -> None:
-        super().__init__(words, types, len(PARTS) + 1, (2 * CHANNELS, PLACE + RANKS + CHANNELS), box_head)
+    def __init__(self, words: int, types: int, box_head: bool = False, colors: bool = False) -> None:
+        seen = (2 * CHANNELS, PLACE + RANKS + CHANNELS)
+        super().__init__(words, types, len(PARTS) + 1, seen, box_head, colors)
         self.anchor, self.asked_anchor = _joint(2 * CHANNELS), _joint(EMBEDDED)
         self.pair = _joint(PAIR, BETWEEN)
         self.asked_pair = nn.Sequential(nn.Linear(EMBEDDED, JOINT), nn.ReLU(), nn.Linear(JOINT, BETWEEN))
@@ -220,7 +253,7 @@ class AnchoredMatcher(ModularMatcher):
         """See `Matcher.match`; attention is that of its three parts, and of the anchor."""
         weights, attention, (of_subject, of_place, of_relation, of_anchor) = self.read(numbers)
         types, lie = self.type_look(regions.types), arrangement_of(regions)
-        subject = self.fit_subject(of_subject, regions.looks, types)
+        subject = self.fit_subject(of_subject, self.looks_of(regions), types)
         location = self.fit_place(of_place, torch.cat([regions.level, lie.ranks, types], 1))
         anchors = self.anchor(torch.cat([regions.looks.mean((2, 3)), types], 1))
         fits = SHARPNESS * _unit(self.asked_anchor(of_anchor)) @ _unit(anchors).T

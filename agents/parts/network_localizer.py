@@ -50,8 +50,8 @@ class NetworkLocalizer:
             regions = regions_of(self.detector, seen, boxes, percept.depth, percept.pose.horizon_deg, scores)
             numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.expression])[0])
             match: Match = self.matcher(numbers, regions)
-            (best,) = match.chosen.tolist()
-        box, size = match.boxes_of(regions)[best], percept.depth.shape
+            (best,), (box,) = match.chosen.tolist(), match.meant_in(regions)
+        size = percept.depth.shape
         if asked.manipulation == "Open":
             return _sighting(box, middle_of_both(boxes[best], box, size), size)
         return _sighting(box, middle_of(found.mask(places[best], size)), size)

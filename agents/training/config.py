@@ -59,7 +59,7 @@ class MatcherConfig(_Network):
     It chooses among what the detector finds, with a second stage of the name `refiner` if that is given. Boxes that overlap
     what is meant by `spared_iou` are no wrong choice.
     With `questions` it learns from what questions say of the views before their manipulations, too; with `box_head` also where
-    objects end, and how well boxes fit them.
+    objects end, and how well boxes fit them. With `colors` it sees these as they are, too.
     """
 
     kind: Literal["matcher"]
@@ -68,6 +68,7 @@ class MatcherConfig(_Network):
     spared_iou: Annotated[float, Field(gt=0, le=1)] | None = None
     questions: bool = False
     box_head: bool = False
+    colors: bool = False
 
     @property
     def needs(self) -> tuple[str, ...]:

@@ -173,6 +173,7 @@ def _task(
             spared_iou=network.spared_iou,
             questions=network.questions,
             box_head=network.box_head,
+            colors=network.colors,
             progress=on_look,
         )
     detector = trained(DETECTOR, Detector, folder, roots[0])

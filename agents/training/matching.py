@@ -43,7 +43,7 @@ MOVED_IOU = 0.3
 IMAGES, START_IMAGES = ("rgb", "depth"), ("start_rgb", "start_depth")
 """Columns of frames of walks, and of questions."""
 
-MATCHERS: Mapping[str, Callable[[int, int, bool], Matcher]] = {
+MATCHERS: Mapping[str, Callable[[int, int, bool, bool], Matcher]] = {
     "language_attention": LanguageAttentionMatcher,
     "anchored": AnchoredMatcher,
     "plain": PlainMatcher,
@@ -110,6 +110,8 @@ class MatchingTask:
         It learns from what questions say of the target in the view before the manipulation, too.
     box_head : bool
         It learns where objects end, and how well boxes fit them, too.
+    colors : bool
+        It sees colours, too.
     progress : callable, optional
         Called with the number of pictures that were looked at since the last call, before training begins.
     """
@@ -124,6 +126,7 @@ class MatchingTask:
         spared_iou: float | None = None,
         questions: bool = False,
         box_head: bool = False,
+        colors: bool = False,
         progress: Callable[[int], None] | None = None,
     ) -> None:
         detector = detector.to(device).eval()
@@ -136,7 +139,7 @@ class MatchingTask:
         self._val = referred_pictures(val, detector, device, progress)
         self.vocabulary = Vocabulary.build((text for picture in self._pictures for text in picture.texts), ())
         types = detector.types
-        self.model: Matcher = MATCHERS[kind](len(self.vocabulary.words), types, box_head)
+        self.model: Matcher = MATCHERS[kind](len(self.vocabulary.words), types, box_head, colors)
         self.device, self.spared_iou = device, spared_iou
 
     def __len__(self) -> int:
@@ -181,10 +184,11 @@ class MatchingTask:
                 if not len(regions.boxes):
                     continue
                 match: Match = self.model(self._numbers(picture.texts), regions)
-                overlaps = iou(picture.targets, match.boxes_of(regions))
-                found[name] += int(sum(overlaps[range(len(overlaps)), match.chosen] >= RIGHT_IOU))
+                is_right = iou(picture.targets, match.meant_in(regions)).diagonal() >= RIGHT_IOU
+                found[name] += int(is_right.sum())
                 if name == "detected":
-                    found["recall"] += int((overlaps.max(1) >= RIGHT_IOU).sum())
+                    nearest = iou(picture.targets, match.boxes_of(regions)).max(1)
+                    found["recall"] += int((nearest >= RIGHT_IOU).sum())
         return {f"val_{name}": count / max(asked, 1) for name, count in found.items()}
 
     def _fits(self, batch: list[Choices]) -> Sequence[Fit | None]:
@@ -235,7 +239,7 @@ def fitting_loss(fit: Fit, boxes: F32, objects: F32) -> Tensor:
 def chosen(matcher: Matcher, numbers: Tensor, regions: Regions) -> F32:
     """(e, 4) the boxes that (e, t) expressions mean."""
     match: Match = matcher(numbers, regions)
-    return np.asarray(match.boxes_of(regions)[match.chosen])
+    return match.meant_in(regions)
 
 
 class FrameExpressions(NamedTuple):

@@ -215,7 +215,7 @@ def empty_network(about: About) -> nn.Module:
         return ManipulationAnswerer(words, len(about.answers), types, network.views, network.side_px)
     if isinstance(network, GrounderConfig):
         return GROUNDERS[network.form](words)
-    return MATCHERS[network.form](words, types, network.box_head)
+    return MATCHERS[network.form](words, types, network.box_head, network.colors)
 
 
 def _safetensors_error() -> type[Exception]:

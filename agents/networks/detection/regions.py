@@ -8,13 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from torch import Tensor
+from torch.nn import functional
 
 from remqa_data.agents.networks.detection.detector import Detections, Detector, FeatureMaps, apart
+from remqa_data.agents.networks.detection.pyramid import features_in
 from remqa_data.agents.networks.detection.refiner import TwoStageDetector
 from remqa_data.geometry.types import F32
 
 GRID = 3
 """Features are taken at so many points across and down a box."""
+
+SHADES, SHADE_POINTS = 3, 4
+"""Numbers of a colour; it is the mean of so many points across and down around each of these points."""
 
 PLACE = 8
 """Numbers of a place, see `places_of`."""
@@ -43,6 +48,8 @@ class Regions:
         x1, y1, x2, y2 in pixels.
     looks : (m, channels, GRID, GRID)
         Features in the boxes.
+    colors : (m, SHADES, GRID, GRID)
+        Red, green and blue in the boxes, from -2 to 2.
     types : (m, types)
         Probabilities by the detector.
     places : (m, PLACE) float32
@@ -67,6 +74,7 @@ class Regions:
 
     boxes: F32
     looks: Tensor
+    colors: Tensor
     types: Tensor
     places: Tensor
     from_alike: Tensor
@@ -120,6 +128,7 @@ def regions_of(
     return Regions(
         boxes,
         looks,
+        colors_of(seen.rgb, at),
         types,
         places,
         _offsets(offsets, alike) * is_alike[..., None],
@@ -131,6 +140,12 @@ def regions_of(
         (depth.shape[0], depth.shape[1]),
         scores is None,
     )
+
+
+def colors_of(rgb: Tensor, boxes: Tensor) -> Tensor:
+    """(m, SHADES, GRID, GRID) red, green and blue, from -2 to 2, in each of (m, 4) boxes in a (1, 3, h, w) uint8 picture."""
+    points = features_in(rgb.float() / 255, boxes[None], GRID * SHADE_POINTS, 1)[0]
+    return 4 * functional.avg_pool2d(points, SHADE_POINTS) - 2
 
 
 def levelled(places: Tensor, horizon_deg: float) -> Tensor:
@@ -191,5 +206,5 @@ def nearest(places: Tensor, allowed: Tensor, count: int) -> tuple[Tensor, Tensor
     distances = torch.cdist(metres, metres).masked_fill(~allowed, torch.inf)
     least, found = distances.topk(min(count, len(places)), dim=1, largest=False)
     missing = count - found.shape[1]
-    found = torch.nn.functional.pad(found, (0, missing))
-    return found, torch.nn.functional.pad(least.isfinite(), (0, missing))
+    found = functional.pad(found, (0, missing))
+    return found, functional.pad(least.isfinite(), (0, missing))

@@ -1,14 +1,28 @@
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
 
-from remqa_data.agents.networks.detection.box_head import TRUST
+from remqa_data.agents.networks.detection.box_head import TRUST, Fit
 from remqa_data.agents.networks.detection.detector import Detections, Detector, FeatureMaps
 from remqa_data.agents.networks.detection.pyramid import CHANNELS
-from remqa_data.agents.networks.detection.regions import Regions, candidates, compared, nearest, places_of, regions_of
+from remqa_data.agents.networks.detection.regions import (
+    GRID,
+    Regions,
+    candidates,
+    colors_of,
+    compared,
+    nearest,
+    places_of,
+    regions_of,
+)
 from remqa_data.agents.networks.matcher import (
+    VOTING_SHARPNESS,
     AnchoredMatcher,
     LanguageAttentionMatcher,
+    Match,
     Matcher,
     PlainMatcher,
     ranking_loss,
@@ -19,11 +33,19 @@ TYPES, WORDS = 5, 12
 BOXES = np.array([[10, 10, 40, 40], [50, 10, 90, 60], [5, 60, 45, 95], [60, 70, 80, 90]], dtype=np.float32)
 
 
-def regions(boxes: np.ndarray = BOXES, scores: np.ndarray | None = None) -> Regions:
+def picture(*reds: int) -> torch.Tensor:
+    """One in which the first boxes are more or less red, and all else is black."""
+    rgb = torch.zeros((1, 3, 100, 100), dtype=torch.uint8)
+    for red, (x1, y1, x2, y2) in zip(reds, BOXES.astype(int).tolist(), strict=False):
+        rgb[0, 0, y1:y2, x1:x2] = red
+    return rgb
+
+
+def regions(boxes: np.ndarray = BOXES, scores: np.ndarray | None = None, rgb: torch.Tensor | None = None) -> Regions:
     """By their scores they are found, without any they are known."""
     torch.manual_seed(0)
     detector, features = Detector(TYPES).eval(), torch.randn((1, CHANNELS, 25, 25))
-    seen = FeatureMaps(torch.zeros((1, 3, 100, 100), dtype=torch.uint8), features)
+    seen = FeatureMaps(picture() if rgb is None else rgb, features)
     return regions_of(detector, seen, boxes, np.full((100, 100), 2.0, dtype=np.float32), 0.0, scores)
 
 
@@ -40,6 +62,26 @@ def test_the_order_of_the_objects_does_not_matter(kind: type[Matcher]) -> None:
     assert torch.allclose(scores, turned.flip(1), atol=1e-4)
     assert scores.shape == (2, len(BOXES))
     assert scores.std(1).min() > 1e-4  # and it does see them
+
+
+@pytest.mark.parametrize("kind", MATCHERS)
+def test_colours_are_seen_by_who_is_to_see_them(kind: type[Matcher]) -> None:
+    numbers = torch.tensor([[2, 3, 4]])
+    for colors in (True, False):
+        torch.manual_seed(1)
+        matcher = kind(WORDS, TYPES, False, colors).eval()
+        black, red = (matcher(numbers, regions(rgb=picture(*reds))).scores[0] for reds in ((), (250,)))
+        changed = (black - red).abs() > 1e-3
+        assert changed.tolist() == [colors, False, False, False]
+
+
+def test_colours_are_means_of_the_ninths_of_a_box() -> None:
+    rgb = picture()
+    rgb[0, 2, :, :30] = 255  # blue to the left
+    boxes = torch.tensor([[0.0, 0.0, 60.0, 90.0], [40.0, 40.0, 70.0, 70.0]])
+    left, right = colors_of(rgb, boxes)
+    assert left[2].tolist() == [[2.0, 0.0, -2.0]] * GRID  # the column in the middle is half blue
+    assert left[:2].unique().tolist() == right.unique().tolist() == [-2.0]
 
 
 @pytest.mark.parametrize("kind", MATCHERS)
@@ -98,6 +140,17 @@ def test_a_box_is_chosen_from_once() -> None:
     found = Detections(boxes, np.array([0, 1, 0, 1]), np.array([0.9, 0.8, 0.7, 0.6], np.float32), np.zeros((25, 25)))
     assert candidates(found, 60) == [0, 2]
     assert candidates(found, 1) == [0]
+
+
+def test_boxes_that_overlap_the_chosen_one_say_where_it_ends_the_better_they_fit() -> None:
+    boxes = np.array([[10, 10, 40, 40], [10, 10, 50, 40], [60, 60, 90, 90], [70, 10, 80, 20]], dtype=np.float32)
+    unlike = -math.log(3) / VOTING_SHARPNESS  # weighs a third
+    scores = torch.tensor([[0.0, unlike, -0.01, -0.02], [-9.0, -9.0, 0.0, 0.5]])
+    found = replace(regions(boxes, np.ones(4, dtype=np.float32)), boxes=boxes - 5)
+    match = Match(scores, torch.ones((2, 3)), torch.ones((2, 3, 1)))
+    assert np.array_equal(match.meant_in(found), found.boxes[[0, 3]])  # they are not judged
+    judged = match._replace(fit=Fit(torch.from_numpy(boxes), torch.zeros(4), torch.zeros(4)))
+    assert judged.meant_in(found).tolist() == [pytest.approx([10, 10, 42.5, 40]), boxes[3].tolist()]
 
 
 @pytest.mark.parametrize("kind", MATCHERS)

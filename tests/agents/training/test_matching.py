@@ -15,7 +15,7 @@ from remqa_data.storage.shards import read_table
 
 def regions(*boxes: tuple[int, int, int, int], are_known: bool = False) -> Regions:
     """Objects of which only the boxes are asked for."""
-    return Regions(np.array(boxes, dtype=np.float32), *[sentinel.unused] * 9, (300, 300), are_known)
+    return Regions(np.array(boxes, dtype=np.float32), *[sentinel.unused] * 10, (300, 300), are_known)
 
 
 THING, OTHER = (0, 0, 20, 20), (50, 50, 60, 60)
@@ -65,9 +65,9 @@ def test_boxes_learn_to_end_where_their_objects_do_and_how_well_they_fit() -> No
     boxes = np.concatenate([thing + np.tile(shifts, 2), [[200, 10, 240, 50]]]).astype(np.float32)
     looks = torch.zeros((5, CHANNELS, GRID, GRID))
     looks[range(5), range(5)] = 4.0
-    unseen = [sentinel.unused] * 4
+    colors, *unseen = [sentinel.unused] * 5
     places = torch.zeros((5, PLACE))
-    found = Regions(boxes, looks, torch.ones((5, 1)), places, *unseen, places, torch.ones(5), (300, 300), False)
+    found = Regions(boxes, looks, colors, torch.ones((5, 1)), places, *unseen, places, torch.ones(5), (300, 300), False)
     head = BoxHead(1)
     optimizer = torch.optim.Adam(head.parameters(), 0.01)
     for _ in range(150):

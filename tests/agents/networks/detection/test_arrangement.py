@@ -17,6 +17,7 @@ def lie(boxes: np.ndarray, types: list[int], scores: list[float] | None = None) 
         Regions(
             boxes,
             torch.zeros((count, 1, 1, 1)),
+            torch.zeros((count, 3, 1, 1)),
             torch.eye(3)[types],
             places,
             torch.zeros((count, ALIKE, PLACE)),
