@@ -84,8 +84,9 @@ class Match(NamedTuple):
         boxes, chosen = self.boxes_of(regions), self.chosen
         if self.fit is None:
             return boxes[chosen]
-        is_heard = torch.from_numpy(iou(boxes[chosen], boxes) >= VOTING_IOU)
-        weights = (VOTING_SHARPNESS * self.scores.cpu()).masked_fill(~is_heard, -torch.inf).softmax(1)
+        is_heard = iou(boxes[chosen], boxes) >= VOTING_IOU
+        is_heard[range(len(chosen)), chosen] = True  # whatever its size
+        weights = (VOTING_SHARPNESS * self.scores.cpu()).masked_fill(torch.from_numpy(~is_heard), -torch.inf).softmax(1)
         return np.asarray(weights.numpy(force=True) @ boxes)
 
 

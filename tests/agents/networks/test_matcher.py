@@ -151,6 +151,8 @@ def test_boxes_that_overlap_the_chosen_one_say_where_it_ends_the_better_they_fit
     assert np.array_equal(match.meant_in(found), found.boxes[[0, 3]])  # they are not judged
     judged = match._replace(fit=Fit(torch.from_numpy(boxes), torch.zeros(4), torch.zeros(4)))
     assert judged.meant_in(found).tolist() == [pytest.approx([10, 10, 42.5, 40]), boxes[3].tolist()]
+    empty = judged._replace(fit=Fit(torch.full((4, 4), 7.0), torch.zeros(4), torch.zeros(4)))
+    assert empty.meant_in(found).tolist() == [[7.0] * 4] * 2
 
 
 @pytest.mark.parametrize("kind", MATCHERS)
