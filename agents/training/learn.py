@@ -165,17 +165,7 @@ def _task(
     if isinstance(network, MatcherConfig):
         seen_through = trained_detector(network, folder, roots[0])
         torch.manual_seed(seed)
-        return MatchingTask(
-            roots,
-            network.form,
-            seen_through,
-            device,
-            spared_iou=network.spared_iou,
-            questions=network.questions,
-            box_head=network.box_head,
-            colors=network.colors,
-            progress=on_look,
-        )
+        return MatchingTask(roots, network, seen_through, device, on_look)
     detector = trained(DETECTOR, Detector, folder, roots[0])
     torch.manual_seed(seed)
     if isinstance(network, RefinerConfig):

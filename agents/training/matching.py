@@ -26,6 +26,7 @@ from remqa_data.agents.networks.matcher import (
     PlainMatcher,
     ranking_loss,
 )
+from remqa_data.agents.training.config import MatcherConfig
 from remqa_data.agents.training.pictures import shown_in
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.datasets.random_access import SplitReader
@@ -98,20 +99,12 @@ class MatchingTask:
     ----------
     roots : sequence of path
         Datasets; the first one's val expressions give the score.
-    kind : str
-        Which matcher: a key of MATCHERS.
+    network : MatcherConfig
+        Which matcher, and what it learns from.
     detector : Detector
         Trained.
     device : str
         Where to compute.
-    spared_iou : float, optional
-        Detected boxes that overlap what is meant so much are no wrong choice; by default only the one that fits best is none.
-    questions : bool
-        It learns from what questions say of the target in the view before the manipulation, too.
-    box_head : bool
-        It learns where objects end, and how well boxes fit them, too.
-    colors : bool
-        It sees colours, too.
     progress : callable, optional
         Called with the number of pictures that were looked at since the last call, before training begins.
     """
@@ -119,28 +112,22 @@ class MatchingTask:
     def __init__(
         self,
         roots: Sequence[Path],
-        kind: str,
+        network: MatcherConfig,
         detector: AnyDetector,
         device: str = "cpu",
-        *,
-        spared_iou: float | None = None,
-        questions: bool = False,
-        box_head: bool = False,
-        colors: bool = False,
         progress: Callable[[int], None] | None = None,
     ) -> None:
         detector = detector.to(device).eval()
         rooms = learning_rooms(roots)
         shown = [frames_with_expressions(root, "train", rooms) for root in roots]
-        if questions:
+        if network.questions:
             shown += [views_with_expressions(root, "train", rooms) for root in roots]
         self._pictures = referred_pictures(chain.from_iterable(shown), detector, device, progress)
         val = frames_with_expressions(roots[0], "val") if rooms_of(roots[0], "val") else ()
         self._val = referred_pictures(val, detector, device, progress)
         self.vocabulary = Vocabulary.build((text for picture in self._pictures for text in picture.texts), ())
-        types = detector.types
-        self.model: Matcher = MATCHERS[kind](len(self.vocabulary.words), types, box_head, colors)
-        self.device, self.spared_iou = device, spared_iou
+        self.model = empty_matcher(network, len(self.vocabulary.words), detector.types)
+        self.device, self.spared_iou = device, network.spared_iou
 
     def __len__(self) -> int:
         return len(self._pictures)
@@ -200,6 +187,11 @@ class MatchingTask:
 
     def _numbers(self, texts: Sequence[str]) -> Tensor:
         return torch.from_numpy(self.vocabulary.encode_batch(texts)[0]).to(self.device)
+
+
+def empty_matcher(network: MatcherConfig, words: int, types: int) -> Matcher:
+    """One that knows nothing yet, for so many words and types."""
+    return MATCHERS[network.form](words, types, network.box_head, network.colors)
 
 
 def rights_of(

@@ -34,7 +34,7 @@ from remqa_data.agents.training.config import (
 )
 from remqa_data.agents.training.grounding import GROUNDERS
 from remqa_data.agents.training.imitating import DOERS
-from remqa_data.agents.training.matching import MATCHERS
+from remqa_data.agents.training.matching import empty_matcher
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
@@ -215,7 +215,7 @@ def empty_network(about: About) -> nn.Module:
         return ManipulationAnswerer(words, len(about.answers), types, network.views, network.side_px)
     if isinstance(network, GrounderConfig):
         return GROUNDERS[network.form](words)
-    return MATCHERS[network.form](words, types, network.box_head, network.colors)
+    return empty_matcher(network, words, types)
 
 
 def _safetensors_error() -> type[Exception]:
