@@ -50,7 +50,9 @@ STEPS: tuple[tuple[str, Any, str], ...] = (
     ("load a world's pictures", WorldView, "__init__"),
     ("settle", World, "settle"),
     ("draw pictures", Renderer, "render"),
-    ("draw instances only", Renderer, "render_instances"),
+    ("draw instances or depth only", Renderer, "render_instances"),
+    ("draw instances or depth only", Renderer, "render_labels"),
+    ("draw instances or depth only", Renderer, "render_depth"),
     ("light a room", light_cache, "bake"),
     ("encode images", images, "_encoded"),
 )

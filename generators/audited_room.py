@@ -103,7 +103,7 @@ class AuditedRoom:
             about = [pose.camera(self.grid) for pose in looks_about(goal)]
             cameras = that_may_show(about, hiding.interior, motion)
             with self._after(goal, manipulation) as replay:
-                self._looks[key] = tuple((camera, replay.view.depth_and_instances(camera)[0]) for camera in cameras)
+                self._looks[key] = tuple((camera, replay.view.depth(camera)) for camera in cameras)
         return self._looks[key]
 
     def share_by_chance(self, goal: AgentPose, manipulation: Action, sample: QuestionRow) -> float:

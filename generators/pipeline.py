@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -110,8 +112,20 @@ class RoomJob:
 
 def make_part(job: RoomJob) -> Part:
     """Generate one room and write its part."""
-    rows, report = make_room(job.room)
+    with _rare_collections():
+        rows, report = make_room(job.room)
     return job.write(rows, report)
+
+
+@contextmanager
+def _rare_collections() -> Iterator[None]:
+    """Look for cycles of dead objects a hundredth as often: a room makes few, and each look goes through all it knows."""
+    usual = gc.get_threshold()
+    gc.set_threshold(50_000, 20, 100)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*usual)
 
 
 def check_place(out: str | os.PathLike[str], *, overwrite: bool, resume: bool) -> None:

@@ -74,7 +74,8 @@ def seen_share(replay: Replay, question: QuestionRow) -> float:
         for horizon_deg in HORIZONS_DEG:
             x, y, floor_z = goal.position
             camera = Camera((x, y, floor_z + height), goal.yaw_deg, float(horizon_deg), width=FRAME_PX, height=FRAME_PX)
-            seen |= _are_seen(points, camera, replay.view)
+            rest = np.flatnonzero(~seen)
+            seen[rest] = _are_seen(points[rest], camera, replay.view)
     return float((seen.reshape(len(tops), -1).mean(axis=1) >= LEAST_SHOWN).mean())
 
 
@@ -127,6 +128,6 @@ def _are_seen(points: F64, camera: Camera, view: WorldView) -> Flags:
     inside = (z > 0) & (column >= 0) & (row >= 0) & (column < width) & (row < height)
     if not inside.any():
         return np.asarray(inside)
-    depth: F32 = view.depth_and_instances(camera)[0]
+    depth: F32 = view.depth(camera)
     shown = depth[np.where(inside, row, 0).astype(int), np.where(inside, column, 0).astype(int)]
     return np.asarray(inside & (shown > z - NEARER_M))

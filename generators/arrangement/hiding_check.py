@@ -220,7 +220,7 @@ class _Looks:
                 motion = self.world.motion_since(place.object_id, closed) if is_opened else None
                 about = [pose.camera_above(place.floor_z) for pose in looks_about(place.goal)]
                 cameras = that_may_show(about, place.interior, motion)
-                looks = [(camera, self.view.depth_and_instances(camera)[0]) for camera in cameras]
+                looks = [(camera, self.view.depth(camera)) for camera in cameras]
                 boxes = [self.world.box(object_id) for object_id in ids]
             self._proofs[key] = (motion, looks, boxes)
         motion, looks, boxes = self._proofs[key]

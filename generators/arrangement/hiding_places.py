@@ -350,7 +350,7 @@ class _Finder:
             moved = world.motion_since(object_id, closed) if manipulation == "Open" else None
             about = [pose.camera(self.sight.grid) for pose in looks_about(goal)]
             cameras = that_may_show(about, interior, moved)
-            looks = [(camera, view.depth_and_instances(camera)[0]) for camera in cameras]
+            looks = [(camera, view.depth(camera)) for camera in cameras]
             world.restore(snapshot)
         kept = plausible_types(world.type_of(object_id), relation, world.scene.room_type)
         shares = {name: share_in_view(interior, moved, looks, (), name) for name in kept}

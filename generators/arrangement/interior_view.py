@@ -73,7 +73,11 @@ def share_in_view(
             points = arithmetic.moved(points, motion[area.link])
         shape = lattice.shape[:2]
         is_free = ~_is_taken(points, height, revealed).reshape(shape)
-        is_seen = np.any([_is_seen(points, camera, depth) for camera, depth in looks], axis=0).reshape(shape)
+        shown = np.zeros(len(points), dtype=np.bool_)
+        for camera, image in looks:
+            rest = np.flatnonzero(~shown)
+            shown[rest] = _is_seen(points[rest], camera, image)
+        is_seen = shown.reshape(shape)
         pitch = [2 * half / max(n - 1, 1) for half, n in zip(area.half, shape, strict=True)]
         for sides in ((width, depth), (depth, width)):
             window = [round(side / step) + 1 for side, step in zip(sides, pitch, strict=True)]

@@ -33,8 +33,7 @@ class Sightlines:
 
     def depth(self, pose: AgentPose) -> F32:
         """(h, w) depth of the world as it is now."""
-        self.view.sync()
-        return self.view.renderer.render_instances(self.camera(pose))[0]
+        return self.view.depth(self.camera(pose))
 
     def depth_at_rest(self, pose: AgentPose) -> F32:
         """(h, w) depth of the world when it was first looked at from this pose; call it only when nothing is changed."""

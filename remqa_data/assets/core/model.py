@@ -7,6 +7,7 @@ a joint moves the link about or along the joint's axis.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -189,19 +190,21 @@ class Asset:
 
     def box_at(self, link_poses: F64) -> F64:
         """(2, 3) least and greatest corner of the visible mesh with the links at (links, 4, 4) poses."""
-        points = [
-            arithmetic.moved(vertices, pose)
-            for vertices, pose in zip(self._link_vertices, link_poses, strict=True)
-            if len(vertices)
-        ]
-        low, high = [p.min(axis=0) for p in points], [p.max(axis=0) for p in points]
-        return np.stack([np.min(low, axis=0), np.max(high, axis=0)])
+        low, high = [math.inf] * 3, [-math.inf] * 3
+        for (x, y, z), pose in zip(self._link_vertices, link_poses.tolist(), strict=True):
+            for axis in range(3) if len(x) else ():
+                a, b, c, shift = pose[axis]
+                along = a * x + b * y + c * z
+                low[axis] = min(low[axis], along.min().item() + shift)
+                high[axis] = max(high[axis], along.max().item() + shift)
+        return np.array([low, high])
 
     @cached_property
-    def _link_vertices(self) -> list[F32]:
-        """(n, 3) vertices of all surfaces of each link: what is asked for most often is where they are."""
-        empty = np.empty((0, 3), dtype=np.float32)
-        return [np.concatenate([empty, *(surface.vertices for surface in link.surfaces)]) for link in self.links]
+    def _link_vertices(self) -> list[F64]:
+        """(3, n) vertices of all surfaces of each link: what is asked for most often is where they are."""
+        empty = np.empty((0, 3))
+        parts = [[surface.vertices for surface in link.surfaces] for link in self.links]
+        return [np.ascontiguousarray(np.concatenate([empty, *vertices]).T) for vertices in parts]
 
     @property
     def triangle_count(self) -> int:

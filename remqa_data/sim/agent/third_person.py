@@ -105,8 +105,8 @@ class RobotView(WorldView):
         # All parts of the robot have the instance that WorldView reads as "no object".
         robot = [RenderPart(surfaces, len(parts)) for surfaces in arm_body.robot_surfaces()]
         self._robot = range(len(parts), len(parts) + len(robot))
-        self.renderer = Renderer(
-            [*parts, *robot], np.concatenate([poses, self._robot_poses()]), lights=agent.world.scene.lights
+        self._draw_with(
+            Renderer([*parts, *robot], np.concatenate([poses, self._robot_poses()]), lights=agent.world.scene.lights)
         )
 
     def sync(self) -> None:

@@ -5,11 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from remqa_data.compiled import exact
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F32, F64, Vec3
-from remqa_data.sim.light.volume import Volume, fill_beyond, gather, light_at, mean_in_air, places_of, smooth
+from remqa_data.geometry.types import F32, F64, U8, Flags, Vec3
+from remqa_data.sim.light.volume import (
+    BEYOND,
+    IN_AIR,
+    Volume,
+    fill_beyond,
+    gather,
+    light_at,
+    mean_in_air,
+    places_of,
+    smooth,
+)
 from remqa_data.sim.light.voxels import Faces, Points, Voxels, cube_of, lit_by, looks_back, surface_points, voxelise
 
 SETS, FEW_RAYS, RAYS = 8, 32, 128
@@ -61,7 +72,7 @@ def bake(faces: Faces, lamps: Lamps, low: Vec3, high: Vec3, level: float) -> Vol
     _send(faces, points, voxels, direct, volume, guess, GLOW)
     places = places_of(voxels, volume, np.array(low), np.array(high))
     few = _directions(FEW_RAYS)
-    gather(voxels, volume, few, few, SKY, places)
+    gather(voxels, volume, few, few, SKY, _looked_up(places))
     _send(faces, points, voxels, direct, volume, guess, GLOW)
     gather(voxels, volume, _directions(RAYS), few, SKY, places)
     volume = smooth(volume)
@@ -78,6 +89,15 @@ def _empty(low: Vec3, high: Vec3, least: float) -> Volume:
         spacing_m *= 1.25
     shape = tuple(int(n) for n in np.ceil((end - origin) / spacing_m) + 1)
     return Volume(origin, np.zeros((*shape, 6, 3), dtype=np.float32), spacing_m, np.zeros(shape, dtype=np.bool_), least)
+
+
+def _looked_up(places: U8) -> U8:
+    """Where each probe is, as if those were beyond the walls from which no surface takes its light.
+
+    A surface looks at most 2.5 `AHEAD_M` before itself, for the eight probes around: no farther than one beside those near it.
+    """
+    near: Flags = binary_dilation(places != IN_AIR, np.ones((3, 3, 3), dtype=np.bool_))
+    return np.where(near, places, np.uint8(BEYOND))
 
 
 def _directions(count: int) -> F64:

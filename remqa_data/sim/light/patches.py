@@ -68,14 +68,32 @@ def light_faces(
     first: int,
     stop: int,
 ) -> None:
-    """Look up the light of all samples of a range of faces, where they are now; both sides of what is no solid count."""
+    """Look up the light of all samples of a range of faces, where they are now; both sides of what is no solid count.
+
+    What a vertex receives is looked up once for all faces that meet there, of solids and of others.
+    """
     light, other = np.zeros(3, dtype=np.float32), np.zeros(3, dtype=np.float32)
+    low = high = faces[first, 0] if first < stop else 0
     for face in range(first, stop):
+        low = min(low, faces[face, 0], faces[face, 1], faces[face, 2])
+        high = max(high, faces[face, 0], faces[face, 1], faces[face, 2])
+    at_vertex = np.full((high + 1 - low, 2), -1, dtype=np.int32)
+    for face in range(first, stop):
+        solid = 1 if is_solid[face] else 0
         a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
         n = made.steps[face]
         place = made.start[face]
         for i in range(n + 1):
             for j in range(n - i + 1):
+                vertex = c if i + j == 0 else (a if i == n else (b if j == n else low - 1))
+                known = at_vertex[vertex - low, solid] if vertex >= low else -1
+                if known >= 0:
+                    for channel in range(3):
+                        made.light[place, channel] = made.light[known, channel]
+                    place += 1
+                    continue
+                if vertex >= low:
+                    at_vertex[vertex - low, solid] = place
                 u, v = i / n, j / n
                 w = 1.0 - u - v
                 x = u * vertices[0, a] + v * vertices[0, b] + w * vertices[0, c]

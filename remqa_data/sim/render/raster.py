@@ -255,7 +255,7 @@ def _draw_faces(
     faces, key, slot, image = geometry.faces, buffers.key, buffers.slot, buffers.image
     height, width = key.shape
     half_width, half_height = 0.5 * width, 0.5 * height
-    centres = np.arange(width) + 0.5 - half_width
+    flat_key, flat_slot, centres = key.ravel(), slot.ravel(), np.arange(width) + 0.5 - half_width
     nearest = np.float32(near_key)
     if nearest > near_key:
         nearest = np.nextafter(nearest, np.float32(0.0))
@@ -309,13 +309,13 @@ def _draw_faces(
                 last = math.floor(high + half_width - 0.5)
                 if first > last:
                     continue
-                # Views that start at the run, numbers of one width, and no branches, let the compiler vectorise.
-                keys, slots, across = key[row, first : last + 1], slot[row, first : last + 1], centres[first : last + 1]
-                for i in range(keys.shape[0]):
-                    value = np.float32(kx * across[i] + rk)
-                    wins = (value > keys[i]) & (value <= nearest)
-                    keys[i] = value if wins else keys[i]
-                    slots[i] = number if wins else slots[i]
+                # Indices that cannot be negative, numbers of one width, and no branches, let the compiler vectorise.
+                start, left, run = np.uint64(row * width + first), np.uint64(first), np.uint64(last - first + 1)
+                for i in range(run):
+                    value = np.float32(kx * centres[left + i] + rk)
+                    wins = (value > flat_key[start + i]) & (value <= nearest)
+                    flat_key[start + i] = value if wins else flat_key[start + i]
+                    flat_slot[start + i] = number if wins else flat_slot[start + i]
                     won |= wins
         if won:
             record = buffers.records[count]

@@ -31,7 +31,7 @@ from remqa_data.sim.render.scene_arrays import (
     materials_and_texels,
     surface_instances,
 )
-from remqa_data.sim.render.shade import Lights, Materials, shade, write_depth_and_instances
+from remqa_data.sim.render.shade import Lights, Materials, shade, write_depth, write_labels
 from remqa_data.sim.render.shadow import empty_shadows, lamp_views, mark_faces, summarise
 
 __all__ = ["Frame", "RenderPart", "Renderer"]
@@ -179,7 +179,8 @@ class Renderer:
         view = camera.view()
         if shadows:
             self._draw_stale_maps()
-        buffers, depth, instances = self._rasterise(view, only)
+        buffers = self._drawn(view, only)
+        depth, instances = self._depth(buffers, view), self._labels(buffers, self._instances)
         self._light_stale_parts(buffers.drawn[:, 0])
         rgb = np.empty((view.height, view.width, 3), dtype=np.uint8)
         self._paint = self._paint or build_materials(self.parts)
@@ -204,8 +205,18 @@ class Renderer:
 
         With (n,) `only`, as if there were none but some of the parts.
         """
-        _, depth, instances = self._rasterise(camera.view(), only)
-        return depth, instances
+        view = camera.view()
+        buffers = self._drawn(view, only)
+        return self._depth(buffers, view), self._labels(buffers, self._instances)
+
+    def render_depth(self, camera: AnyCamera, only: Flags | None = None) -> F32:
+        """Only the depth of the frame that `render` would draw."""
+        view = camera.view()
+        return self._depth(self._drawn(view, only), view)
+
+    def render_labels(self, camera: AnyCamera, labels: I32, only: Flags | None = None) -> I32:
+        """(h, w) labels of the surfaces that `render` would draw, as of `count`; -1 where nothing is."""
+        return self._labels(self._drawn(camera.view(), only), labels)
 
     def count(self, camera: AnyCamera, labels: I32, bins: int, only: Flags | None = None) -> I64:
         """(bins,) how many pixels of the frame that `render` would draw show a surface of each label.
@@ -244,12 +255,15 @@ class Renderer:
         rasterise(self._geometry, self._shown(only), view, buffers)
         return buffers
 
-    def _rasterise(self, view: View, only: Flags | None = None) -> tuple[Buffers, F32, I32]:
-        buffers = self._drawn(view, only)
-        depth = np.empty((view.height, view.width), dtype=np.float32)
-        instances = np.empty((view.height, view.width), dtype=np.int32)
-        write_depth_and_instances(self._geometry, self._instances, buffers, view.pinhole, depth, instances)
-        return buffers, depth, instances
+    def _depth(self, buffers: Buffers, view: View) -> F32:
+        depth = np.empty(buffers.key.shape, dtype=np.float32)
+        write_depth(buffers, view.pinhole, depth)
+        return depth
+
+    def _labels(self, buffers: Buffers, labels: I32) -> I32:
+        image = np.empty(buffers.slot.shape, dtype=np.int32)
+        write_labels(self._geometry, labels, buffers, image)
+        return image
 
     def _shown(self, only: Flags | None) -> Placed:
         """The parts where they are, of which only some are visible."""

@@ -57,25 +57,26 @@ class Lights(NamedTuple):
 
 
 @exact
-def write_depth_and_instances(
-    geometry: Geometry, surface_instance: I32, buffers: Buffers, pinhole: bool, depth: F32, instances: I32
-) -> None:
-    """Fill the depth (metres, 0 where nothing is) and instance (-1 where nothing is) images."""
-    height, width = depth.shape
-    last, instance = -1, -1
-    for y in range(height):
-        for x in range(width):
-            slot = buffers.slot[y, x]
-            if slot < 0:
-                depth[y, x] = 0.0
-                instances[y, x] = -1
-                continue
-            if slot != last:
-                last = slot
-                instance = surface_instance[geometry.face_surface[buffers.record_face[slot]]]
-            key = buffers.key[y, x]
-            depth[y, x] = np.float32(1.0) / key if pinhole else np.float32(FAR_M) - key
-            instances[y, x] = instance
+def write_depth(buffers: Buffers, pinhole: bool, depth: F32) -> None:
+    """Fill the (h, w) depth image: metres, 0 where nothing is."""
+    keys, depths = buffers.key.ravel(), depth.ravel()
+    one, zero, far = np.float32(1.0), np.float32(0.0), np.float32(FAR_M)
+    for i in range(len(keys)):
+        key = keys[i]
+        depths[i] = (one / key if pinhole else far - key) if key > zero else zero
+
+
+@exact
+def write_labels(geometry: Geometry, labels: I32, buffers: Buffers, image: I32) -> None:
+    """Fill the (h, w) image with the labels of (s,) surfaces, -1 where nothing is."""
+    slots, shown = buffers.slot.ravel(), image.ravel()
+    last = label = np.int32(-1)
+    for i in range(len(slots)):
+        slot = slots[i]
+        if slot != last:
+            last = slot
+            label = labels[geometry.face_surface[buffers.record_face[slot]]] if slot >= 0 else np.int32(-1)
+        shown[i] = label
 
 
 @exact
@@ -170,7 +171,7 @@ def _fetch(
         if slot < 0:
             for i in range(first, stop):
                 sheet[px.TEXTURE + i] = 0.0
-                sheet[px.RED + i], sheet[px.GREEN + i], sheet[px.BLUE + i] = background
+                sheet[px.RED + i], sheet[px.GREEN + i], sheet[px.BLUE + i] = background[0], background[1], background[2]
                 sheet[px.GLOSS + i], sheet[px.GLOW + i] = 0.0, one
                 sheet[px.NORMAL_X + i], sheet[px.NORMAL_Y + i], sheet[px.NORMAL_Z + i] = 0.0, 0.0, one
                 sheet[px.DEPTH + i] = one
@@ -334,8 +335,12 @@ def _light(view: View, lights: Lights, sheet: F32, count: int) -> None:
         sheet[px.LIGHT_BLUE + i] *= sheet[px.BLUE + i]
     fade = np.float32(1.0 / (lights.reach_m * lights.reach_m))
     for lamp in range(len(lights.positions)):
-        at_x, at_y, at_z = lights.positions[lamp]
-        at_x, at_y, at_z = np.float32(at_x), np.float32(at_y), np.float32(at_z)
+        positions = lights.positions
+        at_x, at_y, at_z = (
+            np.float32(positions[lamp, 0]),
+            np.float32(positions[lamp, 1]),
+            np.float32(positions[lamp, 2]),
+        )
         strength = lights.strength[lamp]
         shadowed = one if lamp == 0 else zero
         for i in range(min(count, px.BLOCK_PX)):

@@ -87,11 +87,14 @@ class WorldView:
         self._shown = {object_id: world.state(object_id) for object_id in world.ids}
         self._out_of_room: str | None = None
         self._revision: int | None = None
-        self.renderer = Renderer(parts, poses, lights=world.scene.lights)
-        self._object_labels = self.renderer.labels_of_surfaces(self._object_of)
+        self._draw_with(Renderer(parts, poses, lights=world.scene.lights))
         self._lamps = self.renderer.lights
         self._level = 1.0
         self._waits_for_light = world.scene.light == "baked"
+
+    def _draw_with(self, renderer: Renderer) -> None:
+        self.renderer = renderer
+        self._object_labels = renderer.labels_of_surfaces(self._object_of)
 
     def rebuild(self, shapes: Shapes) -> None:
         """Draw some objects in other shapes from now on, and all others as built; and what the world has got since.
@@ -184,7 +187,13 @@ class WorldView:
 
     def instances(self, camera: AnyCamera, only: Flags | None = None) -> I32:
         """Only the (h, w) image of object indices, which is much cheaper than a picture."""
-        return self.depth_and_instances(camera, only)[1]
+        self.sync()
+        return self.renderer.render_labels(camera, self._object_labels, only)
+
+    def depth(self, camera: AnyCamera, only: Flags | None = None) -> F32:
+        """Only the (h, w) image of depth, metres."""
+        self.sync()
+        return self.renderer.render_depth(camera, only)
 
     def depth_and_instances(self, camera: AnyCamera, only: Flags | None = None) -> tuple[F32, I32]:
         """Only the (h, w) images of depth, metres, and of object indices.

@@ -5,9 +5,10 @@ import pytest
 import trimesh
 
 from remqa_data.floorplans.ithor.scenes import load_scene
+from remqa_data.sim.light import bake as bake_module
 from remqa_data.sim.light.bake import GLOW, SKY, VOXEL, Lamps, _directions, _empty, bake
 from remqa_data.sim.light.patches import light_faces, patches, sample_of
-from remqa_data.sim.light.volume import BEYOND, Volume, gather, light_at, places_of
+from remqa_data.sim.light.volume import BEYOND, IN_AIR, NEAR_SURFACE, Volume, gather, light_at, places_of
 from remqa_data.sim.light.voxels import Faces, surface_points, voxelise
 from remqa_data.sim.navigation.grid import reachable_grid
 from remqa_data.sim.physics.world import World
@@ -121,6 +122,37 @@ def test_baking_twice_gives_the_same_bits() -> None:
     first, second = (bake(faces, lamps, (-2, -1.5, -1.25), (2, 1.5, 1.25), 0.4) for _ in range(2))
     assert np.array_equal(first.light, second.light)
     assert np.array_equal(first.is_valid, second.is_valid)
+
+
+@pytest.mark.slow
+def test_probes_that_no_surface_looks_at_need_no_light_for_the_second_reflection(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = load_scene("FloorPlan412")
+    usual = indirect_light(scene)
+    places = np.full((9, 9, 9), IN_AIR, np.uint8)
+    places[4, 4, 4] = NEAR_SURFACE
+    assert (bake_module._looked_up(places) != BEYOND).sum() == 27
+    monkeypatch.setattr(bake_module, "_looked_up", lambda places: places)
+    whole = indirect_light(scene)
+    assert np.array_equal(usual.light, whole.light)
+    assert np.array_equal(usual.is_valid, whole.is_valid)
+
+
+def test_faces_that_share_a_vertex_share_its_light() -> None:
+    """What is looked up for all faces at once is what each finds alone."""
+    volume = bake(room(albedo=0.5, glow=1.0, lit="ceiling"), NO_LAMPS, (-2, -1.5, -1.25), (2, 1.5, 1.25), 0.4)
+    ball = trimesh.creation.icosphere(subdivisions=1, radius=0.3)
+    vertices = np.ascontiguousarray(ball.vertices.T, np.float32)
+    faces, normals = ball.faces.astype(np.int32), ball.vertex_normals.astype(np.float32)
+    is_solid = np.arange(len(faces)) % 2 == 0
+    together, alone = (patches(vertices, faces) for _ in range(2))
+    light_faces(together, volume, vertices, normals, faces, is_solid, 0, len(faces))
+    assert len(faces) == 80
+    for face in range(len(faces)):
+        light_faces(alone, volume, vertices, normals, faces, is_solid, face, face + 1)
+    assert np.array_equal(together.light, alone.light)
+    assert np.ptp(together.light) > 0.1
 
 
 def test_samples_of_a_face_lie_in_rows_from_its_third_corner() -> None:

@@ -82,6 +82,11 @@ def test_from_outside_the_held_object_is_in_the_hand_and_back_in_its_place_after
     hand = np.array(agent.arm.hand(agent.base))
     near = Camera.look_at(tuple(hand + 0.5), tuple(hand), width=80, height=80)
     assert (view.instances(near) == 0).any()
+    for camera in (near, FROM_ABOVE):  # the robot's own parts are no object
+        depth, objects = view.depth_and_instances(camera)
+        assert np.array_equal(view.instances(camera), objects)
+        assert np.array_equal(view.depth(camera), depth)
+        assert view.pixels(camera).tolist() == [(objects == 0).sum()]
     world.restore(first)
     for now, before in zip(view.depth_and_instances(FROM_ABOVE), at_rest, strict=True):
         assert np.array_equal(now, before)
