@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
-from remqa_data.generators.arrangement.interior_view import looks_about, that_may_show
+from remqa_data.generators.arrangement.interior_view import depth_looks, looks_about
 from remqa_data.generators.provable import seen_share
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.revealed import Looks, Views
@@ -101,9 +101,8 @@ class AuditedRoom:
         key = (hiding.key, goal, manipulation)
         if key not in self._looks:
             about = [pose.camera(self.grid) for pose in looks_about(goal)]
-            cameras = that_may_show(about, hiding.interior, motion)
             with self._after(goal, manipulation) as replay:
-                self._looks[key] = tuple((camera, replay.view.depth(camera)) for camera in cameras)
+                self._looks[key] = tuple(depth_looks(replay.view, about, hiding.interior, motion))
         return self._looks[key]
 
     def share_by_chance(self, goal: AgentPose, manipulation: Action, sample: QuestionRow) -> float:

@@ -14,13 +14,13 @@ import numpy as np
 from remqa_data.generators.arrangement.hiding_rules import hidden_size
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
-from remqa_data.geometry.types import F32, F64, Flags
+from remqa_data.geometry.types import F64, Flags
 from remqa_data.scene import SceneObject
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, HORIZONS_DEG
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.camera import Camera, Scissor
 from remqa_data.sim.render.view import WorldView
 from remqa_data.tables.rows import QuestionRow
 
@@ -128,6 +128,8 @@ def _are_seen(points: F64, camera: Camera, view: WorldView) -> Flags:
     inside = (z > 0) & (column >= 0) & (row >= 0) & (column < width) & (row < height)
     if not inside.any():
         return np.asarray(inside)
-    depth: F32 = view.depth(camera)
-    shown = depth[np.where(inside, row, 0).astype(int), np.where(inside, column, 0).astype(int)]
+    rows, columns = np.where(inside, row, 0).astype(int), np.where(inside, column, 0).astype(int)
+    seen_rows, seen_columns = rows[inside].tolist(), columns[inside].tolist()
+    around = Scissor(min(seen_columns), max(seen_columns), min(seen_rows), max(seen_rows))
+    shown = view.depth(camera, scissor=around)[rows, columns]
     return np.asarray(inside & (shown > z - NEARER_M))

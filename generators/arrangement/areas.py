@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.boxes import corners
 from remqa_data.geometry.types import F64, Vec3
 
 
@@ -58,6 +59,12 @@ class Area:
         sin, cos = arithmetic.sin_cos_deg(self.yaw_deg)
         turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
         return np.asarray(arithmetic.turned(local, turn) + self.centre)
+
+    @property
+    def corners(self) -> F64:
+        """(8, 3) corners in the room of what lies over the area, up to its height."""
+        x, y = self.half
+        return self.to_room(corners([(-x, -y, 0.0), (x, y, self.height_m)]))
 
     def lattice(self, pitch_m: float) -> F64:
         """(nx, ny, 2) x and y of a lattice over the area, in its frame; its outermost points lie on the edges."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,15 +13,16 @@ import numpy.typing as npt
 
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
-from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, looks_about, share_in_view, that_may_show
+from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, depth_looks, looks_about, share_in_view
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.boxes import corners
 from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.language.inner import Partner, clearly_related
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.camera import Camera
-from remqa_data.sim.render.contrast import contrast_de
+from remqa_data.sim.render.camera import Camera, Scissor, scissor_around
+from remqa_data.sim.render.contrast import RING_PX, contrast_de
 from remqa_data.sim.render.view import WorldView
 
 SLIPPED_M = 0.06
@@ -89,15 +91,11 @@ def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[l
 
 def in_sight_violations(world: World, view: WorldView, hidden: Wished) -> list[Violation]:
     """What is seen before the manipulation, or not after it, or may be missed there; at most one violation for each wish."""
-    looks, together = _Looks(world, view), dict[PlaceKey, list[str]]()
-    for wish, ids in hidden:
-        together.setdefault(wish.place.key, []).extend(ids)
-    found = []
+    looks, found = _Looks(world, view, hidden), []
     for wish, ids in hidden:
         reason = _ill_seen(looks, wish.place, ids)
         if reason is None and wish.is_asked and wish.count == 0:
-            beside = together[wish.place.key]
-            share = looks.share(wish.place, wish.type, beside)
+            share = looks.share(wish.place, wish.type)
             if share < LEAST_SHARE:
                 reason = f"of {share:.0%} of the ways in which there could be one, one would see it"
         if reason is not None:
@@ -110,8 +108,12 @@ def faint_violations(world: World, view: WorldView, hidden: Wished) -> list[Viol
     found = []
     places = {wish.place.key: wish.place for wish, ids in hidden if wish.is_asked and ids}
     for key, place in places.items():
+        asked = [name for wish, ids in hidden if wish.is_asked and wish.place.key == key for name in ids]
+        camera = goal_camera(place)
         with manipulated(world, view, place):
-            seen = view.render(goal_camera(place))
+            around = np.concatenate([corners(world.box(name)) for name in asked])
+            # With the pixels beside those that count, which the edges depend on.
+            seen = view.render(camera, scissor=scissor_around(camera.view(), around, RING_PX + 3))
         for wish, ids in hidden:
             if wish.is_asked and wish.place.key == key:
                 least = min(
@@ -136,7 +138,7 @@ def violations(world: World, view: WorldView, hidden: Wished, put_at: Mapping[st
     put_at : mapping of str to Vec3
         Where everything was before physics.
     """
-    records, looks = object_metadata(world), _Looks(world, view)
+    records, looks = object_metadata(world), _Looks(world, view, hidden)
     found = []
     for wish, ids in hidden:
         place = wish.place
@@ -193,25 +195,24 @@ def _unrest(world: World, place: HidingPlace, ids: Sequence[str], put_at: Mappin
 class _Looks:
     """How many pixels each object of a world shows at the goals of places; each is looked at once, for all its wishes."""
 
-    def __init__(self, world: World, view: WorldView) -> None:
+    def __init__(self, world: World, view: WorldView, hidden: Wished) -> None:
         self.world, self.view = world, view
-        self._before: dict[PlaceKey, Pixels] = {}
+        self._things: defaultdict[PlaceKey, list[str]] = defaultdict(list)
+        for wish, ids in hidden:
+            self._things[wish.place.key] += ids
         self._after: dict[PlaceKey, Pixels] = {}
         self._proofs: dict[PlaceKey, tuple[F64 | None, list[tuple[Camera, F32]], list[F64]]] = {}
 
     def before(self, place: HidingPlace, ids: Sequence[str]) -> Pixels:
         """Of some hidden objects, before the manipulation."""
         camera, index = goal_camera(place), [self.world.ids.index(object_id) for object_id in ids]
+        around = self._around(camera, ids)
         # What its place alone hides need not be looked at among all else, which takes ten times as long.
-        alone = self.view.pixels(camera, self.view.parts_of((place.object_id, *ids)))[index]
-        if not alone.any():
-            return alone
-        if place.key not in self._before:
-            self._before[place.key] = self.view.pixels(camera)
-        return self._before[place.key][index]
+        alone = self.view.pixels(camera, self.view.parts_of((place.object_id, *ids)), around)[index]
+        return self.view.pixels(camera, scissor=around)[index] if alone.any() else alone
 
-    def share(self, place: HidingPlace, type_: str, ids: Sequence[str]) -> float:
-        """Of the ways in which a thing of a type could lie there beside some things, how many one sees after it."""
+    def share(self, place: HidingPlace, type_: str) -> float:
+        """Of the ways in which a thing of a type could lie there beside what it hides, how many one sees after it."""
         key = place.key
         if key not in self._proofs:
             closed = self.world.link_poses(place.object_id)
@@ -219,20 +220,22 @@ class _Looks:
                 is_opened = place.manipulation == "Open"
                 motion = self.world.motion_since(place.object_id, closed) if is_opened else None
                 about = [pose.camera_above(place.floor_z) for pose in looks_about(place.goal)]
-                cameras = that_may_show(about, place.interior, motion)
-                looks = [(camera, self.view.depth(camera)) for camera in cameras]
-                boxes = [self.world.box(object_id) for object_id in ids]
+                looks = depth_looks(self.view, about, place.interior, motion)
+                boxes = [self.world.box(object_id) for object_id in self._things[key]]
             self._proofs[key] = (motion, looks, boxes)
         motion, looks, boxes = self._proofs[key]
         return share_in_view(place.interior, motion, looks, boxes, type_)
 
-    def after(self, place: HidingPlace) -> Pixels:
-        """By object, after it."""
-        key = place.key
+    def after(self, place: HidingPlace, ids: Sequence[str]) -> Pixels:
+        """Of some of the objects that a place hides, after it."""
+        key, camera = place.key, goal_camera(place)
         if key not in self._after:
             with manipulated(self.world, self.view, place):
-                self._after[key] = self.view.pixels(goal_camera(place))
-        return self._after[key]
+                self._after[key] = self.view.pixels(camera, scissor=self._around(camera, self._things[key]))
+        return self._after[key][[self.world.ids.index(object_id) for object_id in ids]]
+
+    def _around(self, camera: Camera, ids: Sequence[str]) -> Scissor:
+        return scissor_around(camera.view(), np.concatenate([corners(self.world.box(object_id)) for object_id in ids]))
 
 
 def _ill_seen(looks: _Looks, place: HidingPlace, ids: Sequence[str]) -> str | None:
@@ -241,7 +244,7 @@ def _ill_seen(looks: _Looks, place: HidingPlace, ids: Sequence[str]) -> str | No
     before = looks.before(place, ids)
     if before.any():
         return f"{ids[int(before.argmax())]} shows {before.max()} pixels before the manipulation"
-    after = looks.after(place)[[looks.world.ids.index(object_id) for object_id in ids]]
+    after = looks.after(place, ids)
     if after.min() < hiding_rules().min_evidence_px:
         return f"{ids[int(after.argmin())]} shows only {after.min()} pixels after the manipulation"
     return None

@@ -173,7 +173,7 @@ def out_of_sight(sight: Sightlines, rules: HidingRules, area: Area) -> Area | No
     for cell in near[:: max(1, len(near) // AROUND_POSES)]:
         for is_standing in (True, False):
             pose = next(facing_poses(grid, [cell], np.array(area.centre), is_standing=is_standing))
-            depth = sight.depth(pose)
+            depth = sight.depth(pose, area.corners)
             for points in levels:
                 hidden &= sight.hides(pose, depth, points)
     return _largest_part(rules, area, hidden.reshape(lattice.shape[:2]))

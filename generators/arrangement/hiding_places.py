@@ -26,17 +26,19 @@ from remqa_data.generators.arrangement.hiding_goals import (
     poses_that_reach,
 )
 from remqa_data.generators.arrangement.hiding_rules import HidingRules, hiding_rules
-from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, looks_about, share_in_view, that_may_show
+from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, depth_looks, looks_about, share_in_view
 from remqa_data.generators.arrangement.plausible import plausible_types
 from remqa_data.generators.arrangement.push_targets import push_targets
 from remqa_data.generators.arrangement.sightlines import Sightlines
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.boxes import corners
 from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import Outline, object_outlines, reachable_grid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, front_points
 from remqa_data.sim.physics.support import Support, supports
 from remqa_data.sim.physics.world import World
+from remqa_data.sim.render.camera import scissor_around
 from remqa_data.sim.render.view import WorldView
 
 __all__ = ["Area", "HidingPlace", "PlaceKey", "Spot", "hiding_places", "surface_points"]
@@ -180,7 +182,8 @@ class _Finder:
                 swept += object_outlines(world, object_id, first_link=1)
             motion = world.motion_since(object_id, closed)
             poses = poses_that_reach(self.sight, front, areas, rules.max_poses, swept, self._front(object_id))
-            after = {pose: self.sight.depth(pose) for pose in poses}
+            opened = np.concatenate([arithmetic.moved(area.corners, motion[area.link]) for area in areas])
+            after = {pose: self.sight.depth(pose, opened) for pose in poses}
             world.open(object_id, 0.0)
             is_kept = world.state(object_id).is_fixed  # what is loose is not in the pictures that are kept
             before = {pose: self.sight.depth_at_rest(pose) if is_kept else self.sight.depth(pose) for pose in poses}
@@ -298,12 +301,12 @@ class _Finder:
                     world.move_alone(object_id, raised)
                 front = self._front(object_id)
                 poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines, front)
-                before |= {pose: self.sight.depth(pose) for pose in poses if pose not in before}
+                before |= {pose: self.sight.depth(pose, hidden.corners) for pose in poses if pose not in before}
                 if move_to is None:
                     view.hide(object_id)
                 else:
                     world.move_alone(object_id, move_to)
-                after = {pose: self.sight.depth(pose) for pose in poses}
+                after = {pose: self.sight.depth(pose, hidden.corners) for pose in poses}
                 found.append((best_goals(self.sight, rules, [hidden], before, after, np.eye(4)[None]), move_to))
             world.restore(snapshot)
         places = (self._place(object_id, manipulation, "under", [hidden], goals, to) for goals, to in found)
@@ -323,7 +326,9 @@ class _Finder:
     def _shows(self, object_id: str, pose: AgentPose) -> bool:
         """Whether the object, at rest, is well seen from a pose: it is no sliver."""
         with _Shown(self.sight.view, self.world, object_id):
-            image = self.sight.view.instances(pose.camera(self.sight.grid, FRAME_PX))
+            camera = pose.camera(self.sight.grid, FRAME_PX)
+            around = scissor_around(camera.view(), corners(self.world.box(object_id)))
+            image = self.sight.view.instances(camera, scissor=around)
         rows, columns = np.nonzero(image == self.world.ids.index(object_id))
         least = self.rules.min_target_px
         return len(rows) >= MIN_PIXELS and min(int(np.ptp(rows)), int(np.ptp(columns))) + 1 >= least
@@ -349,8 +354,7 @@ class _Finder:
                 view.hide(object_id)
             moved = world.motion_since(object_id, closed) if manipulation == "Open" else None
             about = [pose.camera(self.sight.grid) for pose in looks_about(goal)]
-            cameras = that_may_show(about, interior, moved)
-            looks = [(camera, view.depth(camera)) for camera in cameras]
+            looks = depth_looks(view, about, interior, moved)
             world.restore(snapshot)
         kept = plausible_types(world.type_of(object_id), relation, world.scene.room_type)
         shares = {name: share_in_view(interior, moved, looks, (), name) for name in kept}

@@ -13,7 +13,8 @@ from remqa_data.generators.arrangement.hiding_rules import hidden_size
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, Flags
 from remqa_data.sim.navigation.viewpoints import HORIZONS_DEG, AgentPose
-from remqa_data.sim.render.camera import Camera, are_outside
+from remqa_data.sim.render.camera import Camera, are_outside, scissor_around
+from remqa_data.sim.render.view import WorldView
 
 LEAST_SHARE = 0.8
 """Of the ways in which a thing of the asked type could lie there, so many are in view where none is found."""
@@ -28,15 +29,18 @@ def looks_about(goal: AgentPose) -> list[AgentPose]:
     return [replace(goal, horizon_deg=h, is_standing=s) for s in (True, False) for h in HORIZONS_DEG]
 
 
-def that_may_show(cameras: Sequence[Camera], interior: Sequence[Area], motion: F64 | None) -> list[Camera]:
-    """Those of some cameras that have anything of an interior in their picture, or the first one if none has."""
-    corners = []
-    for area in interior:
-        x, y = area.half
-        box = [(side_x, side_y, z) for side_x in (-x, x) for side_y in (-y, y) for z in (0.0, area.height_m)]
-        points = area.to_room(box)
-        corners.append(points if motion is None else arithmetic.moved(points, motion[area.link]))
-    return [c for c in cameras if corners and not are_outside(c.view(), np.stack(corners)).all()] or [*cameras[:1]]
+def depth_looks(
+    view: WorldView, cameras: Sequence[Camera], interior: Sequence[Area], motion: F64 | None
+) -> list[tuple[Camera, F32]]:
+    """Those of some cameras that have anything of an interior in their picture, or the first one if none has.
+
+    With each goes its (h, w) depth of the world as it is, of the part of the picture where the interior is.
+    """
+    if not interior:
+        return [(camera, view.depth(camera)) for camera in cameras[:1]]
+    around = np.stack([a.corners if motion is None else arithmetic.moved(a.corners, motion[a.link]) for a in interior])
+    shown = [c for c in cameras if not are_outside(c.view(), around).all()] or cameras[:1]
+    return [(c, view.depth(c, scissor=scissor_around(c.view(), around.reshape(-1, 3)))) for c in shown]
 
 
 def share_in_view(

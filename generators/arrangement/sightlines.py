@@ -9,7 +9,7 @@ import numpy as np
 from remqa_data.geometry.types import F32, F64, Flags
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid, cells_in_reach
 from remqa_data.sim.navigation.viewpoints import AgentPose
-from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.camera import Camera, scissor_around
 from remqa_data.sim.render.view import WorldView
 
 TOLERANCE_M = 0.012
@@ -31,9 +31,10 @@ class Sightlines:
         """The agent's camera at a pose."""
         return pose.camera(self.grid, self.size_px)
 
-    def depth(self, pose: AgentPose) -> F32:
-        """(h, w) depth of the world as it is now."""
-        return self.view.depth(self.camera(pose))
+    def depth(self, pose: AgentPose, around: F64 | None = None) -> F32:
+        """(h, w) depth of the world as it is now; if (n, 3) points are given, only of the part of the picture around them."""
+        camera = self.camera(pose)
+        return self.view.depth(camera, scissor=None if around is None else scissor_around(camera.view(), around))
 
     def depth_at_rest(self, pose: AgentPose) -> F32:
         """(h, w) depth of the world when it was first looked at from this pose; call it only when nothing is changed."""

@@ -10,6 +10,8 @@ array([[0.25]])
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import numpy.typing as npt
 
@@ -35,6 +37,15 @@ def iou_3d(a: npt.ArrayLike, b: npt.ArrayLike) -> F64:
     one, other = _boxes(a), _boxes(b)
     shared = _shared(one, other)
     return _ratio(shared, _content(one)[:, None] + _content(other)[None] - shared)
+
+
+def corners(box: npt.ArrayLike) -> F64:
+    """(8, 3) corners of a box that is given by its least and its greatest, (2, 3).
+
+    >>> corners([[0, 0, 0], [1, 2, 3]])[[0, 1, -1]].tolist()
+    [[0.0, 0.0, 0.0], [0.0, 0.0, 3.0], [1.0, 2.0, 3.0]]
+    """
+    return np.array(list(product(*np.asarray(box, dtype=np.float64).T.tolist())))
 
 
 def is_hit(iou: npt.ArrayLike, threshold: float) -> npt.NDArray[np.bool_]:

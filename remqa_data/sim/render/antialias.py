@@ -17,6 +17,7 @@ import numpy as np
 
 from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, I32, U8, Flags
+from remqa_data.sim.render.camera import Scissor, View
 from remqa_data.sim.render.outline import face_bounds, side
 from remqa_data.sim.render.raster import (
     FAR_M,
@@ -67,25 +68,27 @@ class _Samples(NamedTuple):
 
 
 @exact
-def smooth_edges(geometry: Geometry, buffers: Buffers, pinhole: bool, rgb: U8) -> None:
-    """Blend the edge pixels of the (h, w, 3) uint8 picture in place."""
+def smooth_edges(geometry: Geometry, buffers: Buffers, view: View, rgb: U8) -> None:
+    """Blend the edge pixels of the (h, w, 3) uint8 picture in place.
+
+    What is known of pixels beside a scissor is not used: edges that run along it are as sharp as they were drawn.
+    """
     height, width = buffers.slot.shape
     is_edge = np.zeros((height, width), dtype=np.bool_)
-    _find_edges(geometry, buffers, pinhole, is_edge)
-    samples = _sample_edges(geometry, buffers, pinhole, is_edge)
-    _blend(geometry, buffers, samples, rgb)
+    _find_edges(geometry, buffers, view, is_edge)
+    samples = _sample_edges(geometry, buffers, view, is_edge)
+    _blend(geometry, buffers, view.scissor, samples, rgb)
 
 
 @exact
-def _find_edges(geometry: Geometry, buffers: Buffers, pinhole: bool, is_edge: Flags) -> None:
-    height, width = is_edge.shape
-    slot = buffers.slot
-    for y in range(height):
-        for x in range(width):
+def _find_edges(geometry: Geometry, buffers: Buffers, view: View, is_edge: Flags) -> None:
+    slot, pinhole, scissor = buffers.slot, view.pinhole, view.scissor
+    for y in range(scissor.top, scissor.bottom + 1):
+        for x in range(scissor.left, scissor.right + 1):
             here = slot[y, x]
-            if x + 1 < width and slot[y, x + 1] != here and _differ(geometry, buffers, pinhole, y, x, y, x + 1):
+            if x < scissor.right and slot[y, x + 1] != here and _differ(geometry, buffers, pinhole, y, x, y, x + 1):
                 is_edge[y, x] = is_edge[y, x + 1] = True
-            if y + 1 < height and slot[y + 1, x] != here and _differ(geometry, buffers, pinhole, y, x, y + 1, x):
+            if y < scissor.bottom and slot[y + 1, x] != here and _differ(geometry, buffers, pinhole, y, x, y + 1, x):
                 is_edge[y, x] = is_edge[y + 1, x] = True
 
 
@@ -107,13 +110,14 @@ def _differ(geometry: Geometry, buffers: Buffers, pinhole: bool, ya: int, xa: in
 
 
 @exact
-def _sample_edges(geometry: Geometry, buffers: Buffers, pinhole: bool, is_edge: Flags) -> _Samples:
+def _sample_edges(geometry: Geometry, buffers: Buffers, view: View, is_edge: Flags) -> _Samples:
     """Find the nearest face at each sample of the flagged pixels, among the faces of all parts that were drawn.
 
     A face counts as hidden where the planes that a pixel and the four beside it show are all nearer. So what shows only
     through a gap so narrow that no centre of these pixels lies in it is missed.
     """
-    first, column, least, reach = _list_edges(buffers, pinhole, is_edge)
+    pinhole = view.pinhole
+    first, column, least, reach = _list_edges(buffers, view, is_edge)
     key = np.empty((len(column), _SAMPLES), dtype=np.float32)
     for edge in range(len(column)):
         key[edge] = least[edge]
@@ -124,15 +128,15 @@ def _sample_edges(geometry: Geometry, buffers: Buffers, pinhole: bool, is_edge: 
             break
         start, stop = part_faces(geometry, part)
         cull = buffers.drawn[i, 1] > 0
-        candidates = find_candidates(geometry, start, stop, cull, buffers, float(_SAMPLES))
+        candidates = find_candidates(geometry, start, stop, cull, buffers, view.scissor, float(_SAMPLES))
         _draw_faces(geometry, buffers.candidates[:candidates], cull, pinhole, buffers.image, samples)
     return samples
 
 
 @exact
-def _list_edges(buffers: Buffers, pinhole: bool, is_edge: Flags) -> tuple[I32, I32, F32, F32]:
+def _list_edges(buffers: Buffers, view: View, is_edge: Flags) -> tuple[I32, I32, F32, F32]:
     """First, column, least and reach of `_Samples`, for those of the flagged pixels that may show more than one face."""
-    slots, records = buffers.slot, buffers.records
+    slots, records, pinhole = buffers.slot, buffers.records, view.pinhole
     height, width = is_edge.shape
     flagged = np.count_nonzero(is_edge)
     first = np.empty((height, width + 1), dtype=np.int32)
@@ -145,7 +149,7 @@ def _list_edges(buffers: Buffers, pinhole: bool, is_edge: Flags) -> tuple[I32, I
             first[y, x] = count
             if not is_edge[y, x]:
                 continue
-            is_mixed, far = _look_around(slots, records, pinhole, y, x)
+            is_mixed, far = _look_around(slots, records, view, y, x)
             if not is_mixed:
                 continue
             column[count], least[count] = x, far
@@ -158,12 +162,13 @@ def _list_edges(buffers: Buffers, pinhole: bool, is_edge: Flags) -> tuple[I32, I
 
 
 @exact
-def _look_around(slots: I32, records: F32, pinhole: bool, y: int, x: int) -> tuple[bool, float]:
+def _look_around(slots: I32, records: F32, view: View, y: int, x: int) -> tuple[bool, float]:
     """Whether a pixel may show more than its own face, and the least key that may show there.
 
     It may not where its own face covers all samples and none of the planes beside it comes in front.
     """
     height, width = slots.shape
+    scissor = view.scissor
     across, down = x + 0.5 - 0.5 * width, y + 0.5 - 0.5 * height
     own = slots[y, x]
     if own < 0:
@@ -172,14 +177,14 @@ def _look_around(slots: I32, records: F32, pinhole: bool, y: int, x: int) -> tup
     least, most = own_least, 0.0
     for direction in range(4):
         row, column = y + (direction == 3) - (direction == 2), x + (direction == 1) - (direction == 0)
-        if 0 <= row < height and 0 <= column < width:
+        if scissor.top <= row <= scissor.bottom and scissor.left <= column <= scissor.right:
             slot = slots[row, column]
             if slot < 0:
                 least = 0.0
             elif slot != own:
                 low, high = _keys(records, slot, across, down)
                 least, most = min(least, low), max(most, high)
-    is_mixed = most >= own_least or not _covers(records, own, pinhole, across, down)
+    is_mixed = most >= own_least or not _covers(records, own, view.pinhole, across, down)
     return is_mixed, max(least, 0.0) * (1.0 - _BEHIND)
 
 
@@ -312,7 +317,7 @@ def _to_samples(slope: float, fall: float) -> tuple[float, float]:
 
 
 @exact
-def _blend(geometry: Geometry, buffers: Buffers, samples: _Samples, rgb: U8) -> None:
+def _blend(geometry: Geometry, buffers: Buffers, scissor: Scissor, samples: _Samples, rgb: U8) -> None:
     """Mix the colours of the samples, as linear light."""
     slots, record_face = buffers.slot, buffers.record_face
     first, columns, found = samples.first, samples.column, samples.face
@@ -331,7 +336,7 @@ def _blend(geometry: Geometry, buffers: Buffers, samples: _Samples, rgb: U8) -> 
                 face = found[edge, sample]
                 if face != last:
                     last = face
-                    row, column = _nearest_like(geometry, buffers, face, y, x) if face != own else (y, x)
+                    row, column = _nearest_like(geometry, buffers, scissor, face, y, x) if face != own else (y, x)
                 r, g, b = sharp[row, column, 0], sharp[row, column, 1], sharp[row, column, 2]
                 red, green, blue = red + r * r, green + g * g, blue + b * b
             rgb[y, x, 0] = np.uint8(math.sqrt(red / _SAMPLES) + 0.5)
@@ -340,14 +345,13 @@ def _blend(geometry: Geometry, buffers: Buffers, samples: _Samples, rgb: U8) -> 
 
 
 @exact
-def _nearest_like(geometry: Geometry, buffers: Buffers, face: int, y: int, x: int) -> tuple[int, int]:
+def _nearest_like(geometry: Geometry, buffers: Buffers, scissor: Scissor, face: int, y: int, x: int) -> tuple[int, int]:
     """Row and column of the pixel next to (y, x) that shows a face, else its surface; else of the pixel itself."""
-    height, width = buffers.slot.shape
     surface = geometry.face_surface[face] if face >= 0 else -1
     like_y, like_x, is_found = y, x, False
     for dy, dx in _NEAR_FIRST:
         row, column = y + dy, x + dx
-        if 0 <= row < height and 0 <= column < width:
+        if scissor.top <= row <= scissor.bottom and scissor.left <= column <= scissor.right:
             slot = buffers.slot[row, column]
             other = buffers.record_face[slot] if slot >= 0 else -1
             if other == face:

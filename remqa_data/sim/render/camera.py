@@ -26,6 +26,20 @@ NEAR_M = 0.02
 _Number = TypeVar("_Number", float, F64)
 
 
+class Scissor(NamedTuple):
+    """The part of a picture that is drawn: its first and last column and row."""
+
+    left: int
+    right: int
+    top: int
+    bottom: int
+
+    @classmethod
+    def whole(cls, width: int, height: int) -> Scissor:
+        """All of a picture."""
+        return cls(0, width - 1, 0, height - 1)
+
+
 class View(NamedTuple):
     """A camera as the rasteriser reads it.
 
@@ -42,11 +56,27 @@ class View(NamedTuple):
     pinhole: bool
     width: int
     height: int
+    scissor: Scissor
+    """Pixels beyond it are not drawn; those in it are as in the whole picture, to the bit."""
 
     @classmethod
     def of(cls, eye: npt.ArrayLike, axes: F64, *, pinhole: bool, width: int, height: int) -> View:
         """A view with its inverse."""
-        return cls(np.array(eye, dtype=np.float64), axes, _inverse(axes), pinhole, width, height)
+        whole = Scissor.whole(width, height)
+        return cls(np.array(eye, dtype=np.float64), axes, _inverse(axes), pinhole, width, height, whole)
+
+
+def scissor_around(view: View, points: F64, margin_px: int = 1) -> Scissor:
+    """What a picture shows of the convex hull of (n, 3) points, and a margin; all of it if one is not before a camera."""
+    x, y, depth = _project(view, points).T
+    if view.pinhole and depth.min() < NEAR_M:
+        return Scissor.whole(view.width, view.height)
+    return Scissor(
+        max(math.floor(x.min()) - margin_px, 0),
+        min(math.floor(x.max()) + margin_px, view.width - 1),
+        max(math.floor(y.min()) - margin_px, 0),
+        min(math.floor(y.max()) + margin_px, view.height - 1),
+    )
 
 
 SLACK_PX = 1e-3

@@ -6,7 +6,7 @@ import numpy as np
 
 from remqa_data.compiled import exact
 from remqa_data.geometry.types import F64, I32, I64, Flags
-from remqa_data.sim.render.camera import View, Windows
+from remqa_data.sim.render.camera import Scissor, View, Windows
 from remqa_data.sim.render.raster import Buffers, Geometry, Placed, box_on_screen, rasterise
 
 _SLACK_M = 1e-3
@@ -19,7 +19,7 @@ def mark_relevant(corners: F64, view: View, wanted: Flags, relevant: Flags) -> N
     parts = len(corners)
     extents = np.empty((parts, 7))
     for part in range(parts):
-        box_on_screen(corners[part], view, view.width, view.height, extents[part])
+        box_on_screen(corners[part], view, extents[part])
         relevant[part] = wanted[part] and extents[part, 0] <= extents[part, 1] and extents[part, 2] <= extents[part, 3]
     shown = np.flatnonzero(relevant)
     for part in range(parts):
@@ -35,17 +35,19 @@ def mark_relevant(corners: F64, view: View, wanted: Flags, relevant: Flags) -> N
 
 
 @exact
-def count_labels(geometry: Geometry, labels: I32, buffers: Buffers, counts: I64) -> None:
-    """Add to each label of (s,) surfaces how many pixels show it; those of label -1 are not counted."""
-    slots = buffers.slot.ravel()
+def count_labels(geometry: Geometry, labels: I32, buffers: Buffers, scissor: Scissor, counts: I64) -> None:
+    """Add to each label of (s,) surfaces how many pixels within a scissor show it; those of label -1 are not counted."""
+    slots = buffers.slot
     last = np.int32(-1)
     label = np.int32(-1)
-    for slot in slots:
-        if slot != last:
-            last = slot
-            label = labels[geometry.face_surface[buffers.record_face[slot]]] if slot >= 0 else np.int32(-1)
-        if label >= 0:
-            counts[label] += 1
+    for row in range(scissor.top, scissor.bottom + 1):
+        for column in range(scissor.left, scissor.right + 1):
+            slot = slots[row, column]
+            if slot != last:
+                last = slot
+                label = labels[geometry.face_surface[buffers.record_face[slot]]] if slot >= 0 else np.int32(-1)
+            if label >= 0:
+                counts[label] += 1
 
 
 @exact
@@ -65,6 +67,7 @@ def count_in_windows(
             buffers.candidates,
             buffers.image,
         )
-        view = View(windows.eye[i], windows.axes[i], windows.inverse[i], pinhole, side, side)
+        whole = Scissor(0, side - 1, 0, side - 1)
+        view = View(windows.eye[i], windows.axes[i], windows.inverse[i], pinhole, side, side, whole)
         rasterise(geometry, placed, view, window)
-        count_labels(geometry, labels, window, counts[i])
+        count_labels(geometry, labels, window, whole, counts[i])

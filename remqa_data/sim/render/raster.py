@@ -17,7 +17,7 @@ import numpy as np
 
 from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, F64, I32, Flags
-from remqa_data.sim.render.camera import NEAR_M, View
+from remqa_data.sim.render.camera import NEAR_M, Scissor, View
 from remqa_data.sim.render.outline import face_bounds, rows_of_side, side
 
 FAR_M = 128.0
@@ -106,18 +106,19 @@ def place_part(geometry: Geometry, placed: Placed, part: int, pose: F64) -> None
 
 @exact
 def rasterise(geometry: Geometry, placed: Placed, view: View, buffers: Buffers) -> int:
-    """Fill the visibility buffer with every visible part; returns the number of records written.
+    """Fill the visibility buffer, within the scissor, with every visible part; returns the number of records written.
 
     Parts are drawn near to far, and a part whose box is hidden by what is already drawn is skipped.
     """
-    height, width = buffers.key.shape
-    buffers.key[:] = 0.0
-    buffers.slot[:] = -1
+    scissor = view.scissor
+    for row in range(scissor.top, scissor.bottom + 1):
+        buffers.key[row, scissor.left : scissor.right + 1] = 0.0
+        buffers.slot[row, scissor.left : scissor.right + 1] = -1
     near_key = nearest_key(view.pinhole)
     parts = placed.corners.shape[0]
     extents = np.empty((parts, 7))
     for part in range(parts):
-        box_on_screen(placed.corners[part], view, width, height, extents[part])
+        box_on_screen(placed.corners[part], view, extents[part])
     count, drawn = int(np.int64(0)), 0  # else `_draw_faces` is compiled for the constant, too
     for part in np.argsort(-extents[:, 5]):
         x_low, x_high, y_low, y_high = extents[part, 0], extents[part, 1], extents[part, 2], extents[part, 3]
@@ -132,8 +133,8 @@ def rasterise(geometry: Geometry, placed: Placed, view: View, buffers: Buffers) 
         first, last = part_faces(geometry, part)
         # From inside a solid, or where the near plane cuts it open, back faces do show.
         cull = not crosses_near
-        candidates = find_candidates(geometry, first, last, cull, buffers, 1.0)
-        count = _draw_faces(geometry, candidates, cull, view.pinhole, near_key, buffers, count)
+        candidates = find_candidates(geometry, first, last, cull, buffers, scissor, 1.0)
+        count = _draw_faces(geometry, candidates, cull, view.pinhole, scissor, near_key, buffers, count)
         buffers.drawn[drawn, 0], buffers.drawn[drawn, 1] = part, cull
         drawn += 1
     buffers.drawn[drawn, 0] = -1
@@ -154,8 +155,12 @@ def part_faces(geometry: Geometry, part: int) -> tuple[int, int]:
 
 
 @exact
-def box_on_screen(corners: F64, view: View, width: int, height: int, extent: F64) -> None:
-    """Write x low, x high, y low, y high (pixels, inclusive, clamped), depth low, nearest key and depth high of a box."""
+def box_on_screen(corners: F64, view: View, extent: F64) -> None:
+    """Write x low, x high, y low, y high (pixels in the scissor), depth low, nearest key and depth high of a box.
+
+    The pixels are none, with a first one after the last, where the box is out of the picture.
+    """
+    width, height, scissor = view.width, view.height, view.scissor
     x_low, x_high, y_low, y_high = 1e30, -1e30, 1e30, -1e30
     depth_low, depth_high = 1e30, -1e30
     axes, eye = view.axes, view.eye
@@ -177,12 +182,12 @@ def box_on_screen(corners: F64, view: View, width: int, height: int, extent: F64
     if depth_high < NEAR_M or left == 8 or right == 8 or above == 8 or below == 8:
         extent[0], extent[1] = 1.0, 0.0
     elif view.pinhole and depth_low < NEAR_M:
-        extent[0], extent[1], extent[2], extent[3] = 0.0, width - 1.0, 0.0, height - 1.0
+        extent[0], extent[1], extent[2], extent[3] = scissor.left, scissor.right, scissor.top, scissor.bottom
     else:
-        extent[0] = max(0.0, math.ceil(x_low + 0.5 * width - 0.5 - _SLACK_PX))
-        extent[1] = min(width - 1.0, math.floor(x_high + 0.5 * width - 0.5 + _SLACK_PX))
-        extent[2] = max(0.0, math.ceil(y_low + 0.5 * height - 0.5 - _SLACK_PX))
-        extent[3] = min(height - 1.0, math.floor(y_high + 0.5 * height - 0.5 + _SLACK_PX))
+        extent[0] = max(float(scissor.left), math.ceil(x_low + 0.5 * width - 0.5 - _SLACK_PX))
+        extent[1] = min(float(scissor.right), math.floor(x_high + 0.5 * width - 0.5 + _SLACK_PX))
+        extent[2] = max(float(scissor.top), math.ceil(y_low + 0.5 * height - 0.5 - _SLACK_PX))
+        extent[3] = min(float(scissor.bottom), math.floor(y_high + 0.5 * height - 0.5 + _SLACK_PX))
     extent[4] = depth_low
     extent[5] = 1.0 / max(depth_low, 1e-6) if view.pinhole else FAR_M - depth_low
     extent[6] = depth_high
@@ -217,8 +222,10 @@ def _project_vertices(vertices: F32, start: int, stop: int, view: View, image: F
 
 
 @exact
-def find_candidates(geometry: Geometry, start: int, stop: int, cull: bool, buffers: Buffers, per_pixel: float) -> int:
-    """Write which of a range of faces may show; returns how many.
+def find_candidates(
+    geometry: Geometry, start: int, stop: int, cull: bool, buffers: Buffers, scissor: Scissor, per_pixel: float
+) -> int:
+    """Write which of a range of faces may show within the scissor; returns how many.
 
     That is those that turn to the viewer and are not between the columns, or the rows, of the points where the image is
     sampled, of which there are as many to a pixel as given. Most faces of a room fail, and which do is hard to foretell:
@@ -232,6 +239,8 @@ def find_candidates(geometry: Geometry, start: int, stop: int, cull: bool, buffe
     slack = scale * np.float32(2 * _SLACK_PX + 1e-6 * (width + height))
     start_x, stop_x = np.float32(0.5) * last_x - slack, np.float32(0.5) * last_x + slack
     start_y, stop_y = np.float32(0.5) * last_y - slack, np.float32(0.5) * last_y + slack
+    left, right = np.float32(per_pixel * scissor.left), np.float32(per_pixel * (scissor.right + 1) - 1)
+    top, bottom = np.float32(per_pixel * scissor.top), np.float32(per_pixel * (scissor.bottom + 1) - 1)
     count = 0
     for face in range(start, stop):
         a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
@@ -239,7 +248,7 @@ def find_candidates(geometry: Geometry, start: int, stop: int, cull: bool, buffe
         turned_away = solid[face] & ((xb - xa) * (yc - ya) - (xc - xa) * (yb - ya) >= np.float32(0.0))
         x_low, x_high = min(xa, min(xb, xc)) * scale + start_x, max(xa, max(xb, xc)) * scale + stop_x
         y_low, y_high = min(ya, min(yb, yc)) * scale + start_y, max(ya, max(yb, yc)) * scale + stop_y
-        inside = (x_high >= 0.0) & (x_low <= last_x) & (y_high >= 0.0) & (y_low <= last_y)
+        inside = (x_high >= left) & (x_low <= right) & (y_high >= top) & (y_low <= bottom)
         covers = (np.floor(x_high) >= x_low) & (np.floor(y_high) >= y_low)
         candidates[count] = face
         # Without culling the part may cross the near plane, where divided coordinates mean nothing.
@@ -249,7 +258,14 @@ def find_candidates(geometry: Geometry, start: int, stop: int, cull: bool, buffe
 
 @exact
 def _draw_faces(
-    geometry: Geometry, candidates: int, cull: bool, pinhole: bool, near_key: float, buffers: Buffers, count: int
+    geometry: Geometry,
+    candidates: int,
+    cull: bool,
+    pinhole: bool,
+    scissor: Scissor,
+    near_key: float,
+    buffers: Buffers,
+    count: int,
 ) -> int:
     """Draw the candidates; returns the number of records so far."""
     faces, key, slot, image = geometry.faces, buffers.key, buffers.slot, buffers.image
@@ -274,7 +290,12 @@ def _draw_faces(
         if scale == 0.0:
             continue
         won, number = False, np.int32(count)
-        if (x_high - x_low + 1) * (y_high - y_low + 1) <= _SMALL_PX:
+        is_small = (x_high - x_low + 1) * (y_high - y_low + 1) <= _SMALL_PX
+        x_low, x_high = max(x_low, scissor.left), min(x_high, scissor.right)
+        y_low, y_high = max(y_low, scissor.top), min(y_high, scissor.bottom)
+        if x_low > x_high:
+            continue
+        if is_small:
             for row in range(y_low, y_high + 1):
                 y = row + 0.5 - half_height
                 ra, rb, rc, rk = ay * y + ac, by * y + bc, cy * y + cc, ky * y + kc

@@ -13,7 +13,7 @@ from remqa_data.geometry.types import F32, F64, I32, I64, U8, Flags, Vec3
 from remqa_data.sim.light.patches import Patches, light_faces, patches
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render.antialias import smooth_edges
-from remqa_data.sim.render.camera import AnyCamera, View, Windows
+from remqa_data.sim.render.camera import AnyCamera, Scissor, View, Windows
 from remqa_data.sim.render.counting import count_in_windows, count_labels, mark_relevant
 from remqa_data.sim.render.mirrors import Mirrors, no_mirrors
 from remqa_data.sim.render.raster import (
@@ -32,7 +32,7 @@ from remqa_data.sim.render.scene_arrays import (
     surface_instances,
 )
 from remqa_data.sim.render.shade import Lights, Materials, shade, write_depth, write_labels
-from remqa_data.sim.render.shadow import empty_shadows, lamp_views, mark_faces, summarise
+from remqa_data.sim.render.shadow import empty_shadows, lamp_views, mark_stale, summarise
 
 __all__ = ["Frame", "RenderPart", "Renderer"]
 
@@ -106,8 +106,9 @@ class Renderer:
         lamp = self._lights.positions[0]
         self._shadows = empty_shadows(lamp, shadow_size)
         self._lamp_views = lamp_views(lamp, shadow_size)
+        self._lamp_axes = np.stack([view.axes for view in self._lamp_views])
         self._shadow_slots = np.empty((shadow_size, shadow_size), dtype=np.int32)
-        self._stale_maps = np.ones(6, dtype=np.bool_)
+        self._stale_maps = np.tile(np.array(Scissor.whole(shadow_size, shadow_size), dtype=np.int32), (6, 1))
         self._frame_buffers: dict[tuple[int, int], Buffers] = {}
         self._stale_light = np.ones(count, dtype=np.bool_)
         self.set_light(volume, mirrors)
@@ -161,7 +162,13 @@ class Renderer:
             self._placed.visible[part] = visible
 
     def render(
-        self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True, only: Flags | None = None
+        self,
+        camera: AnyCamera,
+        *,
+        shadows: bool = True,
+        antialias: bool = True,
+        only: Flags | None = None,
+        scissor: Scissor | None = None,
     ) -> Frame:
         """Draw one frame.
 
@@ -170,19 +177,22 @@ class Renderer:
         camera : Camera or TopDownCamera
             From where.
         shadows : bool
-            Whether the first lamp casts shadows. Of its six maps, those that see a moved part are drawn again.
+            Whether the first lamp casts shadows. Of its six maps, what a moved part covered or covers is drawn again.
         antialias : bool
             Whether to smooth the edges in the colour image. Depth and instances are the same either way.
         only : (n,) array of bool, optional
             Which parts to draw; the others still cast shadows and throw light back.
+        scissor : Scissor, optional
+            Draw only these pixels; the others are 0, and nothing. Edges that run along its border are not smoothed.
         """
-        view = camera.view()
         if shadows:
             self._draw_stale_maps()
-        buffers = self._drawn(view, only)
-        depth, instances = self._depth(buffers, view), self._labels(buffers, self._instances)
-        self._light_stale_parts(buffers.drawn[:, 0])
-        rgb = np.empty((view.height, view.width, 3), dtype=np.uint8)
+        # All of it decides which parts show, and so what edges are smoothed with; colours are what takes time.
+        buffers = self._drawn(camera.view(), only)
+        view = _cut(camera.view(), scissor)
+        depth, instances = self._depth(buffers, view), self._labels(buffers, view, self._instances)
+        self._light_stale_parts(self._shown_parts(buffers, view))
+        rgb = np.zeros((view.height, view.width, 3), dtype=np.uint8)
         self._paint = self._paint or build_materials(self.parts)
         shade(
             self._geometry,
@@ -197,7 +207,7 @@ class Renderer:
             rgb,
         )
         if antialias:
-            smooth_edges(self._geometry, buffers, view.pinhole, rgb)
+            smooth_edges(self._geometry, buffers, view, rgb)
         return Frame(rgb, depth, instances)
 
     def render_instances(self, camera: AnyCamera, only: Flags | None = None) -> tuple[F32, I32]:
@@ -207,32 +217,37 @@ class Renderer:
         """
         view = camera.view()
         buffers = self._drawn(view, only)
-        return self._depth(buffers, view), self._labels(buffers, self._instances)
+        return self._depth(buffers, view), self._labels(buffers, view, self._instances)
 
-    def render_depth(self, camera: AnyCamera, only: Flags | None = None) -> F32:
+    def render_depth(self, camera: AnyCamera, only: Flags | None = None, scissor: Scissor | None = None) -> F32:
         """Only the depth of the frame that `render` would draw."""
-        view = camera.view()
+        view = _cut(camera.view(), scissor)
         return self._depth(self._drawn(view, only), view)
 
-    def render_labels(self, camera: AnyCamera, labels: I32, only: Flags | None = None) -> I32:
+    def render_labels(
+        self, camera: AnyCamera, labels: I32, only: Flags | None = None, scissor: Scissor | None = None
+    ) -> I32:
         """(h, w) labels of the surfaces that `render` would draw, as of `count`; -1 where nothing is."""
-        return self._labels(self._drawn(camera.view(), only), labels)
+        view = _cut(camera.view(), scissor)
+        return self._labels(self._drawn(view, only), view, labels)
 
-    def count(self, camera: AnyCamera, labels: I32, bins: int, only: Flags | None = None) -> I64:
+    def count(
+        self, camera: AnyCamera, labels: I32, bins: int, only: Flags | None = None, scissor: Scissor | None = None
+    ) -> I64:
         """(bins,) how many pixels of the frame that `render` would draw show a surface of each label.
 
         Parameters
         ----------
-        camera, only
+        camera, only, scissor
             As of `render`.
         labels : (s,) array
             Of the surfaces of all parts, less than `bins`; -1 for those that are not counted.
         bins : int
             How many labels there are.
         """
-        buffers = self._drawn(camera.view(), only)
+        view = _cut(camera.view(), scissor)
         counts = np.zeros(bins, dtype=np.int64)
-        count_labels(self._geometry, labels, buffers, counts)
+        count_labels(self._geometry, labels, self._drawn(view, only), view.scissor, counts)
         return counts
 
     def count_in_windows(self, windows: Windows, labels: I32, bins: int, only: Flags | None = None) -> I64:
@@ -256,13 +271,13 @@ class Renderer:
         return buffers
 
     def _depth(self, buffers: Buffers, view: View) -> F32:
-        depth = np.empty(buffers.key.shape, dtype=np.float32)
-        write_depth(buffers, view.pinhole, depth)
+        depth = np.full((view.height, view.width), 0.0, dtype=np.float32)
+        write_depth(buffers, view, depth)
         return depth
 
-    def _labels(self, buffers: Buffers, labels: I32) -> I32:
-        image = np.empty(buffers.slot.shape, dtype=np.int32)
-        write_labels(self._geometry, labels, buffers, image)
+    def _labels(self, buffers: Buffers, view: View, labels: I32) -> I32:
+        image = np.full((view.height, view.width), -1, dtype=np.int32)
+        write_labels(self._geometry, labels, buffers, view.scissor, image)
         return image
 
     def _shown(self, only: Flags | None) -> Placed:
@@ -271,26 +286,38 @@ class Renderer:
         return placed if only is None else placed._replace(visible=placed.visible & only)
 
     def _mark_shadows(self, part: int) -> None:
-        """Note which shadow maps show a part where it is now."""
+        """Note where shadow maps show a part as it is now."""
         if self._placed.visible[part]:
-            mark_faces(self._shadows.lamp, self._placed.corners[part], self._stale_maps)
+            shadows = self._shadows
+            mark_stale(
+                shadows.lamp, self._lamp_axes, len(self._shadow_slots), self._placed.corners[part], self._stale_maps
+            )
 
     def _draw_stale_maps(self) -> None:
-        for face in np.flatnonzero(self._stale_maps).tolist():
-            buffers = self._with_scratch(self._shadows.maps[face], self._shadow_slots)
-            rasterise(self._geometry, self._placed, self._lamp_views[face], buffers)
-            summarise(self._shadows, face)
-        self._stale_maps[:] = False
+        for face, stale in enumerate(self._stale_maps.tolist()):
+            scissor = Scissor(*stale)
+            if scissor.left <= scissor.right:
+                buffers = self._with_scratch(self._shadows.maps[face], self._shadow_slots)
+                rasterise(self._geometry, self._placed, _cut(self._lamp_views[face], scissor), buffers)
+                summarise(self._shadows, face, scissor)
+        side = len(self._shadow_slots)
+        self._stale_maps[:] = side, -1, side, -1
 
-    def _light_stale_parts(self, drawn: I32) -> None:
-        """Look up the indirect light of the parts that are elsewhere than when it was looked up, if they are drawn.
+    def _shown_parts(self, buffers: Buffers, view: View) -> I32:
+        """The parts that were drawn, of which the scissor may show something."""
+        drawn = buffers.drawn[: np.argmax(buffers.drawn[:, 0] < 0), 0]
+        if view.scissor == Scissor.whole(view.width, view.height):
+            return drawn
+        wanted, shown = np.zeros((2, len(self.parts)), dtype=np.bool_)
+        wanted[drawn] = True
+        mark_relevant(self._placed.corners, view, wanted, shown)
+        return drawn[shown[drawn]]
 
-        `drawn` ends with the first -1.
-        """
+    def _light_stale_parts(self, parts: I32) -> None:
+        """Look up the indirect light of those of some parts that are elsewhere than when it was looked up."""
         if self._volume is None:
             return
         geometry, placed = self._geometry, self._placed
-        parts = drawn[: np.argmax(drawn < 0)]
         for part in parts[self._stale_light[parts]].tolist():
             first, stop = part_faces(geometry, part)
             light_faces(
@@ -314,6 +341,10 @@ class Renderer:
 
     def _with_scratch(self, key: F32, slot: I32) -> Buffers:
         return Buffers(key, slot, self._records, self._record_face, self._drawn_parts, self._candidates, self._image)
+
+
+def _cut(view: View, scissor: Scissor | None) -> View:
+    return view if scissor is None else view._replace(scissor=scissor)
 
 
 def empty_placed(geometry: Geometry) -> Placed:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import product
 from typing import TypeVar
 
 import numpy as np
@@ -16,6 +15,7 @@ from remqa_data.assets.core.model import Material, Surface
 from remqa_data.assets.looks.textures import repeats, texture
 from remqa_data.assets.mesh import primitives
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.boxes import corners
 from remqa_data.geometry.types import F64, I32, Flags
 from remqa_data.scene import Scene, StructureBox, StructureKind
 from remqa_data.sim.render.mipmap import CLAMPED, SIZE_BITS, levels
@@ -182,7 +182,7 @@ def _corners(surfaces: tuple[Surface, ...]) -> F64:
     """(8, 3) corners of the box around a part's surfaces; a part without vertices is a point at its origin."""
     points = [s.vertices.astype(np.float64) for s in surfaces if len(s.vertices)]
     stacked = np.vstack(points) if points else np.zeros((1, 3))
-    return np.array(list(product(*zip(stacked.min(axis=0), stacked.max(axis=0), strict=True))))
+    return corners([stacked.min(axis=0), stacked.max(axis=0)])
 
 
 def _offsets(lengths: Sequence[int]) -> I32:

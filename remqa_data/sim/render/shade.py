@@ -15,7 +15,7 @@ from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, F64, I32, U8
 from remqa_data.sim.light.patches import Patches, sample_of
 from remqa_data.sim.render import pixels as px
-from remqa_data.sim.render.camera import View
+from remqa_data.sim.render.camera import Scissor, View
 from remqa_data.sim.render.mipmap import apply_textures
 from remqa_data.sim.render.mirrors import Mirrors, reflect
 from remqa_data.sim.render.raster import FAR_M, Buffers, Geometry, Placed
@@ -57,26 +57,29 @@ class Lights(NamedTuple):
 
 
 @exact
-def write_depth(buffers: Buffers, pinhole: bool, depth: F32) -> None:
-    """Fill the (h, w) depth image: metres, 0 where nothing is."""
-    keys, depths = buffers.key.ravel(), depth.ravel()
+def write_depth(buffers: Buffers, view: View, depth: F32) -> None:
+    """Fill the (h, w) depth image within the scissor: metres, 0 where nothing is."""
+    keys, depths, scissor = buffers.key.ravel(), depth.ravel(), view.scissor
     one, zero, far = np.float32(1.0), np.float32(0.0), np.float32(FAR_M)
-    for i in range(len(keys)):
-        key = keys[i]
-        depths[i] = (one / key if pinhole else far - key) if key > zero else zero
+    for row in range(scissor.top, scissor.bottom + 1):
+        start = np.uint64(row * view.width + scissor.left)
+        for i in range(np.uint64(scissor.right + 1 - scissor.left)):
+            key = keys[start + i]
+            depths[start + i] = (one / key if view.pinhole else far - key) if key > zero else zero
 
 
 @exact
-def write_labels(geometry: Geometry, labels: I32, buffers: Buffers, image: I32) -> None:
-    """Fill the (h, w) image with the labels of (s,) surfaces, -1 where nothing is."""
-    slots, shown = buffers.slot.ravel(), image.ravel()
+def write_labels(geometry: Geometry, labels: I32, buffers: Buffers, scissor: Scissor, image: I32) -> None:
+    """Fill the (h, w) image within the scissor with the labels of (s,) surfaces, -1 where nothing is."""
+    slots = buffers.slot
     last = label = np.int32(-1)
-    for i in range(len(slots)):
-        slot = slots[i]
-        if slot != last:
-            last = slot
-            label = labels[geometry.face_surface[buffers.record_face[slot]]] if slot >= 0 else np.int32(-1)
-        shown[i] = label
+    for row in range(scissor.top, scissor.bottom + 1):
+        for column in range(scissor.left, scissor.right + 1):
+            slot = slots[row, column]
+            if slot != last:
+                last = slot
+                label = labels[geometry.face_surface[buffers.record_face[slot]]] if slot >= 0 else np.int32(-1)
+            image[row, column] = label
 
 
 @exact
@@ -93,16 +96,17 @@ def shade(
     mirrors: Mirrors,
     rgb: U8,
 ) -> None:
-    """Write the (h, w, 3) uint8 picture; with empty patches, light from everywhere is the same everywhere.
+    """Write the (h, w, 3) uint8 picture within the scissor; with empty patches, light from everywhere is the same everywhere.
 
     The maps of mirrors hold light as pictures show it, so they are mixed in when all else is as it will be shown.
     """
     height, width = buffers.slot.shape
+    scissor = view.scissor
     sheet = np.zeros(px.FLOATS, dtype=np.float32)
     fetches = np.zeros(px.INTS, dtype=np.int32)
-    for y in range(height):
-        for start in range(0, width, px.BLOCK_PX):
-            count = min(px.BLOCK_PX, width - start)
+    for y in range(scissor.top, scissor.bottom + 1):
+        for start in range(scissor.left, scissor.right + 1, px.BLOCK_PX):
+            count = min(px.BLOCK_PX, scissor.right + 1 - start)
             shows_mirror = _fetch(
                 geometry,
                 placed,

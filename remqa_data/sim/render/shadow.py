@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.compiled import exact
-from remqa_data.geometry.types import F32, F64, I32, Flags
-from remqa_data.sim.render.camera import View
+from remqa_data.geometry.types import F32, F64, I32
+from remqa_data.sim.render.camera import Scissor, View
 from remqa_data.sim.render.pixels import (
     ADDRESS,
     ADDRESS_OF_TILE,
@@ -25,6 +25,7 @@ from remqa_data.sim.render.pixels import (
     Y,
     Z,
 )
+from remqa_data.sim.render.raster import box_on_screen
 
 # Right, down and forward of +x, -x, +y, -y, +z, -z: always right-handed, so that back faces can be told.
 _EAST, _NORTH, _UP = np.eye(3)
@@ -80,43 +81,46 @@ def lamp_views(lamp: F64, size: int) -> list[View]:
 
 
 @exact
-def mark_faces(lamp: F64, corners: F64, stale: Flags) -> None:
-    """Set those of six flags whose map shows a part of a box; `corners` are its (8, 3) world points."""
+def mark_stale(lamp: F64, axes: F64, size: int, corners: F64, stale: I32) -> None:
+    """Widen (6, 4) scissors, one of each map, by what a box covers; `corners` are its (8, 3) world points.
+
+    The maps have (6, 3, 3) axes, see `View`, and so many pixels along each side.
+    """
+    whole, extent = Scissor(0, size - 1, 0, size - 1), np.empty(7)
     for face in range(6):
-        behind = left = right = above = below = 0
-        for i in range(8):
-            dx, dy, dz = corners[i, 0] - lamp[0], corners[i, 1] - lamp[1], corners[i, 2] - lamp[2]
-            r, d, f = _DIRECTIONS[face, 0], _DIRECTIONS[face, 1], _DIRECTIONS[face, 2]
-            x = r[0] * dx + r[1] * dy + r[2] * dz
-            y = d[0] * dx + d[1] * dy + d[2] * dz
-            depth = f[0] * dx + f[1] * dy + f[2] * dz
-            behind += depth <= 0.0
-            left += x < -depth
-            right += x > depth
-            above += y < -depth
-            below += y > depth
-        if max(behind, max(max(left, right), max(above, below))) < 8:
-            stale[face] = True
+        box_on_screen(corners, View(lamp, axes[face], axes[face], True, size, size, whole), extent)
+        if extent[0] <= extent[1] and extent[2] <= extent[3]:
+            stale[face, 0] = min(stale[face, 0], max(int(extent[0]) - 1, 0))
+            stale[face, 1] = max(stale[face, 1], min(int(extent[1]) + 1, size - 1))
+            stale[face, 2] = min(stale[face, 2], max(int(extent[2]) - 1, 0))
+            stale[face, 3] = max(stale[face, 3], min(int(extent[3]) + 1, size - 1))
 
 
 @exact
-def summarise(shadows: Shadows, face: int) -> None:
-    """Bring the tiles of one face up to date with its map."""
+def summarise(shadows: Shadows, face: int, drawn: Scissor) -> None:
+    """Bring the tiles of one face up to date with the part of its map that was drawn."""
     pixels, tiles = shadows.maps[face], shadows.tiles[face]
-    count = len(tiles)
-    for j in range(count):
-        for i in range(count):
-            low, high = pixels[_TILE * j, _TILE * i], pixels[_TILE * j, _TILE * i]
-            for y in range(_TILE * j, _TILE * j + _TILE):
-                for x in range(_TILE * i, _TILE * i + _TILE):
+    last = len(tiles) - 1
+    left, right = max(drawn.left // _TILE - 1, 0), min(drawn.right // _TILE, last)
+    top, bottom = max(drawn.top // _TILE - 1, 0), min(drawn.bottom // _TILE, last)
+    # Each tile by itself, one more on the right and below, which the last ones look at.
+    rows, columns = min(bottom + 1, last) + 1 - top, min(right + 1, last) + 1 - left
+    own = np.empty((rows, columns, 2), dtype=np.float32)
+    for j in range(rows):
+        for i in range(columns):
+            y0, x0 = _TILE * (top + j), _TILE * (left + i)
+            low, high = pixels[y0, x0], pixels[y0, x0]
+            for y in range(y0, y0 + _TILE):
+                for x in range(x0, x0 + _TILE):
                     low, high = min(low, pixels[y, x]), max(high, pixels[y, x])
-            tiles[j, i, 0], tiles[j, i, 1] = low, high
-    for j in range(count):
-        for i in range(count):
-            for y in range(j, min(j + 2, count)):
-                for x in range(i, min(i + 2, count)):
-                    tiles[j, i, 0] = min(tiles[j, i, 0], tiles[y, x, 0])
-                    tiles[j, i, 1] = max(tiles[j, i, 1], tiles[y, x, 1])
+            own[j, i, 0], own[j, i, 1] = low, high
+    for j in range(bottom + 1 - top):
+        for i in range(right + 1 - left):
+            low, high = own[j, i, 0], own[j, i, 1]
+            for y in range(j, min(j + 2, rows)):
+                for x in range(i, min(i + 2, columns)):
+                    low, high = min(low, own[y, x, 0]), max(high, own[y, x, 1])
+            tiles[top + j, left + i, 0], tiles[top + j, left + i, 1] = low, high
 
 
 @exact

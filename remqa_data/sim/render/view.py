@@ -13,7 +13,7 @@ from remqa_data.assets.core.model import Material, Surface
 from remqa_data.geometry.types import F32, F64, I32, I64, Flags
 from remqa_data.scene import StructureKind
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.camera import AnyCamera, Windows
+from remqa_data.sim.render.camera import AnyCamera, Scissor, Windows
 from remqa_data.sim.render.renderer import Renderer, RenderPart
 from remqa_data.sim.render.room_light import room_light
 from remqa_data.sim.render.room_mirrors import mirrors_of, room_mirrors
@@ -132,16 +132,22 @@ class WorldView:
         self._show_or_hide(object_id)
 
     def render(
-        self, camera: AnyCamera, *, shadows: bool = True, antialias: bool = True, only: Flags | None = None
+        self,
+        camera: AnyCamera,
+        *,
+        shadows: bool = True,
+        antialias: bool = True,
+        only: Flags | None = None,
+        scissor: Scissor | None = None,
     ) -> Observation:
         """Draw the world as it is now; the first picture of a room with baked light may take a second or two.
 
-        With (parts,) `only`, some parts, in the light that all of them leave.
+        With (parts,) `only`, some parts, in the light that all of them leave; with a scissor, some pixels.
         """
         self.sync()
         if self._waits_for_light:
             self._bake()
-        frame: Frame = self.renderer.render(camera, shadows=shadows, antialias=antialias, only=only)
+        frame: Frame = self.renderer.render(camera, shadows=shadows, antialias=antialias, only=only, scissor=scissor)
         return Observation(
             frame.rgb, frame.depth, self._object_of.take(frame.instances), self._link_of.take(frame.instances)
         )
@@ -185,15 +191,15 @@ class WorldView:
         found[: self._first_object_part] = [other == kind for other, _ in structure_groups(self.world.scene)]
         return found
 
-    def instances(self, camera: AnyCamera, only: Flags | None = None) -> I32:
-        """Only the (h, w) image of object indices, which is much cheaper than a picture."""
+    def instances(self, camera: AnyCamera, only: Flags | None = None, scissor: Scissor | None = None) -> I32:
+        """Only the (h, w) image of object indices, which is much cheaper than a picture; -1 beyond a scissor."""
         self.sync()
-        return self.renderer.render_labels(camera, self._object_labels, only)
+        return self.renderer.render_labels(camera, self._object_labels, only, scissor)
 
-    def depth(self, camera: AnyCamera, only: Flags | None = None) -> F32:
-        """Only the (h, w) image of depth, metres."""
+    def depth(self, camera: AnyCamera, only: Flags | None = None, scissor: Scissor | None = None) -> F32:
+        """Only the (h, w) image of depth, metres; 0 beyond a scissor."""
         self.sync()
-        return self.renderer.render_depth(camera, only)
+        return self.renderer.render_depth(camera, only, scissor)
 
     def depth_and_instances(self, camera: AnyCamera, only: Flags | None = None) -> tuple[F32, I32]:
         """Only the (h, w) images of depth, metres, and of object indices.
@@ -204,13 +210,13 @@ class WorldView:
         depth, parts = self.renderer.render_instances(camera, only)
         return depth, self._object_of.take(parts)
 
-    def pixels(self, camera: AnyCamera, only: Flags | None = None) -> I64:
-        """(objects,) how many pixels of a picture show each object, in the world's order.
+    def pixels(self, camera: AnyCamera, only: Flags | None = None, scissor: Scissor | None = None) -> I64:
+        """(objects,) how many pixels of a picture, within a scissor, show each object, in the world's order.
 
         With (parts,) `only`, as if there were nothing but some parts.
         """
         self.sync()
-        return self.renderer.count(camera, self._object_labels, len(self._parts_of), only)
+        return self.renderer.count(camera, self._object_labels, len(self._parts_of), only, scissor)
 
     def pixels_in_windows(self, windows: Windows, only: Flags | None = None) -> I64:
         """(windows, objects) the same for each of some windows, many times quicker than one by one."""
