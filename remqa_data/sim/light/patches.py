@@ -38,9 +38,11 @@ def patches(vertices: F32, faces: I32) -> Patches:
     vertices : (3, n) array
     faces : (m, 3) array
     """
-    corners = vertices.T[faces]
-    sides = np.sqrt(np.square(corners - corners[:, [1, 2, 0]]).sum(axis=2))
-    steps = np.clip(np.ceil(sides.max(axis=1, initial=0.0) / SPACING_M), 1, MOST_STEPS).astype(np.int32)
+    longest = np.zeros(len(faces), dtype=np.float32)
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        x, y, z = vertices[:, faces[:, a]] - vertices[:, faces[:, b]]
+        np.maximum(longest, x * x + y * y + z * z, out=longest)
+    steps = np.clip(np.ceil(np.sqrt(longest) / SPACING_M), 1, MOST_STEPS).astype(np.int32)
     counts = (steps + 1) * (steps + 2) // 2
     start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
     return Patches(start, steps, np.zeros((int(start[-1]), 3), dtype=np.float32))

@@ -25,9 +25,14 @@ def contrast_de(rgb: U8, mask: npt.NDArray[np.bool_]) -> float:
     >>> contrast_de(picture, mask)  # from black to white
     100.0
     """
+    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return float("inf")
+    around = tuple(slice(max(at[0] - RING_PX, 0), at[-1] + RING_PX + 1) for at in (rows, columns))
+    rgb, mask = rgb[around], mask[around]
     kernel = np.ones((2 * RING_PX + 1, 2 * RING_PX + 1), dtype=np.uint8)
     ring = cv2.dilate(mask.astype(np.uint8), kernel).astype(bool) & ~mask
-    if not (mask.any() and ring.any()):
+    if not ring.any():
         return float("inf")
     # OpenCV converts bytes with whole numbers, the same on every processor; its L goes from 0 to 255.
     lab = cv2.cvtColor(rgb, cv2.COLOR_RGB2LAB).astype(np.int64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -35,6 +36,8 @@ from remqa_data.sim.render.shade import Lights, Materials, shade, write_depth, w
 from remqa_data.sim.render.shadow import empty_shadows, lamp_views, mark_stale, summarise
 
 __all__ = ["Frame", "RenderPart", "Renderer"]
+
+_Number = TypeVar("_Number", np.float32, np.int32)
 
 AMBIENT = 0.37
 BACKGROUND = (0.93, 0.94, 0.95)
@@ -271,12 +274,12 @@ class Renderer:
         return buffers
 
     def _depth(self, buffers: Buffers, view: View) -> F32:
-        depth = np.full((view.height, view.width), 0.0, dtype=np.float32)
+        depth = _canvas(view, np.float32(0.0))
         write_depth(buffers, view, depth)
         return depth
 
     def _labels(self, buffers: Buffers, view: View, labels: I32) -> I32:
-        image = np.full((view.height, view.width), -1, dtype=np.int32)
+        image = _canvas(view, np.int32(-1))
         write_labels(self._geometry, labels, buffers, view.scissor, image)
         return image
 
@@ -345,6 +348,14 @@ class Renderer:
 
 def _cut(view: View, scissor: Scissor | None) -> View:
     return view if scissor is None else view._replace(scissor=scissor)
+
+
+def _canvas(view: View, beyond: _Number) -> npt.NDArray[_Number]:
+    """An image to draw in, with a value where the scissor lets nothing be drawn."""
+    image = np.empty((view.height, view.width), dtype=type(beyond))
+    if view.scissor != Scissor.whole(view.width, view.height):
+        image[:] = beyond
+    return image
 
 
 def empty_placed(geometry: Geometry) -> Placed:
