@@ -126,7 +126,7 @@ def table(facts: Facts) -> Table:
 def headlines(facts: Facts) -> list[Headline]:
     """Memory, and the share of time that goes into drawing."""
     seconds = facts["seconds"]
-    drawing = sum(seconds[step] for step in ("draw pictures", "draw instances only"))
+    drawing = sum(seconds[step] for step in ("draw pictures", "draw instances or depth only"))
     return [
         Headline("generation, peak memory of a process", facts["peak_gb"], "GB", at_most=3),
         Headline("generation, share of drawing", 100 * drawing / sum(seconds.values()), "%"),

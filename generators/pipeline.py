@@ -119,7 +119,7 @@ def make_part(job: RoomJob) -> Part:
 
 @contextmanager
 def _rare_collections() -> Iterator[None]:
-    """Look for cycles of dead objects a hundredth as often: a room makes few, and each look goes through all it knows."""
+    """Look for cycles of dead objects much more rarely: a room makes few, and each look goes through all that is known."""
     usual = gc.get_threshold()
     gc.set_threshold(50_000, 20, 100)
     try:

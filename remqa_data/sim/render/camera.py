@@ -27,7 +27,7 @@ _Number = TypeVar("_Number", float, F64)
 
 
 class Scissor(NamedTuple):
-    """The part of a picture that is drawn: its first and last column and row."""
+    """The part of a picture that is drawn: its first and last column and row; none where the last one is before the first."""
 
     left: int
     right: int
@@ -67,16 +67,19 @@ class View(NamedTuple):
 
 
 def scissor_around(view: View, points: F64, margin_px: int = 1) -> Scissor:
-    """What a picture shows of the convex hull of (n, 3) points, and a margin; all of it if one is not before a camera."""
-    x, y, depth = _project(view, points).T
+    """What a picture shows of the convex hull of (n, 3) points, and a margin; all of it if one is not before a camera.
+
+    What is out of the picture has no columns, or no rows: the last one is that before the first.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x, y, depth = _project(view, points).T
     if view.pinhole and depth.min() < NEAR_M:
         return Scissor.whole(view.width, view.height)
-    return Scissor(
-        max(math.floor(x.min()) - margin_px, 0),
-        min(math.floor(x.max()) + margin_px, view.width - 1),
-        max(math.floor(y.min()) - margin_px, 0),
-        min(math.floor(y.max()) + margin_px, view.height - 1),
-    )
+    edges = []
+    for at, size in ((x, view.width), (y, view.height)):
+        first, stop = math.floor(at.min()) - margin_px, math.floor(at.max()) + margin_px + 1
+        edges += [min(max(first, 0), size), min(max(stop, 0), size) - 1]
+    return Scissor(*edges)
 
 
 SLACK_PX = 1e-3

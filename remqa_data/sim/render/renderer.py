@@ -187,6 +187,11 @@ class Renderer:
             Which parts to draw; the others still cast shadows and throw light back.
         scissor : Scissor, optional
             Draw only these pixels; the others are 0, and nothing. Edges that run along its border are not smoothed.
+
+        Raises
+        ------
+        ValueError
+            If the scissor is not a part of the picture.
         """
         if shadows:
             self._draw_stale_maps()
@@ -347,7 +352,14 @@ class Renderer:
 
 
 def _cut(view: View, scissor: Scissor | None) -> View:
-    return view if scissor is None else view._replace(scissor=scissor)
+    """A view of which only a part is drawn; ValueError if that is not a part of the picture."""
+    if scissor is None:
+        return view
+    left, right, top, bottom = scissor
+    if not (0 <= left <= right + 1 <= view.width and 0 <= top <= bottom + 1 <= view.height):
+        msg = f"{scissor} is no part of {view.width} x {view.height} pixels"
+        raise ValueError(msg)
+    return view._replace(scissor=scissor)
 
 
 def _canvas(view: View, beyond: _Number) -> npt.NDArray[_Number]:

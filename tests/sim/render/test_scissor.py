@@ -87,6 +87,13 @@ def test_a_scissor_around_points_shows_them_all_and_little_more(renderer: Render
     behind = camera.unproject(np.full((90, 120), -2.0)).reshape(-1, 3)
     assert scissor_around(camera.view(), behind[rng.integers(len(behind), size=5)]) == whole
     beside = camera.unproject(np.full((90, 120), 2.0))[40, 119] * 3 - points[0] * 2
-    left, right, *_ = scissor_around(camera.view(), beside[None])
-    assert left > right  # nothing of it is in the picture
-    assert not renderer.render(camera, scissor=scissor_around(camera.view(), beside[None])).depth.any()
+    scissor = scissor_around(camera.view(), beside[None])
+    assert (scissor.left, scissor.right) == (120, 119)  # nothing of it is in the picture
+    assert not renderer.render(camera, scissor=scissor).depth.any()
+    assert not renderer.render_depth(camera, scissor=scissor).any()
+
+
+@pytest.mark.parametrize("scissor", [(0, 120, 0, 5), (-1, 3, 0, 5), (9, 7, 0, 5), (0, 3, 0, 90), (0, 3, 8, 6)])
+def test_what_is_no_part_of_the_picture_is_refused(renderer: Renderer, scissor: tuple[int, int, int, int]) -> None:
+    with pytest.raises(ValueError, match=r"is no part of 120 x 90 pixels"):
+        renderer.render_depth(CAMERAS[0], scissor=Scissor(*scissor))
