@@ -71,7 +71,7 @@ class _Samples(NamedTuple):
 def smooth_edges(geometry: Geometry, buffers: Buffers, view: View, rgb: U8) -> None:
     """Blend the edge pixels of the (h, w, 3) uint8 picture in place.
 
-    What is known of pixels beside a scissor is not used: edges that run along it are as sharp as they were drawn.
+    The pixels along the border of a scissor stay as they were drawn, as those beside it have no colour.
     """
     height, width = buffers.slot.shape
     is_edge = np.zeros((height, width), dtype=np.bool_)
@@ -82,14 +82,18 @@ def smooth_edges(geometry: Geometry, buffers: Buffers, view: View, rgb: U8) -> N
 
 @exact
 def _find_edges(geometry: Geometry, buffers: Buffers, view: View, is_edge: Flags) -> None:
-    slot, pinhole, scissor = buffers.slot, view.pinhole, view.scissor
-    for y in range(scissor.top, scissor.bottom + 1):
-        for x in range(scissor.left, scissor.right + 1):
-            here = slot[y, x]
-            if x < scissor.right and slot[y, x + 1] != here and _differ(geometry, buffers, pinhole, y, x, y, x + 1):
-                is_edge[y, x] = is_edge[y, x + 1] = True
-            if y < scissor.bottom and slot[y + 1, x] != here and _differ(geometry, buffers, pinhole, y, x, y + 1, x):
-                is_edge[y, x] = is_edge[y + 1, x] = True
+    pinhole, scissor, top, left = view.pinhole, view.scissor, view.scissor.top, view.scissor.left
+    # Of what is within, indices start at 0: the compiler sees that none is negative.
+    within = buffers.slot[top : scissor.bottom + 1, left : scissor.right + 1]
+    is_edge = is_edge[top : scissor.bottom + 1, left : scissor.right + 1]
+    height, width = within.shape
+    for j in range(height):
+        for i in range(width):
+            here, y, x = within[j, i], top + j, left + i
+            if i + 1 < width and within[j, i + 1] != here and _differ(geometry, buffers, pinhole, y, x, y, x + 1):
+                is_edge[j, i] = is_edge[j, i + 1] = True
+            if j + 1 < height and within[j + 1, i] != here and _differ(geometry, buffers, pinhole, y, x, y + 1, x):
+                is_edge[j, i] = is_edge[j + 1, i] = True
 
 
 @exact
@@ -117,7 +121,7 @@ def _sample_edges(geometry: Geometry, buffers: Buffers, view: View, is_edge: Fla
     through a gap so narrow that no centre of these pixels lies in it is missed.
     """
     pinhole = view.pinhole
-    first, column, least, reach = _list_edges(buffers, view, is_edge)
+    first, column, least, reach = _list_edges(buffers, pinhole, is_edge)
     key = np.empty((len(column), _SAMPLES), dtype=np.float32)
     for edge in range(len(column)):
         key[edge] = least[edge]
@@ -134,9 +138,9 @@ def _sample_edges(geometry: Geometry, buffers: Buffers, view: View, is_edge: Fla
 
 
 @exact
-def _list_edges(buffers: Buffers, view: View, is_edge: Flags) -> tuple[I32, I32, F32, F32]:
+def _list_edges(buffers: Buffers, pinhole: bool, is_edge: Flags) -> tuple[I32, I32, F32, F32]:
     """First, column, least and reach of `_Samples`, for those of the flagged pixels that may show more than one face."""
-    slots, records, pinhole = buffers.slot, buffers.records, view.pinhole
+    slots, records = buffers.slot, buffers.records
     height, width = is_edge.shape
     flagged = np.count_nonzero(is_edge)
     first = np.empty((height, width + 1), dtype=np.int32)
@@ -149,7 +153,7 @@ def _list_edges(buffers: Buffers, view: View, is_edge: Flags) -> tuple[I32, I32,
             first[y, x] = count
             if not is_edge[y, x]:
                 continue
-            is_mixed, far = _look_around(slots, records, view, y, x)
+            is_mixed, far = _look_around(slots, records, pinhole, y, x)
             if not is_mixed:
                 continue
             column[count], least[count] = x, far
@@ -162,13 +166,12 @@ def _list_edges(buffers: Buffers, view: View, is_edge: Flags) -> tuple[I32, I32,
 
 
 @exact
-def _look_around(slots: I32, records: F32, view: View, y: int, x: int) -> tuple[bool, float]:
+def _look_around(slots: I32, records: F32, pinhole: bool, y: int, x: int) -> tuple[bool, float]:
     """Whether a pixel may show more than its own face, and the least key that may show there.
 
     It may not where its own face covers all samples and none of the planes beside it comes in front.
     """
     height, width = slots.shape
-    scissor = view.scissor
     across, down = x + 0.5 - 0.5 * width, y + 0.5 - 0.5 * height
     own = slots[y, x]
     if own < 0:
@@ -177,14 +180,14 @@ def _look_around(slots: I32, records: F32, view: View, y: int, x: int) -> tuple[
     least, most = own_least, 0.0
     for direction in range(4):
         row, column = y + (direction == 3) - (direction == 2), x + (direction == 1) - (direction == 0)
-        if scissor.top <= row <= scissor.bottom and scissor.left <= column <= scissor.right:
+        if 0 <= row < height and 0 <= column < width:
             slot = slots[row, column]
             if slot < 0:
                 least = 0.0
             elif slot != own:
                 low, high = _keys(records, slot, across, down)
                 least, most = min(least, low), max(most, high)
-    is_mixed = most >= own_least or not _covers(records, own, view.pinhole, across, down)
+    is_mixed = most >= own_least or not _covers(records, own, pinhole, across, down)
     return is_mixed, max(least, 0.0) * (1.0 - _BEHIND)
 
 
@@ -318,14 +321,20 @@ def _to_samples(slope: float, fall: float) -> tuple[float, float]:
 
 @exact
 def _blend(geometry: Geometry, buffers: Buffers, scissor: Scissor, samples: _Samples, rgb: U8) -> None:
-    """Mix the colours of the samples, as linear light."""
+    """Mix the colours of the samples, as linear light, where those of all pixels around are known."""
     slots, record_face = buffers.slot, buffers.record_face
     first, columns, found = samples.first, samples.column, samples.face
     height, width = slots.shape
     sharp = rgb.copy()
+    top, bottom = scissor.top + (scissor.top > 0), scissor.bottom - (scissor.bottom < height - 1)
+    left, right = scissor.left + (scissor.left > 0), scissor.right - (scissor.right < width - 1)
     for y in range(height):
+        if y < top or y > bottom:
+            continue
         for edge in range(first[y, 0], first[y, width]):
             x = columns[edge]
+            if x < left or x > right:
+                continue
             slot = slots[y, x]
             own = record_face[slot] if slot >= 0 else -1
             if found[edge, 0] == own and found[edge, 1] == own and found[edge, 2] == own and found[edge, 3] == own:
@@ -336,7 +345,7 @@ def _blend(geometry: Geometry, buffers: Buffers, scissor: Scissor, samples: _Sam
                 face = found[edge, sample]
                 if face != last:
                     last = face
-                    row, column = _nearest_like(geometry, buffers, scissor, face, y, x) if face != own else (y, x)
+                    row, column = _nearest_like(geometry, buffers, face, y, x) if face != own else (y, x)
                 r, g, b = sharp[row, column, 0], sharp[row, column, 1], sharp[row, column, 2]
                 red, green, blue = red + r * r, green + g * g, blue + b * b
             rgb[y, x, 0] = np.uint8(math.sqrt(red / _SAMPLES) + 0.5)
@@ -345,13 +354,14 @@ def _blend(geometry: Geometry, buffers: Buffers, scissor: Scissor, samples: _Sam
 
 
 @exact
-def _nearest_like(geometry: Geometry, buffers: Buffers, scissor: Scissor, face: int, y: int, x: int) -> tuple[int, int]:
+def _nearest_like(geometry: Geometry, buffers: Buffers, face: int, y: int, x: int) -> tuple[int, int]:
     """Row and column of the pixel next to (y, x) that shows a face, else its surface; else of the pixel itself."""
+    height, width = buffers.slot.shape
     surface = geometry.face_surface[face] if face >= 0 else -1
     like_y, like_x, is_found = y, x, False
     for dy, dx in _NEAR_FIRST:
         row, column = y + dy, x + dx
-        if scissor.top <= row <= scissor.bottom and scissor.left <= column <= scissor.right:
+        if 0 <= row < height and 0 <= column < width:
             slot = buffers.slot[row, column]
             other = buffers.record_face[slot] if slot >= 0 else -1
             if other == face:

@@ -186,7 +186,7 @@ class Renderer:
         only : (n,) array of bool, optional
             Which parts to draw; the others still cast shadows and throw light back.
         scissor : Scissor, optional
-            Draw only these pixels; the others are 0, and nothing. Edges that run along its border are not smoothed.
+            Draw only these pixels; the others are 0, and nothing. Those along its border are not smoothed.
 
         Raises
         ------
