@@ -15,13 +15,12 @@ from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKe
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, depth_looks, looks_about, share_in_view
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.boxes import corners
 from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.language.inner import Partner, clearly_related
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.camera import Camera, Scissor, scissor_around
+from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.contrast import RING_PX, contrast_de
 from remqa_data.sim.render.view import WorldView
 
@@ -111,9 +110,8 @@ def faint_violations(world: World, view: WorldView, hidden: Wished) -> list[Viol
         asked = [name for wish, ids in hidden if wish.is_asked and wish.place.key == key for name in ids]
         camera = goal_camera(place)
         with manipulated(world, view, place):
-            around = np.concatenate([corners(world.box(name)) for name in asked])
             # With the pixels beside those that count, which the edges depend on.
-            seen = view.render(camera, scissor=scissor_around(camera.view(), around, RING_PX + 3))
+            seen = view.render(camera, scissor=view.scissor_around(camera, asked, RING_PX + 3))
         for wish, ids in hidden:
             if wish.is_asked and wish.place.key == key:
                 least = min(
@@ -206,7 +204,7 @@ class _Looks:
     def before(self, place: HidingPlace, ids: Sequence[str]) -> Pixels:
         """Of some hidden objects, before the manipulation."""
         camera, index = goal_camera(place), [self.world.ids.index(object_id) for object_id in ids]
-        around = self._around(camera, ids)
+        around = self.view.scissor_around(camera, ids)
         # What its place alone hides need not be looked at among all else, which takes ten times as long.
         alone = self.view.pixels(camera, self.view.parts_of((place.object_id, *ids)), around)[index]
         return self.view.pixels(camera, scissor=around)[index] if alone.any() else alone
@@ -231,11 +229,9 @@ class _Looks:
         key, camera = place.key, goal_camera(place)
         if key not in self._after:
             with manipulated(self.world, self.view, place):
-                self._after[key] = self.view.pixels(camera, scissor=self._around(camera, self._things[key]))
+                around = self.view.scissor_around(camera, self._things[key])
+                self._after[key] = self.view.pixels(camera, scissor=around)
         return self._after[key][[self.world.ids.index(object_id) for object_id in ids]]
-
-    def _around(self, camera: Camera, ids: Sequence[str]) -> Scissor:
-        return scissor_around(camera.view(), np.concatenate([corners(self.world.box(object_id)) for object_id in ids]))
 
 
 def _ill_seen(looks: _Looks, place: HidingPlace, ids: Sequence[str]) -> str | None:

@@ -31,14 +31,12 @@ from remqa_data.generators.arrangement.plausible import plausible_types
 from remqa_data.generators.arrangement.push_targets import push_targets
 from remqa_data.generators.arrangement.sightlines import Sightlines
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.boxes import corners
 from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import Outline, object_outlines, reachable_grid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, front_points
 from remqa_data.sim.physics.support import Support, supports
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.camera import scissor_around
 from remqa_data.sim.render.view import WorldView
 
 __all__ = ["Area", "HidingPlace", "PlaceKey", "Spot", "hiding_places", "surface_points"]
@@ -327,8 +325,8 @@ class _Finder:
         """Whether the object, at rest, is well seen from a pose: it is no sliver."""
         with _Shown(self.sight.view, self.world, object_id):
             camera = pose.camera(self.sight.grid, FRAME_PX)
-            around = scissor_around(camera.view(), corners(self.world.box(object_id)))
-            image = self.sight.view.instances(camera, scissor=around)
+            view = self.sight.view
+            image = view.instances(camera, scissor=view.scissor_around(camera, [object_id]))
         rows, columns = np.nonzero(image == self.world.ids.index(object_id))
         least = self.rules.min_target_px
         return len(rows) >= MIN_PIXELS and min(int(np.ptp(rows)), int(np.ptp(columns))) + 1 >= least

@@ -65,6 +65,11 @@ class View(NamedTuple):
         whole = Scissor.whole(width, height)
         return cls(np.array(eye, dtype=np.float64), axes, _inverse(axes), pinhole, width, height, whole)
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether all of the picture is drawn."""
+        return self.scissor == Scissor.whole(self.width, self.height)
+
 
 def scissor_around(view: View, points: F64, margin_px: int = 1) -> Scissor:
     """What a picture shows of the convex hull of (n, 3) points, and a margin; all of it if one is not before a camera.

@@ -15,7 +15,7 @@ from remqa_data.sim.light.patches import Patches, light_faces, patches
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render.antialias import smooth_edges
 from remqa_data.sim.render.camera import AnyCamera, Scissor, View, Windows
-from remqa_data.sim.render.counting import count_in_windows, count_labels, mark_relevant
+from remqa_data.sim.render.counting import count_in_windows, count_labels, mark_relevant, write_labels
 from remqa_data.sim.render.mirrors import Mirrors, no_mirrors
 from remqa_data.sim.render.raster import (
     Buffers,
@@ -32,7 +32,7 @@ from remqa_data.sim.render.scene_arrays import (
     materials_and_texels,
     surface_instances,
 )
-from remqa_data.sim.render.shade import Lights, Materials, shade, write_depth, write_labels
+from remqa_data.sim.render.shade import Lights, Materials, shade, write_depth
 from remqa_data.sim.render.shadow import empty_shadows, lamp_views, mark_stale, summarise
 
 __all__ = ["Frame", "RenderPart", "Renderer"]
@@ -314,7 +314,7 @@ class Renderer:
     def _shown_parts(self, buffers: Buffers, view: View) -> I32:
         """The parts that were drawn, of which the scissor may show something."""
         drawn = buffers.drawn[: np.argmax(buffers.drawn[:, 0] < 0), 0]
-        if view.scissor == Scissor.whole(view.width, view.height):
+        if view.is_whole:
             return drawn
         wanted, shown = np.zeros((2, len(self.parts)), dtype=np.bool_)
         wanted[drawn] = True
@@ -365,7 +365,7 @@ def _cut(view: View, scissor: Scissor | None) -> View:
 def _canvas(view: View, beyond: _Number) -> npt.NDArray[_Number]:
     """An image to draw in, with a value where the scissor lets nothing be drawn."""
     image = np.empty((view.height, view.width), dtype=type(beyond))
-    if view.scissor != Scissor.whole(view.width, view.height):
+    if not view.is_whole:
         image[:] = beyond
     return image
 

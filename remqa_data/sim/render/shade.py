@@ -15,7 +15,7 @@ from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, F64, I32, U8
 from remqa_data.sim.light.patches import Patches, sample_of
 from remqa_data.sim.render import pixels as px
-from remqa_data.sim.render.camera import Scissor, View
+from remqa_data.sim.render.camera import View
 from remqa_data.sim.render.mipmap import apply_textures
 from remqa_data.sim.render.mirrors import Mirrors, reflect
 from remqa_data.sim.render.raster import FAR_M, Buffers, Geometry, Placed
@@ -66,20 +66,6 @@ def write_depth(buffers: Buffers, view: View, depth: F32) -> None:
         for i in range(np.uint64(scissor.right + 1 - scissor.left)):
             key = keys[start + i]
             depths[start + i] = (one / key if view.pinhole else far - key) if key > zero else zero
-
-
-@exact
-def write_labels(geometry: Geometry, labels: I32, buffers: Buffers, scissor: Scissor, image: I32) -> None:
-    """Fill the (h, w) image within the scissor with the labels of (s,) surfaces, -1 where nothing is."""
-    slots = buffers.slot
-    last = label = np.int32(-1)
-    for row in range(scissor.top, scissor.bottom + 1):
-        for column in range(scissor.left, scissor.right + 1):
-            slot = slots[row, column]
-            if slot != last:
-                last = slot
-                label = labels[geometry.face_surface[buffers.record_face[slot]]] if slot >= 0 else np.int32(-1)
-            image[row, column] = label
 
 
 @exact

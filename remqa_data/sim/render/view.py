@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.assets.core.model import Material, Surface
+from remqa_data.geometry.boxes import corners
 from remqa_data.geometry.types import F32, F64, I32, I64, Flags
 from remqa_data.scene import StructureKind
 from remqa_data.sim.physics.world import World
-from remqa_data.sim.render.camera import AnyCamera, Scissor, Windows
+from remqa_data.sim.render.camera import AnyCamera, Scissor, Windows, scissor_around
 from remqa_data.sim.render.renderer import Renderer, RenderPart
 from remqa_data.sim.render.room_light import room_light
 from remqa_data.sim.render.room_mirrors import mirrors_of, room_mirrors
@@ -184,6 +185,11 @@ class WorldView:
         for object_id in object_ids:
             found[self._parts_of[object_id]] = True
         return found
+
+    def scissor_around(self, camera: AnyCamera, object_ids: Iterable[str], margin_px: int = 1) -> Scissor:
+        """The part of a picture in which some objects, at least one, are where they are now, and a margin."""
+        boxes = [corners(self.world.box(object_id)) for object_id in object_ids]
+        return scissor_around(camera.view(), np.concatenate(boxes), margin_px)
 
     def parts_of_building(self, kind: StructureKind) -> Flags:
         """(parts,) which of the renderer's parts are walls, ceilings or another kind of the building's."""

@@ -102,6 +102,17 @@ def test_some_parts_alone_are_drawn_as_if_there_were_nothing_else(world: World) 
         assert np.array_equal(now, then)
 
 
+def test_around_an_object_is_all_that_is_seen_of_it(world: World) -> None:
+    view = WorldView(world)
+    whole, around = FROM_ABOVE.view(), view.scissor_around(FROM_ABOVE, ["Mug|1"])
+    assert whole.is_whole
+    assert not whole._replace(scissor=around).is_whole
+    assert view.pixels(FROM_ABOVE, scissor=around) == view.pixels(FROM_ABOVE) > 0
+    rows, columns = np.nonzero(view.instances(FROM_ABOVE) == 0)
+    assert 0 < rows.min() - around.top < 8
+    assert 0 < around.right - columns.max() < 8
+
+
 def test_pixels_are_counted_as_the_picture_shows_them(world) -> None:
     view, scene = WorldView(world), world.scene
     (shown,) = view.pixels(FROM_ABOVE)
