@@ -32,10 +32,11 @@ FIRST := detector view_encoder refiner
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
 TWO_STAGE := language_attention_two_stage anchored_matcher plain_matcher
 ANSWERERS := $(filter answerer%,$(NETWORKS))
-SYSTEMS := random semantic_map framework framework_two_stage framework_anchored framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
+SYSTEMS := random semantic_map framework framework_two_stage framework_anchored framework_committee framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
 
-# They find what an expression means.
-REFERRING := language_attention $(TWO_STAGE) mcn cgan
+# They find what an expression means, some of them together.
+COMMITTEES := three_matchers
+REFERRING := language_attention $(TWO_STAGE) $(COMMITTEES) mcn cgan
 
 # What walkers of the paper learn depends much on the draws; these are trained and played with other seeds than 0, too.
 SEEDED := a3c savn scene_priors eqa iqa
@@ -63,7 +64,7 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	$(BIN)/remqa-agent train $(ANSWERERS) $(TWICE) --resume
 	$(BIN)/remqa-agent train $(TWO_STAGE) $(THRICE) --resume
 	$(BIN)/remqa-agent predict detector refiner $(REFERRING) --data $(DATASET) --split val --weights out/weights
-	$(BIN)/remqa-agent predict $(NETWORKS) --data $(DATASET) --weights out/weights
+	$(BIN)/remqa-agent predict $(NETWORKS) $(COMMITTEES) --data $(DATASET) --weights out/weights
 	$(BIN)/remqa-agent run $(SYSTEMS) --data $(DATASET) --weights out/weights --resume
 	for seed in $(SEEDS); do \
 		$(BIN)/remqa-agent train $(SEEDED) --data $(DATASET) --seed $$seed --resume || exit; \

@@ -185,7 +185,14 @@ def train(
 
 @app.command()
 def predict(
-    networks: Annotated[list[str], typer.Argument(metavar="NETWORK...", help="Names of weights, or their files.")],
+    networks: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="NETWORK...",
+            help="Names of weights, or their files; or names of committees, or YAML files like those of "
+            "configs/agents/committees/.",
+        ),
+    ],
     data: Data,
     split: Annotated[
         str, typer.Option(help="Which expressions or questions; a detector is scored on its frames.")

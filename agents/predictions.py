@@ -5,22 +5,31 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import torch
 
 from remqa_data.agents.detection_scores import score_detector
 from remqa_data.agents.networks.answerer import ManipulationAnswerer, likeliest
+from remqa_data.agents.networks.committee import Committee, alone
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.detection.refiner import Refiner, TwoStageDetector
 from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.networks.grounding import Grounder, grounded
 from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.training.answering import AskedViews
-from remqa_data.agents.training.config import AnswererConfig
+from remqa_data.agents.training.config import AnswererConfig, committees, load_committee_config
 from remqa_data.agents.training.grounding import asked_frames, seen_frames
-from remqa_data.agents.training.matching import chosen, frames_with_expressions, referred_pictures
-from remqa_data.agents.training.weights import DETECTOR, About, load_network, trained, trained_detector, weights_path
+from remqa_data.agents.training.matching import frames_with_expressions, referred_pictures
+from remqa_data.agents.training.weights import (
+    DETECTOR,
+    About,
+    load_committee,
+    load_network,
+    trained,
+    trained_detector,
+    weights_path,
+)
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.evaluation.submission.reader import Header, write_submission
 from remqa_data.evaluation.submission.tracks import Track
@@ -33,29 +42,47 @@ AT_ONCE = 16
 Progress = Callable[[int], None]
 
 
+class Speaker(NamedTuple):
+    """Who says what expressions mean.
+
+    Attributes
+    ----------
+    title : str
+        Of what it submits.
+    committee : Committee
+        Of one matcher, or several.
+    about : About
+        Of the first one.
+    """
+
+    title: str
+    committee: Committee
+    about: About
+
+
 def predict_expressions(
     detector: AnyDetector,
-    networks: Sequence[tuple[Matcher, About]],
+    speakers: Sequence[Speaker],
     root: Path,
     split: str,
     device: str = "cpu",
     progress: Progress | None = None,
 ) -> dict[str, list[dict[str, Any]]]:
-    """What matchers say that the expressions of a split mean.
+    """What matchers and committees say that the expressions of a split mean.
 
     Returns
     -------
-    Rows of the track `rec` by title: each matcher's with the boxes that the detector finds, and with the true ones.
+    Rows of the track `rec` by title: each one's with the boxes that the detector finds, and with the true ones.
     """
     pictures = referred_pictures(frames_with_expressions(root, split), detector.to(device), device, progress)
     rows: dict[str, list[dict[str, Any]]] = {}
-    for network, about in networks:
+    for speaker in speakers:
+        committee = speaker.committee.to(device)
         for which in ("detected", "true"):
-            found = rows.setdefault(f"{about.network.title}, {which} boxes", [])
+            found = rows.setdefault(f"{speaker.title}, {which} boxes", [])
             for picture in pictures:
                 regions = picture.found if which == "detected" else picture.true
-                numbers = torch.from_numpy(about.vocabulary.encode_batch(picture.texts)[0]).to(device)
-                boxes = chosen(network.to(device), numbers, regions) if len(regions.boxes) else None
+                boxes = committee.match(picture.texts, regions).meant_in(regions) if len(regions.boxes) else None
                 for place, name in enumerate(picture.expression_ids):
                     box = None if boxes is None else [float(side) for side in boxes[place]]
                     found.append({"expression_id": name, "box": box})
@@ -121,10 +148,10 @@ def predict_all(
     force: bool = False,
     progress: Progress | None = None,
 ) -> list[Path]:
-    """Let networks say what they see in the pictures of a split, and write it.
+    """Let networks and committees say what they see in the pictures of a split, and write it.
 
-    Matchers and grounders write submissions to `<out>/rec`, answerers to `<out>/qa`, a detector and its second stage their
-    scores to `<out>/detector-<split>.json` and `refiner-<split>.json`.
+    Those who refer write submissions to `<out>/rec`, answerers to `<out>/qa`, a detector and its second stage their scores to
+    `<out>/detector-<split>.json` and `refiner-<split>.json`.
 
     Raises
     ------
@@ -133,8 +160,18 @@ def predict_all(
     DatasetError
         If the dataset has no such split.
     """
-    loaded = [load_network(weights_path(name, weights), root, force=force) for name in names]
-    matchers = [(network, about) for network, about in loaded if isinstance(network, Matcher)]
+    together = [name for name in names if name in committees() or Path(name).suffix == ".yaml"]
+    trained_ones = [name for name in names if name not in together]
+    loaded = [load_network(weights_path(name, weights), root, force=force) for name in trained_ones]
+    speakers = [
+        Speaker(about.network.title, alone(network, about.vocabulary), about)
+        for network, about in loaded
+        if isinstance(network, Matcher)
+    ]
+    speakers += [
+        Speaker(load_committee_config(name).title, *load_committee(name, weights, root, force=force))
+        for name in together
+    ]
     grounders = [(network, about) for network, about in loaded if isinstance(network, Grounder)]
     written: list[Path] = []
     for network, about in loaded:
@@ -153,8 +190,8 @@ def predict_all(
             written.append(out / "qa" / file_name(about.network.title, split))
             write_predictions(written[-1], "qa", root, split, about.network.title, rows)
     referred: dict[str, list[dict[str, Any]]] = {}
-    for group in _alike(matchers):
-        seen_through = trained_detector(group[0][1].network.network, weights, root, force=force)
+    for group in _alike(speakers):
+        seen_through = trained_detector(group[0].about.network.network, weights, root, force=force)
         referred |= predict_expressions(seen_through, group, root, split, device, progress)
     for network, about in grounders:
         detector = trained(DETECTOR, Detector, weights, root, force=force)
@@ -165,11 +202,11 @@ def predict_all(
     return written
 
 
-def _alike(matchers: Sequence[tuple[Matcher, About]]) -> list[list[tuple[Matcher, About]]]:
-    """Matchers in groups that see through the same: what that sees is worked out once for all of them."""
-    groups: dict[tuple[str, ...], list[tuple[Matcher, About]]] = {}
-    for one in matchers:
-        groups.setdefault(one[1].network.network.needs, []).append(one)
+def _alike(speakers: Sequence[Speaker]) -> list[list[Speaker]]:
+    """Speakers in groups that see through the same: what that sees is worked out once for all of them."""
+    groups: dict[tuple[str, ...], list[Speaker]] = {}
+    for one in speakers:
+        groups.setdefault(one.about.network.network.needs, []).append(one)
     return list(groups.values())
 
 

@@ -130,16 +130,20 @@ def _localizer(config: LocalizerConfig, root: Path, weights: Path | None, force:
     if config.kind == "map":
         return MapLocalizer()
     require("torch", "agents")
+    from remqa_data.agents.networks.committee import alone
     from remqa_data.agents.networks.detection.detector import Detector
     from remqa_data.agents.networks.grounding import Grounder
     from remqa_data.agents.networks.matcher import Matcher
     from remqa_data.agents.parts.network_localizer import GroundingLocalizer, NetworkLocalizer
-    from remqa_data.agents.training.weights import load_network, trained_detector, weights_path
+    from remqa_data.agents.training.weights import load_committee, load_network, trained_detector, weights_path
 
+    if config.committee is not None:
+        committee, about = load_committee(config.committee, weights, root, force=force)
+        return NetworkLocalizer(trained_detector(about.network.network, weights, root, force=force), committee)
     matcher, about = load_network(weights_path(config.matcher, weights), root, force=force)
     detector = trained_detector(about.network.network, weights, root, force=force)
     if isinstance(matcher, Matcher):
-        return NetworkLocalizer(detector, matcher, about.vocabulary)
+        return NetworkLocalizer(detector, alone(matcher, about.vocabulary))
     if isinstance(matcher, Grounder) and isinstance(detector, Detector):
         return GroundingLocalizer(detector, matcher, about.vocabulary)
     raise ConfigError(f"localizer: {config.matcher!r} does not tell what expressions mean")

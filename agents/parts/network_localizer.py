@@ -9,10 +9,10 @@ import torch
 
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.reading import Question
+from remqa_data.agents.networks.committee import Committee
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.detection.regions import AnyDetector, candidates, regions_of
 from remqa_data.agents.networks.grounding import CELL_PX, Grounder, grounded, sight_of
-from remqa_data.agents.networks.matcher import Match, Matcher
 from remqa_data.agents.networks.threads import one_thread
 from remqa_data.agents.parts.interfaces import Percept, Sighting, middle_of
 from remqa_data.datasets.vocabulary import Vocabulary
@@ -25,15 +25,14 @@ class NetworkLocalizer:
 
     Attributes
     ----------
-    detector, matcher
-        Trained networks.
-    vocabulary : Vocabulary
-        The matcher's.
+    detector : AnyDetector
+        Trained.
+    committee : Committee
+        Trained matchers, or one.
     """
 
     detector: AnyDetector
-    matcher: Matcher
-    vocabulary: Vocabulary
+    committee: Committee
 
     @torch.no_grad()
     def locate(
@@ -48,8 +47,7 @@ class NetworkLocalizer:
                 return None
             boxes, scores = found.boxes[places], found.scores[places]
             regions = regions_of(self.detector, seen, boxes, percept.depth, percept.pose.horizon_deg, scores)
-            numbers = torch.from_numpy(self.vocabulary.encode_batch([asked.expression])[0])
-            match: Match = self.matcher(numbers, regions)
+            match = self.committee.match([asked.expression], regions)
             (best,), (box,) = match.chosen.tolist(), match.meant_in(regions)
         size = percept.depth.shape
         if asked.manipulation == "Open":

@@ -14,6 +14,7 @@ from remqa_data.limits import MOST_SEED
 from remqa_data.storage.manifest import config_hash
 
 PRESETS = "remqa_data.configs.agents.training"
+COMMITTEES = "remqa_data.configs.agents.committees"
 
 
 class _Section(BaseModel):
@@ -223,6 +224,21 @@ class NetworkConfig(_Section):
         return config_hash(self.model_dump(mode="json"))
 
 
+class CommitteeConfig(_Section):
+    """Trained matchers that are heard together: a YAML file of `configs/agents/committees/`.
+
+    Attributes
+    ----------
+    title : str
+        What it is called in tables.
+    members : dict
+        How much the scores of each count, by its name; the first one says where objects end.
+    """
+
+    title: Annotated[str, Field(min_length=1, max_length=200)]
+    members: Annotated[dict[str, Annotated[float, Field(gt=0, le=100)]], Field(min_length=2)]
+
+
 def seeded_name(name: str, seed: int) -> str:
     """The name of weights or of a submission that a seed gives.
 
@@ -235,6 +251,26 @@ def seeded_name(name: str, seed: int) -> str:
 def networks() -> tuple[str, ...]:
     """Names of the networks that come with the package, such as "detector"."""
     return preset_names(PRESETS)
+
+
+def committees() -> tuple[str, ...]:
+    """Names of the committees that come with the package."""
+    return preset_names(COMMITTEES)
+
+
+def load_committee_config(path: str | os.PathLike[str]) -> CommitteeConfig:
+    """Read a committee: a YAML file, or the name of one that comes with the package.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or a key is missing, unknown or has a wrong value: names file, key and reason.
+    """
+    where = os.fspath(path)
+    try:
+        return CommitteeConfig.model_validate(read_keys(config_text(path, COMMITTEES), where))
+    except ValidationError as error:
+        raise ConfigError(f"{where}: {first_problem(error)}") from None
 
 
 def load_network_config(path: str | os.PathLike[str]) -> NetworkConfig:

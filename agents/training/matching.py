@@ -227,13 +227,6 @@ def fitting_loss(fit: Fit, boxes: F32, objects: F32) -> Tensor:
     return quality + box_loss(fit.boxes, torch.from_numpy(objects[best]).to(fit.boxes))[is_near].mean()
 
 
-@torch.no_grad()
-def chosen(matcher: Matcher, numbers: Tensor, regions: Regions) -> F32:
-    """(e, 4) the boxes that (e, t) expressions mean."""
-    match: Match = matcher(numbers, regions)
-    return match.meant_in(regions)
-
-
 class FrameExpressions(NamedTuple):
     """A frame, and the expressions that are about it.
 

@@ -14,9 +14,11 @@ from torch import nn
 
 from remqa_data.agents.networks.actor_critic import ActorCritic
 from remqa_data.agents.networks.answerer import ManipulationAnswerer
+from remqa_data.agents.networks.committee import Committee, Member
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.detection.refiner import Refiner, TwoStageDetector
 from remqa_data.agents.networks.detection.regions import AnyDetector
+from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.networks.planner_controller import PlannerController
 from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.config import (
@@ -31,6 +33,7 @@ from remqa_data.agents.training.config import (
     RefinerConfig,
     ViewEncoderConfig,
     WalkerConfig,
+    load_committee_config,
 )
 from remqa_data.agents.training.grounding import GROUNDERS
 from remqa_data.agents.training.imitating import DOERS
@@ -192,6 +195,28 @@ def trained_detector(
     if not isinstance(network, MatcherConfig) or not network.refiner:
         return first
     return TwoStageDetector(first, trained(network.refiner, Refiner, folder, root, force=force))
+
+
+def load_committee(
+    name: str, folder: Path | None = None, root: Path | None = None, *, force: bool = False
+) -> tuple[Committee, About]:
+    """Matchers that are heard together, and what the first one says of itself; see `load_network`.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such committee, weights of a member are missing or have learnt from another dataset, or members are no
+        matchers or do not see through the same networks.
+    """
+    members: list[Member] = []
+    abouts: list[About] = []
+    for member, weight in load_committee_config(name).members.items():
+        matcher, about = load_network(weights_path(member, folder), root, force=force)
+        if not isinstance(matcher, Matcher) or (abouts and about.needs != abouts[0].needs):
+            raise ConfigError(f"{name}: {member!r} is no matcher, or sees through other networks than the first member")
+        members.append(Member(matcher, about.vocabulary, weight))
+        abouts.append(about)
+    return Committee(tuple(members)), abouts[0]
 
 
 def empty_network(about: About) -> nn.Module:

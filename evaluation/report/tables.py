@@ -147,10 +147,10 @@ def print_results(console: Console, results: Results) -> None:
 
 
 def print_grid(console: Console, grid: Grid) -> None:
-    """Print a table."""
-    table = Table(title=Text(grid.title), box=SIMPLE_HEAD, padding=(0, 1, 0, 0))  # all fits in 80 columns
+    """Print a table; where it is wider than the console, its widest cells, most often names, take several lines."""
+    table = Table(title=Text(grid.title), box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for place, heading in enumerate(grid.headings):
-        table.add_column(Text(heading), justify="right" if place else "left", no_wrap=True)
+        table.add_column(Text(heading), justify="right" if place else "left", overflow="fold")
     for row in grid.rows:
         table.add_row(*(Text(text) for text in row))  # Text: names in brackets are not markup
     console.print(table)

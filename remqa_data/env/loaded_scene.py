@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -47,7 +48,7 @@ class LoadedRoom:
         if not self._kept.most_bytes or not self.world.is_as(self._first):
             return self.view.render(camera)
         seen = self._kept.of(camera)
-        return Observation(seen.rgb.copy(), seen.depth.copy(), seen.objects.copy(), seen.links.copy())
+        return replace(seen, rgb=seen.rgb.copy(), depth=seen.depth.copy(), instances=seen.instances.copy())
 
     def begin(self, episode: Episode, rng: np.random.Generator) -> None:
         """Undo what was done, and put the agent at its initial pose."""

@@ -14,10 +14,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from remqa_data.agents.knowledge.reading import read_question
+from remqa_data.agents.networks.committee import alone
 from remqa_data.agents.parts.interfaces import Sighting
 from remqa_data.agents.parts.network_answerer import NetworkAnswerer
 from remqa_data.agents.parts.network_localizer import NetworkLocalizer
-from remqa_data.agents.training.weights import load_network, trained_detector, weights_path
+from remqa_data.agents.training.config import committees
+from remqa_data.agents.training.weights import load_committee, load_network, trained_detector, weights_path
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.tables.images import decode_depth, decode_rgb
 
@@ -26,7 +28,7 @@ QUESTIONS, EXPRESSIONS = HERE / "questions.parquet", HERE / "expressions.parquet
 QUESTION_COLUMNS = ("question", "answer", "start_target_box_2d")
 EXPRESSION_COLUMNS = ("text", "box_2d", "frame_id")
 EVERY_QUESTION, EVERY_EXPRESSION = 15, 110
-MATCHERS = ("language_attention", "anchored_matcher")
+MATCHERS = ("language_attention", "anchored_matcher", "three_matchers")
 SIZE_PX = 300
 
 Row = dict[str, Any]
@@ -40,9 +42,13 @@ def answerer() -> NetworkAnswerer:
 
 @cache
 def localizer(name: str) -> NetworkLocalizer:
-    """A matcher of a name, and what it sees through."""
-    matcher, about = load_network(weights_path(name))
-    return NetworkLocalizer(trained_detector(about.network.network, None, None, force=True), matcher, about.vocabulary)
+    """A matcher or a committee of a name, and what it sees through."""
+    if name in committees():
+        committee, about = load_committee(name)
+    else:
+        matcher, about = load_network(weights_path(name))
+        committee = alone(matcher, about.vocabulary)
+    return NetworkLocalizer(trained_detector(about.network.network, None, None, force=True), committee)
 
 
 def said_answer(row: Row) -> str | None:

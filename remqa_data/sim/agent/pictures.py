@@ -6,8 +6,8 @@ from remqa_data.geometry.types import Flags
 from remqa_data.sim.render.camera import AnyCamera
 from remqa_data.sim.render.view import Observation, WorldView
 
-BYTES_PER_PIXEL = 15
-"""Of an observation: colour, depth, objects, links."""
+BYTES_PER_PIXEL = 19
+"""Of an observation: colour, depth, instances, objects, links."""
 
 
 class Pictures:

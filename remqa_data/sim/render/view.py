@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,14 +40,25 @@ class Observation:
     ----------
     rgb : (h, w, 3) uint8
     depth : (h, w) float32, metres along the camera's forward axis, 0 where nothing is seen.
-    objects : (h, w) int32, index into the scene's objects, -1 for the building and for nothing.
-    links : (h, w) int32, index of the object's link (0 is its base), -1 for the building and for nothing.
+    instances : (h, w) int32, number of the renderer's part, -1 where nothing is.
+    object_of, link_of : (n + 1,) int32, of each part, and of nothing.
     """
 
     rgb: npt.NDArray[np.uint8]
     depth: npt.NDArray[np.float32]
-    objects: I32
-    links: I32
+    instances: I32
+    object_of: I32
+    link_of: I32
+
+    @cached_property
+    def objects(self) -> I32:
+        """(h, w) index into the scene's objects, -1 for the building and for nothing."""
+        return self.object_of.take(self.instances)
+
+    @cached_property
+    def links(self) -> I32:
+        """(h, w) index of the object's link (0 is its base), -1 for the building and for nothing."""
+        return self.link_of.take(self.instances)
 
 
 class WorldView:
@@ -149,9 +161,7 @@ class WorldView:
         if self._waits_for_light:
             self._bake()
         frame: Frame = self.renderer.render(camera, shadows=shadows, antialias=antialias, only=only, scissor=scissor)
-        return Observation(
-            frame.rgb, frame.depth, self._object_of.take(frame.instances), self._link_of.take(frame.instances)
-        )
+        return Observation(frame.rgb, frame.depth, frame.instances, self._object_of, self._link_of)
 
     @property
     def lamp_shares(self) -> F64:

@@ -12,7 +12,7 @@ import numpy as np
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import quaternion_of, rotation_of, snapped_quaternion
-from remqa_data.geometry.types import F64, I32, Vec3
+from remqa_data.geometry.types import F64, I32, Flags, Vec3
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.metadata import scaled_min_pixels
@@ -20,7 +20,7 @@ from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
-from remqa_data.sim.render.view import WorldView
+from remqa_data.sim.render.view import Observation, WorldView
 from remqa_data.thor.state.settings import FrameSize, Settings
 from remqa_data.thor.state.sight import Sight
 
@@ -216,11 +216,16 @@ class ThorAgent(Agent):
         """What gives the ids of the objects within a distance in plan that its frame shows now, while the room is as it is."""
         return partial(self._sight.visible, self.camera(), distance_m)
 
-    def seen_in(self, objects: I32, distance_m: float | None = None) -> list[str]:
-        """Ids of the objects that a (h, w) image of object indices shows; with a distance, those nearer in plan."""
+    def look_at(self, picture: Observation, distance_m: float) -> Callable[[], Collection[str]]:
+        """What gives the ids of the objects within a distance in plan, from where it is now, that a picture shows."""
+        is_near = self._sight.distances((self.x, self.y)) <= distance_m
+        return lambda: self.seen_in(picture.objects, is_near)
+
+    def seen_in(self, objects: I32, among: Flags | None = None) -> list[str]:
+        """Ids of the objects that a (h, w) image of object indices shows; of (n,) some objects, if these are given."""
         enough = pixel_counts(objects, len(self.world.ids)) >= scaled_min_pixels(objects.shape)
-        if distance_m is not None:
-            enough &= self._sight.distances((self.x, self.y)) <= distance_m
+        if among is not None:
+            enough &= among
         return [self.world.ids[index] for index in np.flatnonzero(enough)]
 
     def is_near(self, object_id: str) -> bool:

@@ -135,8 +135,7 @@ def _seen(simulator: SimulatorState, images: Images, files: Files) -> Callable[[
     _add(files, _AGENT_FILES, shown, images, room.palette, simulator.settings.far_plane)
     if only is not None or room.shows_map:
         return look
-    visible = room.agent.seen_in(shown.objects, distance)
-    return lambda: visible
+    return room.agent.look_at(shown, distance)
 
 
 def _listing(simulator: SimulatorState, visible: Callable[[], Collection[str]]) -> Listing:

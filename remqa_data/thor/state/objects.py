@@ -1,8 +1,7 @@
 """The `objects` of AI2-THOR's metadata.
 
-What never changes of an object is written down once; poses and boxes only when an object has moved. Each event gets
-records and positions of its own, so that an agent may keep events and change these. Boxes and lists are shared, as copying
-them would cost more than all the rest; what a client changes in one event is mended before the next.
+What never changes of an object is written down once; poses and boxes only when an object has moved. Each event whose objects
+are read gets records of its own, so that an agent may keep events and change them.
 """
 
 from __future__ import annotations
@@ -70,9 +69,7 @@ class ObjectRecords:
         self._boxes: dict[str, F64] = {}
         self._moving: dict[str, Metadata] = {}
         self._records: dict[str, Metadata] = {}
-        self._lent: list[list[Any]] = []
-        self._is_lent = False
-        self._unchanged: list[list[Any]] = []
+        self._lists = marshal.dumps([])
         self._contents: dict[str, list[str]] = {}
         self._positions = np.zeros((len(world.ids), 3))
 
@@ -142,16 +139,14 @@ class ObjectRecords:
         only : collection of str, optional
             Ids of the objects to list, by default all.
         """
-        self._is_lent = True
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
         listed, changed = [], self.conditions.changed
-        for object_id, distance in zip(self._world.ids, distances, strict=True):
+        for object_id, distance, lists in zip(self._world.ids, distances, marshal.loads(self._lists), strict=True):
             is_away = object_id in self.away and object_id not in self.sliced
             if is_away or (only is not None and object_id not in only):
                 continue
             record = self._records[object_id].copy()
-            record["position"] = record["position"].copy()
-            record["rotation"] = record["rotation"].copy()
+            record.update(zip(_LISTS, lists, strict=True))
             record["visible"] = record["isInteractable"] = object_id in visible
             if object_id in changed:
                 record.update(changed[object_id])
@@ -163,7 +158,6 @@ class ObjectRecords:
 
     def update(self) -> None:
         """Follow the world, and let what is on or cold do what it does."""
-        self._forget_if_changed()
         self._follow()
         self.conditions.spread(self._contents)
 
@@ -189,14 +183,8 @@ class ObjectRecords:
             object_id: {**self._static[object_id], **self._moving[object_id], **holding[object_id]}
             for object_id in world.ids
         }
-        self._is_lent = False
-        self._lent = [[record[name] for name in _SHARED] for record in self._records.values()]
-        self._unchanged = marshal.loads(marshal.dumps(self._lent))  # the quickest copy of plain lists and dicts
-
-    def _forget_if_changed(self) -> None:
-        """Have everything written down anew if a client has changed, in an event, what events share."""
-        if self._is_lent and self._lent != self._unchanged:
-            self._write_anew()
+        # The quickest way to many copies of plain lists and dicts.
+        self._lists = marshal.dumps([[record[name] for name in _LISTS] for record in self._records.values()])
 
     def _write_anew(self) -> None:
         self._static = self._statics()
@@ -346,11 +334,15 @@ def _oriented_corners(world: World, object_id: str) -> F64:
     return np.asarray(_CORNERS * half @ pose[:3, :3].T + pose[:3, 3])
 
 
-_SHARED = (
+_LISTS = (
+    "position",
+    "rotation",
     "axisAlignedBoundingBox",
     "objectOrientedBoundingBox",
     "salientMaterials",
     "receptacleObjectIds",
     "parentReceptacles",
+    "controlledObjects",
 )
+"""What is a list or a dict in a record."""
 _CORNERS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])

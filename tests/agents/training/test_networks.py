@@ -15,7 +15,7 @@ from remqa_data.agents.cli import app
 from remqa_data.agents.figures.attention import write_attention_picture
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.training import rooms as rooms_module
-from remqa_data.agents.training.config import load_network_config, networks
+from remqa_data.agents.training.config import committees, load_network_config, networks
 from remqa_data.agents.training.pictures import Pictures, detector_types, varied
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.agents.training.weights import About, halved, load_network, save_network, weights_path
@@ -27,7 +27,7 @@ from remqa_data.views.build import Wanted, cache_views
 
 pytestmark = pytest.mark.slow
 
-WITH_MAPS = ("framework", "framework_two_stage", "framework_memory")
+WITH_MAPS = ("framework", "framework_committee", "framework_memory")
 WALKERS = ("a3c", "scene_priors", "savn", "eqa", "iqa", "bc_transformer")
 
 
@@ -71,7 +71,7 @@ def trained(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path, tmp_path: Path) -> None:
     options = ("--data", two_rooms, "--out", tmp_path, "--weights", trained)
-    asked("predict", *networks(), *options)
+    asked("predict", *networks(), *committees(), *options)
     asked("predict", "language_attention", "plain_matcher", *options, "--split", "train")
     asked("run", *WITH_MAPS, *WALKERS, *options, "--workers", 1)
     asked("table", "--data", two_rooms, "--out", tmp_path, "--workers", 1)
@@ -81,6 +81,8 @@ def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path,
         "| LAN, detected boxes |",
         "| LAN, two stages, detected boxes |",
         "| BiLSTM, no modules, two stages, true boxes |",
+        "| LAN with anchors, LAN and no modules together, two stages, true boxes |",
+        "| framework (semantic map, three matchers, looks inside, answerer) |",
         "| LAN + detectron2 (Ours) (paper) |",
         "| answerer: the words alone |",
         "| A3C, LAN, answerer |",

@@ -1,0 +1,1 @@
+"""Matchers that come with the package and are heard together: `remqa-agent predict three_matchers`."""
