@@ -146,13 +146,14 @@ def train(
     torch = require("torch", "agents")
     from remqa_data.agents.training.config import load_network_config, seeded_name
     from remqa_data.agents.training.learn import learn
+    from remqa_data.agents.training.matching import Looks
 
     configs = [(Path(name).stem, load_network_config(name)) for name in networks]
     if seed is not None:
         configs = [(seeded_name(name, seed), config.seeded(seed)) for name, config in configs]
     check_device(device)
     torch.set_num_threads(threads or worker_count(None))
-    scores = {}
+    scores, looks = {}, dict[str, Looks]()
     for name, config in configs:
         with Counting(None, f"{name} looks") as on_look:
             bars: list[Counting] = []
@@ -171,6 +172,7 @@ def train(
                     device=device,
                     workers=workers,
                     resume=resume,
+                    looks=looks,
                     on_look=on_look,
                     on_learn=begin,
                 )

@@ -29,7 +29,7 @@ from remqa_data.agents.training.config import (
 from remqa_data.agents.training.detection import DetectionTask, RefinementTask
 from remqa_data.agents.training.grounding import GroundingTask
 from remqa_data.agents.training.imitating import ImitationTask
-from remqa_data.agents.training.matching import MatchingTask
+from remqa_data.agents.training.matching import Looks, MatchingTask
 from remqa_data.agents.training.pictures import detector_types
 from remqa_data.agents.training.reinforcing import ReinforcingTask
 from remqa_data.agents.training.trainer import Schedule, Task, train
@@ -64,6 +64,7 @@ def learn(
     device: str = "cpu",
     workers: int = 0,
     resume: bool = False,
+    looks: dict[str, Looks] | None = None,
     on_look: Callable[[int], None] | None = None,
     on_learn: Callable[[int], Callable[[int], None]] | None = None,
 ) -> About:
@@ -87,6 +88,9 @@ def learn(
         Processes that make batches of pictures ahead, for a GPU that would wait for them; other networks learn without.
     resume : bool
         Go on with an interrupted run, if there is one; what is finished is not done again.
+    looks : dict, optional
+        What the last matcher has looked at, by what it saw through; is not looked at again, and what is, is put there. Takes
+        some 350 kB a picture.
     on_look : callable, optional
         Called with the number of pictures that a detector has looked at, before a matcher learns.
     on_learn : callable, optional
@@ -107,7 +111,7 @@ def learn(
         _, about = load_network(path)
         if (about.network, about.datasets, about.needs, about.began_with) == (config, datasets, needs, began_with):
             return about
-    task = _task(network, config.schedule.seed, roots, folder, views, device, on_look)
+    task = _task(network, config.schedule.seed, roots, folder, views, device, {} if looks is None else looks, on_look)
     fingerprint = json.dumps([config.sha256, datasets, needs, began_with])
     schedule = Schedule(**config.schedule.model_dump())
     progress = on_learn(schedule.samples(len(task))) if on_learn else None
@@ -146,6 +150,7 @@ def _task(
     folder: Path,
     views: Path | None,
     device: str,
+    looks: dict[str, Looks],
     on_look: Callable[[int], None] | None,
 ) -> Task:
     """What is learnt; the network begins with random weights."""
@@ -163,9 +168,12 @@ def _task(
             return ImitationTask(roots, views, network.form, encoder, network.walks, device)
         return ReinforcingTask(roots, views, network.form, encoder, network.walks, device)
     if isinstance(network, MatcherConfig):
-        seen_through = trained_detector(network, folder, roots[0])
+        through = json.dumps([device, *(sha256_of(weights_path(name, folder)) for name in network.needs)])
+        if through not in looks:
+            looks.clear()  # they are large
+            looks[through] = Looks(trained_detector(network, folder, roots[0]), device)
         torch.manual_seed(seed)
-        return MatchingTask(roots, network, seen_through, device, on_look)
+        return MatchingTask(roots, network, looks[through], on_look)
     detector = trained(DETECTOR, Detector, folder, roots[0])
     torch.manual_seed(seed)
     if isinstance(network, RefinerConfig):

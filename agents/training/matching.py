@@ -41,6 +41,9 @@ RIGHT_IOU = 0.5
 MOVED_IOU = 0.3
 """Boxes that overlap an object so much are to be moved to it."""
 
+Progress = Callable[[int], None]
+Shown = Callable[[Path, str, frozenset[str] | None], Iterable["FrameExpressions"]]
+
 IMAGES, START_IMAGES = ("rgb", "depth"), ("start_rgb", "start_depth")
 """Columns of frames of walks, and of questions."""
 
@@ -74,6 +77,42 @@ class Referred:
     right_true: np.ndarray
 
 
+class Looks:
+    """What a detector sees in the pictures that expressions are about; each is looked at once for all who learn from it.
+
+    Parameters
+    ----------
+    detector : AnyDetector
+        Trained.
+    device : str
+        Where to compute.
+    """
+
+    def __init__(self, detector: AnyDetector, device: str = "cpu") -> None:
+        self.detector, self.device = detector.to(device).eval(), device
+        self._seen: dict[tuple[str, Path, str, frozenset[str] | None], list[Referred]] = {}
+
+    def at_frames(
+        self, root: Path, split: str, rooms: frozenset[str] | None = None, progress: Progress | None = None
+    ) -> list[Referred]:
+        """The frames that expressions of a split are about; only those of some rooms, if given."""
+        return self._at("frames", frames_with_expressions, root, split, rooms, progress)
+
+    def at_views(
+        self, root: Path, split: str, rooms: frozenset[str] | None = None, progress: Progress | None = None
+    ) -> list[Referred]:
+        """The views before the manipulation of a split's questions; only those of some rooms, if given."""
+        return self._at("views", views_with_expressions, root, split, rooms, progress)
+
+    def _at(
+        self, what: str, shown: Shown, root: Path, split: str, rooms: frozenset[str] | None, progress: Progress | None
+    ) -> list[Referred]:
+        key = what, root, split, rooms
+        if key not in self._seen:
+            self._seen[key] = referred_pictures(shown(root, split, rooms), self.detector, self.device, progress)
+        return self._seen[key]
+
+
 class Choices(NamedTuple):
     """The expressions of a picture, and what each may mean.
 
@@ -101,10 +140,8 @@ class MatchingTask:
         Datasets; the first one's val expressions give the score.
     network : MatcherConfig
         Which matcher, and what it learns from.
-    detector : Detector
-        Trained.
-    device : str
-        Where to compute.
+    looks : Looks
+        Through what it sees, and where it computes.
     progress : callable, optional
         Called with the number of pictures that were looked at since the last call, before training begins.
     """
@@ -113,21 +150,18 @@ class MatchingTask:
         self,
         roots: Sequence[Path],
         network: MatcherConfig,
-        detector: AnyDetector,
-        device: str = "cpu",
-        progress: Callable[[int], None] | None = None,
+        looks: Looks,
+        progress: Progress | None = None,
     ) -> None:
-        detector = detector.to(device).eval()
         rooms = learning_rooms(roots)
-        shown = [frames_with_expressions(root, "train", rooms) for root in roots]
+        shown = [looks.at_frames(root, "train", rooms, progress) for root in roots]
         if network.questions:
-            shown += [views_with_expressions(root, "train", rooms) for root in roots]
-        self._pictures = referred_pictures(chain.from_iterable(shown), detector, device, progress)
-        val = frames_with_expressions(roots[0], "val") if rooms_of(roots[0], "val") else ()
-        self._val = referred_pictures(val, detector, device, progress)
+            shown += [looks.at_views(root, "train", rooms, progress) for root in roots]
+        self._pictures = list(chain.from_iterable(shown))
+        self._val = looks.at_frames(roots[0], "val", None, progress) if rooms_of(roots[0], "val") else []
         self.vocabulary = Vocabulary.build((text for picture in self._pictures for text in picture.texts), ())
-        self.model = empty_matcher(network, len(self.vocabulary.words), detector.types)
-        self.device, self.spared_iou = device, network.spared_iou
+        self.model = empty_matcher(network, len(self.vocabulary.words), looks.detector.types)
+        self.device, self.spared_iou = looks.device, network.spared_iou
 
     def __len__(self) -> int:
         return len(self._pictures)
@@ -298,7 +332,7 @@ def referred_pictures(
     frames: Iterable[FrameExpressions],
     detector: AnyDetector,
     device: str,
-    progress: Callable[[int], None] | None = None,
+    progress: Progress | None = None,
 ) -> list[Referred]:
     """The pictures that expressions are about, as the detector sees them."""
     pictures = []

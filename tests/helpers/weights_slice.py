@@ -12,13 +12,15 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+import torch
 
 from remqa_data.agents.knowledge.reading import read_question
 from remqa_data.agents.networks.committee import alone
+from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.parts.interfaces import Sighting
 from remqa_data.agents.parts.network_answerer import NetworkAnswerer
 from remqa_data.agents.parts.network_localizer import NetworkLocalizer
-from remqa_data.agents.training.config import committees
+from remqa_data.agents.training.config import MatcherConfig, committees
 from remqa_data.agents.training.weights import load_committee, load_network, trained_detector, weights_path
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.tables.images import decode_depth, decode_rgb
@@ -41,6 +43,23 @@ def answerer() -> NetworkAnswerer:
 
 
 @cache
+def seen_through(network: MatcherConfig) -> AnyDetector:
+    """What a matcher sees through; it looks at a picture only once if it is asked about it again and again."""
+    detector = trained_detector(network, None, None, force=True)
+    look, last = detector.look, {}
+
+    def remembered(rgb: torch.Tensor) -> Any:
+        picture = rgb.numpy().tobytes()
+        if picture not in last:
+            last.clear()
+            last[picture] = look(rgb)
+        return last[picture]
+
+    detector.look = remembered
+    return detector
+
+
+@cache
 def localizer(name: str) -> NetworkLocalizer:
     """A matcher or a committee of a name, and what it sees through."""
     if name in committees():
@@ -48,7 +67,7 @@ def localizer(name: str) -> NetworkLocalizer:
     else:
         matcher, about = load_network(weights_path(name))
         committee = alone(matcher, about.vocabulary)
-    return NetworkLocalizer(trained_detector(about.network.network, None, None, force=True), committee)
+    return NetworkLocalizer(seen_through(about.network.network), committee)
 
 
 def said_answer(row: Row) -> str | None:
@@ -74,6 +93,11 @@ def rows_of(path: Path) -> list[Row]:
     return pq.read_table(path).to_pylist()
 
 
+def said_boxes(row: Row) -> dict[str, list[float] | None]:
+    """The same for all matchers and committees of the slice."""
+    return {name: said_box(row, name) for name in MATCHERS}
+
+
 def main(root: Path) -> None:
     questions, expressions, frames = (
         SplitReader(root, table, "test") for table in ("questions", "expressions", "frames")
@@ -94,7 +118,7 @@ def main(root: Path) -> None:
         images = frames.images(frame, ("rgb", "depth"))
         row = rows[place] | dict(zip(("rgb", "depth"), map(bytes, images), strict=True))
         row["horizon_deg"] = shown["agent"][frame].as_py()["horizon_deg"]
-        found.append(row | {f"{name}_said": said_box(row, name) for name in MATCHERS})
+        found.append(row | {f"{name}_said": box for name, box in said_boxes(row).items()})
     pq.write_table(pa.Table.from_pylist(found), EXPRESSIONS)
 
 

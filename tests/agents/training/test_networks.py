@@ -16,6 +16,8 @@ from remqa_data.agents.figures.attention import write_attention_picture
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.training import rooms as rooms_module
 from remqa_data.agents.training.config import committees, load_network_config, networks
+from remqa_data.agents.training.learn import learn
+from remqa_data.agents.training.matching import Looks
 from remqa_data.agents.training.pictures import Pictures, detector_types, varied
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.agents.training.weights import About, halved, load_network, save_network, weights_path
@@ -56,7 +58,9 @@ def trained(two_rooms: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Weights of all networks."""
     folder = tmp_path_factory.mktemp("trained")
     first = ["detector", "view_encoder", "refiner"]
-    then = [name for name in networks() if name not in first]
+    then = sorted(  # who sees through the same comes next, and looks at nothing again
+        (name for name in networks() if name not in first), key=lambda name: load_network_config(name).network.needs
+    )
     options = ("--data", two_rooms, "--out", folder / "weights", "--threads", 1)
     asked("train", *(short(name, folder) for name in first), *options)
     with pytest.MonkeyPatch.context() as patch:
@@ -100,6 +104,30 @@ def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path,
         assert scores["frames"] > 0
     rows = [json.loads(line) for line in (tmp_path / "framework.jsonl").read_text().splitlines()[1:]]
     assert {row["answer"] for row in rows} <= {"0", "1", "2", "3", "yes", "no"}
+
+
+def test_matchers_that_see_through_the_same_look_at_pictures_once(
+    two_rooms: Path, trained: Path, tmp_path: Path
+) -> None:
+    for name in ("detector", "refiner"):
+        shutil.copy(trained / f"{name}.safetensors", tmp_path)
+    torch.set_num_threads(1)
+    looks: dict[str, Looks] = {}
+    looked = {}
+    for name in ("plain_matcher", "language_attention_two_stage", "anchored_matcher", "language_attention"):
+        seen: list[int] = []
+        config = load_network_config(short(name, tmp_path))
+        learn(name, config, [two_rooms], tmp_path, looks=looks, on_look=seen.append)
+        looked[name] = sum(seen)
+        alone, together = (
+            load_network(folder / f"{name}.safetensors")[0].state_dict() for folder in (trained, tmp_path)
+        )
+        assert alone.keys() == together.keys()
+        assert all(torch.equal(alone[key], together[key]) for key in alone), name
+    assert looked["plain_matcher"] == looked["language_attention"] > 0
+    assert looked["anchored_matcher"] == 0
+    assert 0 < looked["language_attention_two_stage"] < looked["plain_matcher"]  # views of questions alone
+    assert len(looks) == 1
 
 
 def test_attention_is_drawn_below_the_words(two_rooms: Path, trained: Path, tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from remqa_data.agents.networks.detection.refiner import (
     moved,
     with_margin,
 )
+from remqa_data.agents.training import detection
 from remqa_data.agents.training.detection import (
     JITTER,
     MOST_BOXES,
@@ -189,7 +190,8 @@ def test_thin_things_get_less_margin_from_closer_by() -> None:
 
 
 @pytest.mark.slow
-def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
+def test_a_second_stage_learns_where_things_end_and_what_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(detection, "MOST_BOXES", 8)  # of pictures with one thing; more make it slower, and no better
     torch.manual_seed(0)
     first, second, rng = Rough(3), Refiner(3), np.random.default_rng(0)
     optimizer = torch.optim.AdamW(second.parameters(), lr=3e-3)
@@ -206,8 +208,8 @@ def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
         return picture(*low, *(low + size))
 
     for _ in range(steps):
-        pictures = [anywhere() for _ in range(12)]
-        loss = refiner_losses(second, shown_of(pictures, [rng] * 12))["loss"]
+        pictures = [anywhere() for _ in range(8)]
+        loss = refiner_losses(second, shown_of(pictures, [rng] * 8))["loss"]
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
@@ -219,6 +221,6 @@ def test_a_second_stage_learns_where_things_end_and_what_they_are() -> None:
     true = np.concatenate([objects_of(one).boxes for one in pictures])
     rough = iou(true, ROUGH)[:, 0]
     better = np.array([iou(true[i : i + 1], one.boxes[:1])[0, 0] for i, one in enumerate(found)])
-    assert better.mean() > rough.mean() + 0.15
+    assert better.mean() > rough.mean() + 0.2
     assert np.mean([one.types[0] == 2 for one in found]) > 0.9
     assert (seen.rgb == rgb).all()
