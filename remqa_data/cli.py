@@ -86,11 +86,17 @@ def play(
     film: Annotated[
         Path, typer.Option("-o", "--output", metavar="FILE", help="The film to write: .mp4, .webm, or .webp for pages.")
     ] = Path("episode.mp4"),
+    submission: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Film what was submitted there; by default what the oracle does."),
+    ] = None,
 ) -> None:
     """Film a question: what the agent sees, the agent from outside, and the map that it draws."""
     from remqa_data.env.video import write_film
+    from remqa_data.evaluation.episodes import submitted_commands
 
-    frames = write_film(root, question_id, film)
+    commands = None if submission is None else submitted_commands(submission, root, question_id)
+    frames = write_film(root, question_id, film, commands)
     output().say(f"{film}: {frames} frames")
     output().result(film=film, frames=frames)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env import RemqaEnv
-from remqa_data.env.actions import Command
+from remqa_data.env.actions import Command, Shares
 from remqa_data.env.oracle import oracle_commands
 from remqa_data.errors import OutputError, UnknownNameError
 from remqa_data.files import atomic_path
@@ -28,7 +28,7 @@ from remqa_data.storage.shards import read_table
 
 SIZE_PX = 420
 GAP_PX, HEADER_PX = 8, 80
-PAPER, INK, DIM = (255, 255, 255), (25, 25, 25), (110, 110, 110)
+PAPER, INK, DIM, POINTED = (255, 255, 255), (25, 25, 25), (110, 110, 110), (225, 60, 40)
 FRAMES_PER_S = 4
 REACHING_FRAMES, LAST_FRAMES = 6, 10
 """Frames in which the arm goes to the target, and for which the end stays."""
@@ -39,8 +39,19 @@ ANIMATED, QUALITY = ".webp", 85
 """A picture that moves, for a page that shows pictures only."""
 
 
-def write_film(root: Path, question_id: str, path: Path) -> int:
-    """Write the oracle's episode of a question of a dataset as .mp4, .webm or .webp; returns the number of frames.
+def write_film(root: Path, question_id: str, path: Path, commands: Sequence[Command] | None = None) -> int:
+    """Write an episode of a question of a dataset as .mp4, .webm or .webp; returns the number of frames.
+
+    Parameters
+    ----------
+    root : path
+        The dataset.
+    question_id : str
+        Which question.
+    path : path
+        The film.
+    commands : sequence of Command, optional
+        What the agent does; by default what the oracle does.
 
     Raises
     ------
@@ -54,7 +65,9 @@ def write_film(root: Path, question_id: str, path: Path) -> int:
     if path.suffix not in (*CODECS, ANIMATED):
         raise OutputError(f"{path}: give a name that ends with {', '.join(CODECS)} or {ANIMATED}")
     with atomic_path(path) as temporary:
-        frames = [np.ascontiguousarray(frame[..., ::-1]) for frame in _of_one_size(list(film(root, question_id)))]
+        frames = [
+            np.ascontiguousarray(frame[..., ::-1]) for frame in _of_one_size(list(film(root, question_id, commands)))
+        ]
         is_whole = _write_animation(temporary, frames) if path.suffix == ANIMATED else _write_video(temporary, frames)
         if not is_whole:  # OpenCV says nothing when a write fails
             raise OutputError(f"{path}: the film could not be written whole; is the disk full?")
@@ -92,8 +105,8 @@ def _readable_frames(path: Path) -> int:
     return count
 
 
-def film(root: Path, question_id: str) -> Iterator[U8]:
-    """The frames of the oracle's episode, (h, w, 3) RGB; their widths differ with the map's legend."""
+def film(root: Path, question_id: str, commands: Sequence[Command] | None = None) -> Iterator[U8]:
+    """The frames of an episode, (h, w, 3) RGB; their widths differ with the map's legend. See `write_film`."""
     env = RemqaEnv(
         root,
         _split_of(root, question_id),
@@ -111,15 +124,17 @@ def film(root: Path, question_id: str) -> Iterator[U8]:
         assert task is not None, "episodes of a dataset have a question"
         memory = _Memory(env)
         memory.add(observation)
-        yield _frame(env, observation, memory, "start")
-        for command in oracle_commands(task):
+        doing = "start"
+        yield _frame(env, observation, memory, doing)
+        for command in oracle_commands(task) if commands is None else commands:
             if command.action is not None and command.action.name in MANIPULATION:
                 yield from _reaching(env, observation, memory, command)
-            observation, *_ = env.step(command)
+            observation, *_, info = env.step(command)
             memory.add(observation)
-            yield _frame(env, observation, memory, _said(command))
+            doing = _said(command, task.answer, str(info.get("error", "")))
+            yield _frame(env, observation, memory, doing)
         for _ in range(LAST_FRAMES):
-            yield _frame(env, observation, memory, _said(command))
+            yield _frame(env, observation, memory, doing)
     finally:
         env.close()
 
@@ -151,8 +166,10 @@ class _Memory:
 
 
 def _reaching(env: RemqaEnv, observation: dict[str, Any], memory: _Memory, command: Command) -> Iterator[U8]:
-    """The arm on its way to the target; it is folded again afterwards, as the episode goes on."""
+    """What the agent points at, and the arm on its way there; it is folded again afterwards, as the episode goes on."""
     assert command.action is not None
+    if command.box is not None:
+        yield _frame(env, observation, memory, "points at the target", command.box)
     arm, target = env.agent.arm, command.action.target
     if not isinstance(target, str):
         return
@@ -160,17 +177,22 @@ def _reaching(env: RemqaEnv, observation: dict[str, Any], memory: _Memory, comma
     last = arm.reach_object(env.agent.base, target).state
     for share in np.linspace(0.0, 1.0, REACHING_FRAMES + 1)[1:].tolist():
         arm.state = ArmState.of((1.0 - share) * first.posture() + share * last.posture())
-        yield _frame(env, observation, memory, "reaching")
+        yield _frame(env, observation, memory, "reaching", command.box)
     arm.state = first
 
 
-def _frame(env: RemqaEnv, observation: dict[str, Any], memory: _Memory, doing: str) -> U8:
+def _frame(env: RemqaEnv, observation: dict[str, Any], memory: _Memory, doing: str, box: Shares | None = None) -> U8:
     outside = env.render()
     assert outside is not None
+    seen = observation["rgb"]
+    if box is not None:
+        seen = seen.copy()
+        x1, y1, x2, y2 = (round(share * SIZE_PX) for share in box)
+        cv2.rectangle(seen, (x1, y1), (x2, y2), POINTED, 2)
     plan = memory.picture()[:SIZE_PX]
     plan = _padded(plan, SIZE_PX, plan.shape[1])
     gap = np.full((SIZE_PX, GAP_PX, 3), PAPER, np.uint8)
-    body = np.hstack([observation["rgb"], gap, outside, gap, plan])
+    body = np.hstack([seen, gap, outside, gap, plan])
     header = np.full((HEADER_PX, body.shape[1], 3), PAPER, np.uint8)
     task = env.episode.task
     assert task is not None
@@ -181,12 +203,13 @@ def _frame(env: RemqaEnv, observation: dict[str, Any], memory: _Memory, doing: s
     return np.vstack([header, body])
 
 
-def _said(command: Command) -> str:
-    """A command in few words: an object's type stands for its id."""
+def _said(command: Command, right: str, refusal: str) -> str:
+    """A command in few words, and what came of it: an object's type stands for its id."""
     if command.action is None:
-        return f"answer: {command.answer}"
+        return f"answer: {command.answer}" + (f", but it is {right}" if command.answer != right else "")
     target = command.action.target
-    return f"{command.action.name} {target.partition('|')[0]}" if isinstance(target, str) else command.action.name
+    said = f"{command.action.name} {target.partition('|')[0]}" if isinstance(target, str) else command.action.name
+    return f"{said}: {textwrap.shorten(refusal, QUESTION_COLUMNS)}" if refusal else said
 
 
 def _write(image: U8, text: str, x: int, y: int, scale: float, color: tuple[int, int, int]) -> None:

@@ -29,7 +29,7 @@ def noise(monkeypatch: pytest.MonkeyPatch) -> None:
     """Instead of an episode."""
     rng = np.random.default_rng(0)
     frames = [rng.integers(0, 256, (64, 96, 3), dtype=np.uint8) for _ in range(FRAMES)]
-    monkeypatch.setattr(play, "film", lambda root, question_id: iter(frames))
+    monkeypatch.setattr(play, "film", lambda *asked: iter(frames))
 
 
 @pytest.mark.usefixtures("noise")
