@@ -22,6 +22,8 @@ from remqa_data.env.cached import CachedRemqaEnv
 from remqa_data.env.cached.walk import ACTIONS
 from remqa_data.env.record import EpisodeRecord
 from remqa_data.sim.agent.actions import DONE, NAVIGATION, parse_action, perform
+from remqa_data.storage.shards import read_table
+from remqa_data.views.reader import Views
 from remqa_data.views.transitions import WALKING
 
 SHARED = ("rgb", "pose", "question", "question_tokens")
@@ -174,7 +176,10 @@ def main() -> None:
     parser.add_argument("--splits", default="train,test")
     asked = parser.parse_args()
     total, began = Counter[str](), time.monotonic()
+    cached = {room.scene for room in Views(asked.views, asked.root).manifest.rooms}
     for split in asked.splits.split(","):
+        if cached.isdisjoint(read_table(asked.root, "questions", split, ["scene"])["scene"].to_pylist()):
+            continue
         for place, counts in compare(asked.root, asked.views, split, asked.steps, asked.scenes):
             print(*place, dict(counts), f"{time.monotonic() - began:.0f} s", flush=True)
             total += counts
