@@ -60,11 +60,10 @@ Navigator = SemanticMapConfig | RandomConfig | PolicyConfig | ImitatorConfig | F
 
 
 class LocalizerConfig(_Section):
-    """How it finds the target in its view: by the box that the walk has left, or by a network or a committee of this name."""
+    """How it finds the target in its view: by the box that the walk has left, or by a network or a committee of a name."""
 
     kind: Literal["map", "network"]
     matcher: str = "language_attention"
-    committee: str | None = None
 
 
 class ManipulatorConfig(_Section):

@@ -18,7 +18,7 @@ from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.networks.grounding import Grounder, grounded
 from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.training.answering import AskedViews
-from remqa_data.agents.training.config import AnswererConfig, committees, load_committee_config
+from remqa_data.agents.training.config import AnswererConfig, is_committee, load_committee_config
 from remqa_data.agents.training.grounding import asked_frames, seen_frames
 from remqa_data.agents.training.matching import frames_with_expressions, referred_pictures
 from remqa_data.agents.training.weights import (
@@ -160,9 +160,7 @@ def predict_all(
     DatasetError
         If the dataset has no such split.
     """
-    together = [name for name in names if name in committees() or Path(name).suffix == ".yaml"]
-    trained_ones = [name for name in names if name not in together]
-    loaded = [load_network(weights_path(name, weights), root, force=force) for name in trained_ones]
+    loaded = [load_network(weights_path(name, weights), root, force=force) for name in names if not is_committee(name)]
     speakers = [
         Speaker(about.network.title, alone(network, about.vocabulary), about)
         for network, about in loaded
@@ -170,7 +168,8 @@ def predict_all(
     ]
     speakers += [
         Speaker(load_committee_config(name).title, *load_committee(name, weights, root, force=force))
-        for name in together
+        for name in names
+        if is_committee(name)
     ]
     grounders = [(network, about) for network, about in loaded if isinstance(network, Grounder)]
     written: list[Path] = []

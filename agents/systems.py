@@ -135,10 +135,11 @@ def _localizer(config: LocalizerConfig, root: Path, weights: Path | None, force:
     from remqa_data.agents.networks.grounding import Grounder
     from remqa_data.agents.networks.matcher import Matcher
     from remqa_data.agents.parts.network_localizer import GroundingLocalizer, NetworkLocalizer
+    from remqa_data.agents.training.config import is_committee
     from remqa_data.agents.training.weights import load_committee, load_network, trained_detector, weights_path
 
-    if config.committee is not None:
-        committee, about = load_committee(config.committee, weights, root, force=force)
+    if is_committee(config.matcher):
+        committee, about = load_committee(config.matcher, weights, root, force=force)
         return NetworkLocalizer(trained_detector(about.network.network, weights, root, force=force), committee)
     matcher, about = load_network(weights_path(config.matcher, weights), root, force=force)
     detector = trained_detector(about.network.network, weights, root, force=force)

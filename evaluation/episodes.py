@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from remqa_data.env.actions import Command
+from remqa_data.env.actions import Command, Shares
 from remqa_data.errors import SubmissionError, UnknownNameError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.evaluation.submission.reader import open_submission
@@ -48,12 +50,17 @@ def submitted_commands(path: Path, root: Path, question_id: str) -> list[Command
     raise UnknownNameError("question", question_id, known)
 
 
-def _commands(row: dict[str, object]) -> list[Command]:
-    commands = [Command(action) for action in parse_actions(row["actions"]) if action.name != DONE]  # type: ignore[arg-type]
-    if manipulation := row.get("manipulation"):
-        box = row["box"]
-        x1, y1, x2, y2 = ((side / FRAME_PX) for side in box) if box else (0.0, 0.0, 0.0, 0.0)  # type: ignore[attr-defined]
-        commands.append(Command(parse_action(str(manipulation)), box=(x1, y1, x2, y2) if box else None))
+def _commands(row: Mapping[str, Any]) -> list[Command]:
+    commands = [Command(action) for action in parse_actions(row["actions"]) if action.name != DONE]
+    if row.get("manipulation") is not None:
+        commands.append(Command(parse_action(row["manipulation"]), box=_shares(row["box"])))
     if row.get("answer") is not None:
-        commands.append(Command(answer=str(row["answer"])))
+        commands.append(Command(answer=row["answer"]))
     return commands
+
+
+def _shares(box: Sequence[float] | None) -> Shares | None:
+    if box is None:
+        return None
+    x1, y1, x2, y2 = (side / FRAME_PX for side in box)
+    return x1, y1, x2, y2

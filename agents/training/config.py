@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -256,6 +257,11 @@ def networks() -> tuple[str, ...]:
 def committees() -> tuple[str, ...]:
     """Names of the committees that come with the package."""
     return preset_names(COMMITTEES)
+
+
+def is_committee(name: str) -> bool:
+    """Whether a name is that of a committee, or of a file that says of whom it consists, and not of weights."""
+    return name in committees() or Path(name).suffix == ".yaml"
 
 
 def load_committee_config(path: str | os.PathLike[str]) -> CommitteeConfig:

@@ -20,7 +20,7 @@ from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.parts.interfaces import Sighting
 from remqa_data.agents.parts.network_answerer import NetworkAnswerer
 from remqa_data.agents.parts.network_localizer import NetworkLocalizer
-from remqa_data.agents.training.config import MatcherConfig, committees
+from remqa_data.agents.training.config import MatcherConfig, is_committee
 from remqa_data.agents.training.weights import load_committee, load_network, trained_detector, weights_path
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.tables.images import decode_depth, decode_rgb
@@ -62,7 +62,7 @@ def seen_through(network: MatcherConfig) -> AnyDetector:
 @cache
 def localizer(name: str) -> NetworkLocalizer:
     """A matcher or a committee of a name, and what it sees through."""
-    if name in committees():
+    if is_committee(name):
         committee, about = load_committee(name)
     else:
         matcher, about = load_network(weights_path(name))
