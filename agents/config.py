@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.agents.training.config import seeded_name
-from remqa_data.errors import ConfigError
 from remqa_data.evaluation.submission.tracks import MAX_ACTIONS
-from remqa_data.generators.config_files import config_text, first_problem, preset_names, read_keys
+from remqa_data.generators.config_files import checked, config_text, preset_names, read_keys
 from remqa_data.limits import MOST_SEED
 from remqa_data.storage.manifest import config_hash
 
@@ -133,8 +132,4 @@ def load_system(path: str | os.PathLike[str]) -> SystemConfig:
         If the file cannot be read, or a key is missing, unknown or has a wrong value: names file, key and reason.
     """
     where = os.fspath(path)
-    data = read_keys(config_text(path, PRESETS), where)
-    try:
-        return SystemConfig.model_validate(data)
-    except ValidationError as error:
-        raise ConfigError(f"{where}: {first_problem(error)}") from None
+    return checked(SystemConfig, read_keys(config_text(path, PRESETS), where), where)

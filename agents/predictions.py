@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +20,7 @@ from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.training.answering import AskedViews
 from remqa_data.agents.training.config import AnswererConfig, is_committee, load_committee_config
 from remqa_data.agents.training.grounding import asked_frames, seen_frames
-from remqa_data.agents.training.matching import frames_with_expressions, referred_pictures
+from remqa_data.agents.training.matching import Progress, frames_with_expressions, referred_pictures
 from remqa_data.agents.training.weights import (
     DETECTOR,
     About,
@@ -38,8 +38,6 @@ from remqa_data.storage.manifest import load_manifest
 
 AT_ONCE = 16
 """Questions that are answered together."""
-
-Progress = Callable[[int], None]
 
 
 class Speaker(NamedTuple):

@@ -273,14 +273,8 @@ def _split(systems: Sequence[Scored]) -> str:
 
 def _scored(path: Path, truth: GroundTruth, workers: int, progress: Callable[[int], None] | None) -> Scored:
     submission = open_submission(path)
-    header, sha256 = submission.header, dataset_sha256(truth.manifest)
-    for name, wanted, found in (
-        ("track", truth.track, header.track),
-        ("split", truth.split, header.split),
-        ("dataset", sha256, header.dataset or sha256),
-    ):
-        if wanted != found:
-            raise SubmissionError(path, "the header", f"the predictions are for {name} {found!r}, not {wanted!r}")
+    sha256 = dataset_sha256(truth.manifest)
+    submission.check(track=truth.track, split=truth.split, dataset=sha256)
     known = path.with_suffix(".results.json")
     results = _known_results(known, submission, sha256)
     if results is None:

@@ -99,11 +99,7 @@ def score(
         require("jinja2", "report", "or leave the report out with --no-report")
     submission = open_submission(predictions)
     header = submission.header
-    for name, wanted, found in (("track", track, header.track), ("split", split, header.split)):
-        if wanted not in (None, found):
-            raise SubmissionError(
-                predictions, "the header", f"the predictions are for {name} {found!r}, not {wanted!r}"
-            )
+    submission.check(track=track, split=split)
     truth = load_ground_truth(data, header.track, header.split)
     sha256 = dataset_sha256(truth.manifest)
     if header.dataset is not None and header.dataset != sha256:

@@ -39,8 +39,7 @@ def submitted_commands(path: Path, root: Path, question_id: str) -> list[Command
     header = submission.header
     if not TRACKS[header.track].walks:
         raise SubmissionError(path, "the header", f"in track {header.track!r} nobody walks")
-    if header.dataset not in (None, dataset_sha256(manifest)):
-        raise SubmissionError(path, "the header", f"the submission is not about {root}")
+    submission.check(dataset=dataset_sha256(manifest))
     known: list[str] = []
     for batch in submission.batches(replay=True, max_rows=sum(manifest.questions.get(header.split, {}).values())):
         ids = batch.rows.column("question_id").to_pylist()

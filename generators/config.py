@@ -11,14 +11,13 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    ValidationError,
     model_validator,
 )
 
 from remqa_data.errors import ConfigError, UnknownNameError
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
-from remqa_data.generators.config_files import config_text, first_problem, preset_names, read_keys
+from remqa_data.generators.config_files import checked, config_text, preset_names, read_keys
 from remqa_data.generators.questions.allotment import LOT_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
 from remqa_data.generators.walks.walk import WalkSettings
 from remqa_data.limits import MOST_IMAGE_PX, MOST_SEED
@@ -240,11 +239,7 @@ def load_config(path: str | os.PathLike[str]) -> Config:
 
 def parse_config(text: str, where: str = "configuration") -> Config:
     """Read a configuration from its text; see `load_config`."""
-    data = read_keys(text, where)
-    try:
-        return Config.model_validate(data)
-    except ValidationError as error:
-        raise ConfigError(f"{where}: {first_problem(error)}") from None
+    return checked(Config, read_keys(text, where), where)
 
 
 def stored_config(stored: Mapping[str, Any]) -> Config:
@@ -255,10 +250,7 @@ def stored_config(stored: Mapping[str, Any]) -> Config:
     ConfigError
         If it is none: names the key and the reason.
     """
-    try:
-        return Config.model_validate(stored)
-    except ValidationError as error:
-        raise ConfigError(f"stored configuration: {first_problem(error)}") from None
+    return checked(Config, stored, "stored configuration")
 
 
 def _most_rooms(layouts: Layouts) -> int:

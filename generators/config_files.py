@@ -6,16 +6,18 @@ import os
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from remqa_data.errors import ConfigError, nearest_names, one_line
 
 MOST_CONFIG_BYTES = 1 << 18
 MOST_CONFIG_DEPTH = 8
 """Lists and mappings inside of one another; it takes four."""
+
+M = TypeVar("M", bound=BaseModel)
 
 
 def preset_names(package: str) -> tuple[str, ...]:
@@ -63,7 +65,21 @@ def read_keys(text: str, where: str) -> Mapping[str, Any]:
     return data
 
 
-def first_problem(error: ValidationError) -> str:
+def checked(kind: type[M], data: Mapping[str, Any], where: str) -> M:
+    """The configuration of a kind that keys and values say.
+
+    Raises
+    ------
+    ConfigError
+        If a key is missing, unknown or has a wrong value: names where, the key and the reason.
+    """
+    try:
+        return kind.model_validate(data)
+    except ValidationError as error:
+        raise ConfigError(f"{where}: {_first_problem(error)}") from None
+
+
+def _first_problem(error: ValidationError) -> str:
     """The first thing that is wrong with a configuration, in one line that begins with its key."""
     problem = error.errors()[0]
     # Of a value that may be of two types, pydantic tells the branch after the key; the key is enough.

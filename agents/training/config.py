@@ -6,11 +6,10 @@ import os
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.agents.networks.windows import SIDE_PX
-from remqa_data.errors import ConfigError
-from remqa_data.generators.config_files import config_text, first_problem, preset_names, read_keys
+from remqa_data.generators.config_files import checked, config_text, preset_names, read_keys
 from remqa_data.limits import MOST_SEED
 from remqa_data.storage.manifest import config_hash
 
@@ -273,10 +272,7 @@ def load_committee_config(path: str | os.PathLike[str]) -> CommitteeConfig:
         If the file cannot be read, or a key is missing, unknown or has a wrong value: names file, key and reason.
     """
     where = os.fspath(path)
-    try:
-        return CommitteeConfig.model_validate(read_keys(config_text(path, COMMITTEES), where))
-    except ValidationError as error:
-        raise ConfigError(f"{where}: {first_problem(error)}") from None
+    return checked(CommitteeConfig, read_keys(config_text(path, COMMITTEES), where), where)
 
 
 def load_network_config(path: str | os.PathLike[str]) -> NetworkConfig:
@@ -291,7 +287,4 @@ def load_network_config(path: str | os.PathLike[str]) -> NetworkConfig:
     data = {**read_keys(config_text(path, PRESETS), where)}
     if isinstance(network := data.get("network"), dict) and isinstance(network.get("views"), list):
         data["network"] = network | {"views": tuple(network["views"])}  # YAML has no tuples
-    try:
-        return NetworkConfig.model_validate(data)
-    except ValidationError as error:
-        raise ConfigError(f"{where}: {first_problem(error)}") from None
+    return checked(NetworkConfig, data, where)

@@ -24,7 +24,7 @@ from remqa_data.agents.networks.grounding import (
     grounded,
     sight_of,
 )
-from remqa_data.agents.training.matching import RIGHT_IOU, FrameExpressions, frames_with_expressions
+from remqa_data.agents.training.matching import RIGHT_IOU, FrameExpressions, Progress, frames_with_expressions
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.geometry.types import F32
@@ -44,8 +44,6 @@ GROUNDERS: Mapping[str, Callable[[int], Grounder]] = {
 }
 AT_ONCE = 2
 """Expressions of a frame that are learnt from in an epoch."""
-
-Progress = Callable[[int], None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -90,24 +90,13 @@ class Looks:
 
     def __init__(self, detector: AnyDetector, device: str = "cpu") -> None:
         self.detector, self.device = detector.to(device).eval(), device
-        self._seen: dict[tuple[str, Path, str, frozenset[str] | None], list[Referred]] = {}
+        self._seen: dict[tuple[Shown, Path, str, frozenset[str] | None], list[Referred]] = {}
 
-    def at_frames(
-        self, root: Path, split: str, rooms: frozenset[str] | None = None, progress: Progress | None = None
+    def at(
+        self, shown: Shown, root: Path, split: str, rooms: frozenset[str] | None, progress: Progress | None = None
     ) -> list[Referred]:
-        """The frames that expressions of a split are about; only those of some rooms, if given."""
-        return self._at("frames", frames_with_expressions, root, split, rooms, progress)
-
-    def at_views(
-        self, root: Path, split: str, rooms: frozenset[str] | None = None, progress: Progress | None = None
-    ) -> list[Referred]:
-        """The views before the manipulation of a split's questions; only those of some rooms, if given."""
-        return self._at("views", views_with_expressions, root, split, rooms, progress)
-
-    def _at(
-        self, what: str, shown: Shown, root: Path, split: str, rooms: frozenset[str] | None, progress: Progress | None
-    ) -> list[Referred]:
-        key = what, root, split, rooms
+        """What `frames_with_expressions` or `views_with_expressions` shows of a split; only of some rooms, if given."""
+        key = shown, root, split, rooms
         if key not in self._seen:
             self._seen[key] = referred_pictures(shown(root, split, rooms), self.detector, self.device, progress)
         return self._seen[key]
@@ -154,11 +143,12 @@ class MatchingTask:
         progress: Progress | None = None,
     ) -> None:
         rooms = learning_rooms(roots)
-        shown = [looks.at_frames(root, "train", rooms, progress) for root in roots]
+        shown = [looks.at(frames_with_expressions, root, "train", rooms, progress) for root in roots]
         if network.questions:
-            shown += [looks.at_views(root, "train", rooms, progress) for root in roots]
+            shown += [looks.at(views_with_expressions, root, "train", rooms, progress) for root in roots]
         self._pictures = list(chain.from_iterable(shown))
-        self._val = looks.at_frames(roots[0], "val", None, progress) if rooms_of(roots[0], "val") else []
+        has_val = rooms_of(roots[0], "val")
+        self._val = looks.at(frames_with_expressions, roots[0], "val", None, progress) if has_val else []
         self.vocabulary = Vocabulary.build((text for picture in self._pictures for text in picture.texts), ())
         self.model = empty_matcher(network, len(self.vocabulary.words), looks.detector.types)
         self.device, self.spared_iou = looks.device, network.spared_iou

@@ -99,6 +99,21 @@ class Submission:
             if first - 1 > max_rows:
                 raise SubmissionError(self.path, self.place(first - 1), too_many_rows(max_rows))
 
+    def check(self, **wanted: str | None) -> None:
+        """Refuse a submission to another track, or about another split or dataset, where one is named that is not None.
+
+        Raises
+        ------
+        SubmissionError
+            If its header says another one.
+        """
+        for name, value in wanted.items():
+            found = getattr(self.header, name)
+            if value is not None and (found or value) != value:
+                raise SubmissionError(
+                    self.path, "the header", f"the predictions are for {name} {found!r}, not {value!r}"
+                )
+
     def place(self, row: int) -> str:
         """Where a row is, for people: in a .jsonl file the line, of which the header is the first."""
         return f"row {row}" if self.is_parquet else f"line {row + 1}"

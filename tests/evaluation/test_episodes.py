@@ -64,5 +64,5 @@ def test_what_cannot_be_played_is_told_in_one_line(
     with pytest.raises(SubmissionError, match="in track 'qa' nobody walks"):
         submitted_commands(answers, two_rooms, rows[0]["question_id"])
     write_submission(other, Header(track="remqa", split="test", dataset="0" * 64), rows)
-    with pytest.raises(SubmissionError, match="the submission is not about"):
+    with pytest.raises(SubmissionError, match=r"the predictions are for dataset '0{64}', not"):
         submitted_commands(other, two_rooms, rows[0]["question_id"])

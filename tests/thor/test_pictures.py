@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from ai2thor._quality_settings import QUALITY_SETTINGS
 
-from remqa_data.sim.agent.pictures import BYTES_PER_PIXEL
 from remqa_data.thor import Controller
 from tests.helpers.random_calls import call_at_random
 
@@ -80,7 +79,7 @@ def test_a_quality_says_what_pictures_are_drawn_with(kitchen) -> None:
 
 
 def test_memory_is_bounded(kitchen, monkeypatch) -> None:
-    size = 300 * 300 * BYTES_PER_PIXEL
+    size = 300 * 300 * 19
     kept = kitchen.server.session._simulator.room.pictures
     monkeypatch.setattr(kept, "most_bytes", 3 * size)
     for _ in range(6):

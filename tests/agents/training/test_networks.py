@@ -29,7 +29,7 @@ from remqa_data.views.build import Wanted, cache_views
 
 pytestmark = pytest.mark.slow
 
-WITH_MAPS = ("framework", "framework_committee", "framework_memory")
+WITH_MAPS = ("framework", "framework_two_stage", "framework_committee", "framework_memory")
 WALKERS = ("a3c", "scene_priors", "savn", "eqa", "iqa", "bc_transformer")
 
 
