@@ -101,7 +101,7 @@ def test_masks_flags_and_boxes_agree(kitchen) -> None:
         for record in event.metadata["objects"]:
             mask = event.instance_masks.get(record["objectId"])
             if record["visible"]:
-                assert mask.sum() >= 50
+                assert mask.sum() >= 10
                 x1, y1, x2, y2 = event.instance_detections2D[record["objectId"]]
                 rows, columns = np.nonzero(mask)
                 assert (x1, y1, x2, y2) == (columns.min(), rows.min(), columns.max(), rows.max())

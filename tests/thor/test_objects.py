@@ -7,6 +7,8 @@ FRIDGE = "Fridge|-02.10|+00.00|+01.07"
 APPLE = "Apple|-00.47|+01.15|+00.48"
 EGG = "Egg|-02.04|+00.81|+01.24"
 ISLAND = "CounterTop|-00.08|+01.15|00.00"
+MICROWAVE = "Microwave|-00.24|+01.69|-02.53"
+FORK = "Fork|+00.95|+00.77|-02.37"
 
 
 def pose(x: float, z: float, rotation: float, horizon: float) -> dict:
@@ -223,3 +225,64 @@ def test_what_is_heavier_slides_less_far(kitchen) -> None:
     assert "moveable" in kitchen.step("SetMassProperties", objectId=FRIDGE, mass=1.0).metadata["errorMessage"]
     assert "negative" in kitchen.step("SetMassProperties", objectId=APPLE, mass=-1.0).metadata["errorMessage"]
     assert kitchen.step("SetMassProperties", objectId=APPLE, mass=0.0)
+
+
+def done(event):
+    assert event, event.metadata["errorMessage"]
+    return event
+
+
+@pytest.fixture
+def before_microwave(kitchen):
+    """The agent before the microwave, with the apple in its hand."""
+    done(kitchen.step("PickupObject", objectId=APPLE, forceAction=True))
+    box = kitchen.last_event.get_object(MICROWAVE)["axisAlignedBoundingBox"]["center"]
+    poses = done(kitchen.step("GetInteractablePoses", objectId=MICROWAVE, horizons=[0], standings=[True])).metadata[
+        "actionReturn"
+    ]
+    straight = [pose for pose in poses if abs(pose["x"] - box["x"]) < 0.2]
+    done(kitchen.step("TeleportFull", **max(straight, key=lambda pose: abs(pose["z"] - box["z"]))))
+    return kitchen
+
+
+def test_a_microwave_heats_what_was_put_in_and_gives_it_back(before_microwave) -> None:
+    controller = before_microwave
+    closed = controller.step("PutObject", objectId=MICROWAVE)
+    assert "CLOSED" in closed.metadata["errorMessage"]
+    done(controller.step("OpenObject", objectId=MICROWAVE))
+    inside = done(controller.step("PutObject", objectId=MICROWAVE)).get_object(APPLE)
+    assert inside["parentReceptacles"] == [MICROWAVE]
+    assert inside["visible"]
+    for action in ("CloseObject", "ToggleObjectOn", "ToggleObjectOff", "OpenObject"):
+        event = done(controller.step(action, objectId=MICROWAVE))
+    assert event.get_object(APPLE)["temperature"] == "Hot"
+    done(controller.step("PickupObject", objectId=APPLE))
+
+
+def test_what_stands_on_a_microwave_is_not_in_it(kitchen) -> None:
+    low, high = np.array(kitchen.last_event.get_object(MICROWAVE)["axisAlignedBoundingBox"]["cornerPoints"])[[7, 0]]
+    top = {"x": (low[0] + high[0]) / 2, "y": max(low[1], high[1]), "z": (low[2] + high[2]) / 2}
+    event = done(kitchen.step("PlaceObjectAtPoint", objectId=EGG, position=top))
+    assert event.get_object(EGG)["position"]["y"] > top["y"]
+    assert event.get_object(MICROWAVE)["receptacleObjectIds"] == []
+    event = done(kitchen.step("ToggleObjectOn", objectId=MICROWAVE, forceAction=True))
+    assert event.get_object(EGG)["temperature"] == "Cold"  # as in the fridge, from where it was taken
+
+
+def test_a_fork_of_few_pixels_is_taken_from_as_far_as_ai2thor_allows(kitchen) -> None:
+    taken = []
+    done(kitchen.step("PickupObject", objectId=FORK, forceAction=True))
+    done(kitchen.step("PutObject", objectId=ISLAND, forceAction=True))
+    poses = done(kitchen.step("GetInteractablePoses", objectId=FORK, horizons=[30], standings=[True])).metadata[
+        "actionReturn"
+    ]
+    start = kitchen.last_event.get_object(FORK)
+    for pose in poses:
+        event = done(kitchen.step("TeleportFull", renderInstanceSegmentation=True, **pose))
+        pixels = int(event.instance_masks[FORK].sum())
+        assert pixels >= 10
+        if pixels < 50:
+            done(kitchen.step("PickupObject", objectId=FORK))
+            done(kitchen.step("PlaceObjectAtPoint", objectId=FORK, position=start["axisAlignedBoundingBox"]["center"]))
+            taken.append(pose)
+    assert len(taken) >= 3

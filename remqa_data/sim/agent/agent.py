@@ -18,6 +18,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.body import Body, direction
+from remqa_data.sim.agent.receptacles import put_into
 from remqa_data.sim.agent.results import DONE, ActionResult
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.physics.world import World
@@ -146,13 +147,15 @@ class Agent(Body):
         return refusal or DONE
 
     def put(self, receptacle_id: str, force: bool = False) -> ActionResult:
-        """Put what is held into or onto a receptacle, where there is room nearest to the agent."""
+        """Put what is held into or onto a receptacle: at the nearest free place that the agent sees, or else at any."""
         if self.held is None:
             return ActionResult(False, "nothing is held")
         if not object_type(self.world.type_of(receptacle_id)).receptacle:
             return ActionResult(False, f"{receptacle_id} is not a receptacle")
         refusal = None if force else self.refusal(receptacle_id) or self.reach(receptacle_id)
-        return refusal or self._released(handling.put_into(self.world, receptacle_id, (self.x, self.y)))
+        if refusal is not None:
+            return refusal
+        return self._released(put_into(self.world, receptacle_id, (self.x, self.y), self.are_seen, self._is_beside))
 
     def drop(self) -> ActionResult:
         """Let go of what is held; it falls in front of the agent, or under the hand where the arm is in use."""
@@ -267,6 +270,11 @@ class Agent(Body):
                 break
             reached = share
         return reached
+
+    def _is_beside(self, object_id: str) -> bool:
+        """Whether an object, which is held out somewhere, is not where the agent stands."""
+        links = self.world.link_poses(object_id)
+        return self.ground.distance(object_id, links, (self.x, self.y)) > self.embodiment.radius_m
 
     def _body_at(self, object_id: str, position: Vec3) -> str | None:
         """Whether the agent is in the way of an object that is to be somewhere else; its name in errors, or None."""

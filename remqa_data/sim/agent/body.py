@@ -9,7 +9,7 @@ import numpy as np
 
 from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.sim.agent.results import DONE, ActionResult
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.grid import ReachableGrid, reach_distance
@@ -92,6 +92,17 @@ class Body:
         seen = self.view.pixels(self.camera()) >= MIN_PIXELS
         ids = [self.world.ids[index] for index in np.flatnonzero(seen)]
         return ids if distance_m is None else [name for name in ids if self.plan_distance(name) <= distance_m]
+
+    def are_seen(self, points: F64) -> Flags:
+        """(n,) which of (n, 3) points in the room, metres, are in its view with nothing in front of them."""
+        camera = self.camera()
+        x, y, away = camera.project(points).T
+        is_seen = (away > 0.0) & (x >= 0.0) & (x < camera.width) & (y >= 0.0) & (y < camera.height)
+        if is_seen.any():
+            rows, columns = y[is_seen].astype(int), x[is_seen].astype(int)
+            depth = self.view.depth(camera)[rows, columns]
+            is_seen[is_seen] = (depth == 0.0) | (depth > away[is_seen])
+        return np.asarray(is_seen)
 
     # ---- walking and looking
 

@@ -5,16 +5,13 @@ Every function leaves the world either with the thing done and all at rest, or a
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
 
 import numpy as np
 
-from remqa_data.assets.core.model import Space
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.types import Vec3
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import SETTLE_STEPS, World
 
@@ -24,14 +21,9 @@ OVERLAP_M = 0.005
 """Things that rest on each other overlap less than this."""
 GAP_M = 0.003
 """How far above its place a thing is let go."""
-LATTICE_M = 0.05
-TRIES = 3
-"""How many free places of a receptacle are tried: from some, things roll or tip off."""
 SLIDE_STEP_M = 0.025
 FLIGHT_STEPS = 960
 """What is thrown has come to rest after so many steps of physics at the most."""
-OPEN_ENOUGH = 0.3
-"""A thing can be put into a closed space that is open at least this much."""
 
 
 @dataclass(frozen=True)
@@ -48,46 +40,6 @@ class Slide:
 
     distance_m: float
     blocked_by: str = ""
-
-
-def put_into(world: World, receptacle_id: str, near: tuple[float, float]) -> Release:
-    """Put what is held into or onto a receptacle, at the free place nearest to a point; it must stay there."""
-    held = world.held
-    assert held is not None
-    spaces = open_spaces(world, receptacle_id)
-    if not spaces:
-        return Release(
-            None, f"{receptacle_id} is {'closed' if world.assets[receptacle_id].spaces else 'not a receptacle'}"
-        )
-    low, high = world.box(held) - np.array(world.state(held).position)
-    links = world.link_poses(receptacle_id)
-    spots = [
-        tuple(spot.tolist())
-        for space in spaces
-        for spot in _spots(links[space.link], np.array(space.box).reshape(2, 3), low, high)
-    ]
-    spots.sort(key=lambda spot: math.dist(spot[:2], near))
-    before = world.save()
-    for spot in islice((spot for spot in spots if is_free(world, held, spot)), TRIES):
-        world.put(spot)
-        settle(world)
-        if support_of(world, held) == receptacle_id:
-            return Release(held)
-        world.restore(before)
-    return Release(None, f"no free place for {held} in {receptacle_id}")
-
-
-def open_spaces(world: World, receptacle_id: str) -> list[Space]:
-    """The spaces of a receptacle into which a thing can be put as it is now: not those that are closed."""
-    asset = world.assets[receptacle_id]
-    is_open = asset.is_openable and world.state(receptacle_id).openness >= OPEN_ENOUGH
-    return [space for space in asset.spaces if is_open or not space.enclosed]
-
-
-def lattice(link: F64, box: F64) -> Iterator[Vec3]:
-    """Points of the floor of a (2, 3) box of a link, metres in the room."""
-    for x, y, z in _spots(link, box, np.zeros(3), np.zeros(3)):
-        yield float(x), float(y), float(z) - GAP_M
 
 
 def drop_at(world: World, spots: Sequence[Vec3], velocity: Vec3 | None = None) -> Release:
@@ -173,18 +125,6 @@ def slide(
     else:
         settle(world)
     return Slide(gone, blocker)
-
-
-def _spots(link: F64, box: F64, low: F64, high: F64) -> Iterator[F64]:
-    """Where the origin of a thing, whose box around it is (low, high), can be in a (2, 3) box of a link."""
-    room = (box[1] - box[0])[:2] / 2
-    half = np.minimum(np.maximum(-low, high)[:2], room)  # what is larger than its place lies in its middle
-    middle = (box[0] + box[1]) / 2
-    axes = [np.arange(-(r - h), r - h + 1e-9, LATTICE_M) for r, h in zip(room, half, strict=True)]
-    for dx in axes[0]:
-        for dy in axes[1]:
-            floor = arithmetic.moved([middle[0] + dx, middle[1] + dy, box[0, 2]], link)
-            yield floor + np.array([0.0, 0.0, GAP_M - low[2]])
 
 
 def is_free(world: World, object_id: str, spot: Vec3) -> bool:

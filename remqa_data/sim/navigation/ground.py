@@ -82,8 +82,12 @@ class Ground:
         """
         self._sync()
         now = outline_distance(self._outlines[object_id], agent)
-        then = body_outlines(self.world.assets[object_id], link_poses, self.world.scene.floor_z, first_link)
-        return outline_distance(then, agent) <= min(self.radius_m, now - 1e-6)
+        return self.distance(object_id, link_poses, agent, first_link) <= min(self.radius_m, now - 1e-6)
+
+    def distance(self, object_id: str, link_poses: F64, agent: Point, first_link: int = 0) -> float:
+        """How far an object would be from the middle of the agent with its links at (n, 4, 4) poses, metres in plan."""
+        outlines = body_outlines(self.world.assets[object_id], link_poses, self.world.scene.floor_z, first_link)
+        return outline_distance(outlines, agent)
 
     def grid(self) -> ReachableGrid:
         """The navigation grid as it is now."""

@@ -24,6 +24,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 
 if TYPE_CHECKING:
+    from remqa_data.assets.core.model import Space
     from remqa_data.sim.physics.world import World
 
 SupportKind = Literal["in", "on"]
@@ -110,6 +111,11 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
     return held_by
 
 
+def surrounds(type_name: str, space: Space) -> bool:
+    """Whether what lies in a space of a type is "in" it: it is enclosed, or has walls around it."""
+    return space.enclosed or space.name.startswith(support_rules().vessels.get(type_name, ()))
+
+
 @dataclass(frozen=True)
 class _Spaces:
     """The spaces of all objects, one row each."""
@@ -128,8 +134,7 @@ class _Spaces:
 
 
 def _all_spaces(world: World) -> _Spaces:
-    vessels = support_rules().vessels
-    owners, is_floor, enclosed, surrounds, poses, low, high = [], [], [], [], [], [], []
+    owners, is_floor, enclosed, walled, poses, low, high = [], [], [], [], [], [], []
     for object_id in world.ids:
         if object_id == world.held or not world.assets[object_id].spaces:
             continue
@@ -138,7 +143,7 @@ def _all_spaces(world: World) -> _Spaces:
             owners.append(object_id)
             is_floor.append(type_name == "Floor")
             enclosed.append(space.enclosed)
-            surrounds.append(space.enclosed or space.name.startswith(vessels.get(type_name, ())))
+            walled.append(surrounds(type_name, space))
             poses.append(links[space.link])
             low.append(space.box[:3])
             high.append(space.box[3:])
@@ -150,7 +155,7 @@ def _all_spaces(world: World) -> _Spaces:
         owners=np.array(owners, dtype=np.object_),
         is_floor=np.array(is_floor, dtype=np.bool_),
         enclosed=np.array(enclosed, dtype=np.bool_),
-        surrounds=np.array(surrounds, dtype=np.bool_),
+        surrounds=np.array(walled, dtype=np.bool_),
         poses=pose,
         middle=middle,
         half=half,

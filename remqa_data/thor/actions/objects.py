@@ -8,6 +8,7 @@ from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.receptacles import CLOSED
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
 from remqa_data.thor.actions.rays import shown_at
@@ -22,6 +23,8 @@ NO_OBJECT = "not a sim object, a structure was touched"
 """AI2-THOR's words for a wall or the floor."""
 NO_PLACE = "No valid positions to place object found"
 """AI2-THOR's words, which its clients look for."""
+NOT_OPEN = "Target openable Receptacle is CLOSED, can't place if target is not open!"
+"""The same."""
 UPRIGHT = 0.999
 """Cosine of the angle from which a thing counts as tilted."""
 PUSH_S = 0.02
@@ -98,6 +101,8 @@ def put_object(
     result = simulator.agent.put(target, forceAction)
     if held is not None and turned is not None and not result.success:
         world.move_alone(held, world.state(held).position, turned)
+    if result.error == f"{target} is {CLOSED}":
+        return ActionResult(False, NOT_OPEN)
     return ActionResult(False, NO_PLACE) if result.error.startswith("no free place") else _plain(result)
 
 

@@ -19,6 +19,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.receptacles import lattice, open_spaces
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.state.dispatch import Action
@@ -193,8 +194,8 @@ def get_spawn_coordinates_above_receptacle(
         return ActionResult(False, f"{objectId} is not a receptacle")
     links = world.link_poses(objectId)
     found: list[Vec3] = []
-    for space in handling.open_spaces(world, objectId):
-        for x, y, z in handling.lattice(links[space.link], np.array(space.box).reshape(2, 3)):
+    for space in open_spaces(world, objectId):
+        for x, y, z in lattice(links[space.link], space):
             hit = world.first_hit((x, y, z + space.box[5] - space.box[2]), (x, y, z - ON_FLOOR_M))
             if hit is not None and hit[0] == objectId and abs(hit[1][2] - z) <= ON_FLOOR_M:
                 found.append(hit[1])

@@ -16,6 +16,7 @@ from remqa_data.generators.arrangement.loose_objects import OpenSurface, put_ane
 from remqa_data.geometry import arithmetic
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.receptacles import open_spaces
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.state.dispatch import Action
@@ -111,7 +112,7 @@ def _surfaces(
     return [
         OpenSurface(name, space)
         for name in owners
-        for space in (handling.open_spaces(world, name) if force_visible else world.assets[name].spaces)
+        for space in (open_spaces(world, name) if force_visible else world.assets[name].spaces)
     ]
 
 

@@ -15,14 +15,13 @@ from remqa_data.geometry.rotations import quaternion_of, rotation_of, snapped_qu
 from remqa_data.geometry.types import F64, I32, Flags, Vec3
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
 from remqa_data.sim.arm import jaco
-from remqa_data.sim.metadata import scaled_min_pixels
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import Observation, WorldView
 from remqa_data.thor.state.settings import FrameSize, Settings
-from remqa_data.thor.state.sight import Sight
+from remqa_data.thor.state.sight import Sight, enough_pixels
 
 HAND: Vec3 = (0.0, -0.16, 0.38)
 """Where AI2-THOR's agent without an arm holds things: metres to the right of its camera, above and ahead of it."""
@@ -184,6 +183,11 @@ class ThorAgent(Agent):
             goal = super()._until_it_meets_an_agent(object_id, was, goal, place)
         return goal
 
+    def _is_beside(self, object_id: str) -> bool:
+        """See `Agent`; nothing is put where another agent stands either."""
+        links, radius = self.world.link_poses(object_id), self.embodiment.radius_m
+        return all(self.ground.distance(object_id, links, (who.x, who.y)) > radius for who in (self, *self._all))
+
     def _blocker(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
         """See `Body`; another agent is in the way, too."""
         return self._other_between(start, end) or super()._blocker(start, end)
@@ -223,7 +227,7 @@ class ThorAgent(Agent):
 
     def seen_in(self, objects: I32, among: Flags | None = None) -> list[str]:
         """Ids of the objects that a (h, w) image of object indices shows; of (n,) some objects, if these are given."""
-        enough = pixel_counts(objects, len(self.world.ids)) >= scaled_min_pixels(objects.shape)
+        enough = pixel_counts(objects, len(self.world.ids)) >= enough_pixels(objects.shape)
         if among is not None:
             enough &= among
         return [self.world.ids[index] for index in np.flatnonzero(enough)]
@@ -240,4 +244,4 @@ class ThorAgent(Agent):
         index = self.world.ids.index(object_id)
         camera = self.camera()
         pixels = self.view.pixels_of(camera, [object_id])[index]
-        return int(pixels) >= scaled_min_pixels((camera.height, camera.width))
+        return int(pixels) >= enough_pixels((camera.height, camera.width))

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from remqa_data.catalog import object_type
+from remqa_data.catalog import object_type, types_with
 from remqa_data.floorplans.load import recorded_poses
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
@@ -288,10 +288,12 @@ Lists = dict[str, list[str]]
 
 
 def _parents_and_contents(world: World, boxes: Mapping[str, F64]) -> tuple[Lists, Lists]:
-    """What holds each object, and what each object holds."""
+    """What holds each object, and what each object holds; on the top of a microwave, things are not in it."""
     parents: Lists = {object_id: [] for object_id in world.ids}
     contents: Lists = {object_id: [] for object_id in world.ids}
     for object_id, support in supports(world, boxes).items():
+        if support.kind == "on" and world.type_of(support.id) in types_with("takes_in"):
+            continue
         parents[object_id].append(support.id)
         contents[support.id].append(object_id)
     return parents, contents

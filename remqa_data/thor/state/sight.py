@@ -9,13 +9,16 @@ import numpy as np
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
-from remqa_data.sim.metadata import scaled_min_pixels
+from remqa_data.sim.metadata import scaled_pixels
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import WorldView
 
+ENOUGH_PX = 10
+"""An object is visible when so many pixels of a 300 x 300 frame show it. AI2-THOR asks for one point of its surface, and
+lets clients take a fork from a metre and a half away, which has fewer pixels than make evidence of a question."""
 MOST_KEPT = 10_000
 """So many poses are remembered while nothing in the room changes."""
 
@@ -61,7 +64,7 @@ class Sight:
         key = (camera, distance_m)
         if key not in self._visible:
             pixels = self._view.pixels_of(camera, self._ids[near].tolist())
-            seen = near & (pixels >= scaled_min_pixels((camera.height, camera.width)))
+            seen = near & (pixels >= enough_pixels((camera.height, camera.width)))
             self._visible[key] = frozenset(self._ids[seen].tolist())
         return self._visible[key]
 
@@ -78,3 +81,8 @@ class Sight:
             if state is not self._shown.get(object_id):
                 self._shown[object_id] = state
                 self._frames[index] = state.matrix()
+
+
+def enough_pixels(shape: tuple[int, ...]) -> int:
+    """How many pixels of a (height, width) frame make an object visible."""
+    return scaled_pixels(ENOUGH_PX, shape)

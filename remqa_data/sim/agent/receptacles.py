@@ -1,0 +1,193 @@
+"""Putting what is held into or onto a receptacle: where there is room, how it is turned, and whether it stays there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+
+from remqa_data.assets.core.model import Space
+from remqa_data.catalog import types_with
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import quaternion_of, rotation_of, snapped_quaternion
+from remqa_data.geometry.types import F64, Flags, Vec3
+from remqa_data.scene import Quaternion
+from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, support_of
+from remqa_data.sim.physics.support import surrounds
+from remqa_data.sim.physics.world import World
+
+LATTICE_M = 0.05
+TRIES = 3
+"""How many free places of a receptacle are tried with a thing turned one way: from some, things roll or tip off."""
+CLOSED = "closed"
+OPEN_ENOUGH = 0.3
+"""A thing can be put into a closed space that is open at least this much."""
+TURNS_DEG = (0.0, 90.0, 45.0, 135.0)
+RISE_M, MOST_RISE_M = 0.01, 0.3
+"""What is in the way a little is passed by letting go so much higher; what is too large for an open space, by so many
+steps of it as it takes: it lies across the rim."""
+UP_TO_TOP = np.array([0.0, 0.0, 0.4])
+"""From the middle of a thing's box, in parts of its size, to where its top is looked for."""
+LONG, DEEP = 3.0, 0.35
+"""What is so many times as long as it is broad can be stood into a cup that is so deep, in parts of the thing's length."""
+
+
+class _Way(NamedTuple):
+    """How a thing is put down.
+
+    Attributes
+    ----------
+    quaternion : tuple of float
+        Its rotation.
+    low, high : (3,) array
+        Its box around its origin.
+    is_upright : bool
+        Whether it is stood up, which only walls around it hold.
+    lies_across : bool
+        Whether it may lie on the rim of what it is too large for.
+    """
+
+    quaternion: Quaternion
+    low: F64
+    high: F64
+    is_upright: bool = False
+    lies_across: bool = False
+
+
+def put_into(
+    world: World,
+    receptacle_id: str,
+    near: tuple[float, float],
+    are_seen: Callable[[F64], Flags],
+    is_clear: Callable[[str], bool],
+) -> Release:
+    """Put what is held into or onto a receptacle, where it is free; it must stay there.
+
+    It lies as it is held, or else turned on the spot, or stands in what has walls around it if it is long, or lies across.
+
+    Parameters
+    ----------
+    world : World
+        The room.
+    receptacle_id : str
+        Where to.
+    near : tuple of float
+        The nearest places to this x and y, metres, come first among those that are seen, and among those that are not.
+    are_seen : callable
+        Says of (n, 3) points in the room, metres, which of them are seen, (n,).
+    is_clear : callable
+        Says of an object whether it could stay where it is put to try.
+    """
+    held = world.held
+    assert held is not None
+    spaces = open_spaces(world, receptacle_id)
+    if not spaces:
+        is_closed = world.assets[receptacle_id].spaces
+        return Release(None, f"{receptacle_id} is {CLOSED if is_closed else 'not a receptacle'}")
+    before = world.save()
+    for way in _ways(world, held):
+        spots = _spots(world, receptacle_id, spaces, way)
+        if not spots:
+            continue
+        spots.sort(key=lambda spot: math.dist(spot[:2], near))
+        middles, up = np.array(spots) + (way.low + way.high) / 2, (way.high - way.low) * UP_TO_TOP
+        is_top_seen, is_seen = are_seen(np.concatenate([middles + up, middles])).reshape(2, -1)
+        spots = [spots[i] for i in np.argsort(-1 * is_top_seen - 1 * is_seen, kind="stable").tolist()]
+        world.move_alone(held, world.state(held).position, way.quaternion)
+        free = (spot for spot in _free(world, held, spots, way.lies_across) if is_clear(held))
+        for spot in islice(free, TRIES):
+            world.put(spot)
+            settle(world)
+            if support_of(world, held) == receptacle_id:
+                return Release(held)
+            world.restore(before)
+            world.move_alone(held, world.state(held).position, way.quaternion)
+        world.restore(before)
+    return Release(None, f"no free place for {held} in {receptacle_id}")
+
+
+def open_spaces(world: World, receptacle_id: str) -> list[Space]:
+    """The spaces of a receptacle into which a thing can be put as it is now: not those that are closed."""
+    asset = world.assets[receptacle_id]
+    is_open = asset.is_openable and world.state(receptacle_id).openness >= OPEN_ENOUGH
+    takes_in = world.type_of(receptacle_id) in types_with("takes_in")
+    return [space for space in asset.spaces if (is_open if space.enclosed else not takes_in)]
+
+
+def lattice(link: F64, space: Space) -> Iterator[Vec3]:
+    """Points of the floor of a space of a link, whose pose is (4, 4), metres in the room."""
+    yield from _lattice(link, space, np.zeros(2))
+
+
+def _ways(world: World, held: str) -> Iterator[_Way]:
+    """How a thing can be put down, the most natural way first."""
+    lying = rotation_of(world.state(held).quaternion)
+    flat = [_way(world, held, arithmetic.product(_about_z(degrees), lying)) for degrees in TURNS_DEG]
+    yield from flat
+    sides = np.ptp(world.assets[held].bounds(), axis=0)
+    if sides.max() >= LONG * np.median(sides):
+        long_side = np.eye(3)[int(sides.argmax())]
+        across = np.eye(3)[(int(sides.argmax()) + 1) % 3]
+        upright = np.array([across, arithmetic.cross(long_side, across), long_side])
+        for degrees in TURNS_DEG:
+            yield _way(world, held, arithmetic.product(_about_z(degrees), upright))._replace(is_upright=True)
+    yield from (way._replace(lies_across=True) for way in flat)
+
+
+def _about_z(degrees: float) -> F64:
+    sine, cosine = (float(value) for value in arithmetic.sin_cos_deg(degrees))
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _way(world: World, held: str, rotation: F64) -> _Way:
+    was = world.state(held)
+    quaternion = snapped_quaternion(quaternion_of(rotation))
+    world.move_alone(held, was.position, quaternion)
+    low, high = world.box(held) - np.array(was.position)
+    world.move_alone(held, was.position, was.quaternion)
+    return _Way(quaternion, low, high)
+
+
+def _spots(world: World, receptacle_id: str, spaces: list[Space], way: _Way) -> list[Vec3]:
+    """Where the origin of a thing can be when it lies or stands in some spaces."""
+    links, spots = world.link_poses(receptacle_id), list[Vec3]()
+    for space in spaces:
+        link = links[space.link]
+        along = arithmetic.turned(np.maximum(-way.low, way.high), np.abs(link[:3, :3]).T)[:2]  # the space's own axes
+        is_too_large = (along > np.subtract(space.box[3:5], space.box[:2]) / 2).any()
+        if way.is_upright and not _holds_upright(world.type_of(receptacle_id), space, way):
+            continue
+        if way.lies_across and (space.enclosed or not is_too_large):
+            continue
+        spots += [(x, y, z + GAP_M - float(way.low[2])) for x, y, z in _lattice(link, space, along)]
+    return spots
+
+
+def _holds_upright(type_name: str, space: Space, way: _Way) -> bool:
+    """Whether a thing that is stood into a space leans against walls around it."""
+    tall, deep = float(way.high[2] - way.low[2]), space.box[5] - space.box[2]
+    return surrounds(type_name, space) and not space.enclosed and deep >= DEEP * tall
+
+
+def _lattice(link: F64, space: Space, half: F64) -> Iterator[Vec3]:
+    """Points of the floor of a space at which the middle of a thing, (2,) half as large, can be; at least one."""
+    low, high = np.array(space.box).reshape(2, 3)
+    room, middle = (high - low)[:2] / 2, (low + high) / 2
+    half = np.minimum(half, room)  # what is larger than its place lies in its middle
+    axes = [np.arange(-(r - h), r - h + 1e-9, LATTICE_M) for r, h in zip(room, half, strict=True)]
+    for dx in axes[0]:
+        for dy in axes[1]:
+            x, y, z = arithmetic.moved([middle[0] + dx, middle[1] + dy, low[2]], link).tolist()
+            yield x, y, z
+
+
+def _free(world: World, held: str, spots: list[Vec3], rises: bool) -> Iterator[Vec3]:
+    """Those of some spots where a thing touches nothing; it may have to rise above them."""
+    for x, y, z in spots:
+        for rise in np.arange(0.0, MOST_RISE_M if rises else 1.5 * RISE_M, RISE_M).tolist():
+            if is_free(world, held, (x, y, z + rise)):
+                yield x, y, z + rise
+                break

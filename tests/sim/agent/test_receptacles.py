@@ -1,0 +1,117 @@
+"""What is held is put where a household would put it: inside, in sight, turned so that it fits, out of the agent's way."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from remqa_data.floorplans.ithor.scenes import load_scene
+from remqa_data.sim.agent.agent import Agent
+from remqa_data.sim.agent.handling import support_of
+from remqa_data.sim.physics.world import Snapshot, World
+from remqa_data.sim.render.view import WorldView
+
+CUTLERY = ("Fork", "Spoon", "ButterKnife", "Knife")
+
+
+@pytest.fixture(scope="module")
+def loaded() -> Iterator[tuple[Agent, Snapshot]]:
+    with World(load_scene("FloorPlan8")) as world:
+        world.settle()
+        yield Agent(world, WorldView(world), (0.0, 0.0), 0.0, hands="near"), world.save()
+
+
+@pytest.fixture
+def agent(loaded: tuple[Agent, Snapshot]) -> Agent:
+    """An agent amid a kitchen as it was at first."""
+    made, first = loaded
+    made.world.restore(first)
+    cells = made.grid.cells
+    made.place(made.grid.position(cells[len(cells) // 2]), 0.0)
+    return made
+
+
+def first_of(agent: Agent, type_name: str) -> str:
+    return next(name for name in agent.world.ids if agent.world.type_of(name) == type_name)
+
+
+def hold(agent: Agent, type_name: str) -> str:
+    thing = first_of(agent, type_name)
+    assert agent.pick_up(thing, force=True).success
+    return thing
+
+
+@pytest.mark.parametrize("cutlery", CUTLERY)
+@pytest.mark.parametrize("vessel", ["Cup", "Mug", "Bowl", "Plate", "Pan"])
+def test_cutlery_stands_in_cups_and_lies_in_bowls(agent: Agent, cutlery: str, vessel: str) -> None:
+    thing, into = hold(agent, cutlery), first_of(agent, vessel)
+    put = agent.put(into, force=True)
+    assert put.success, put.error
+    assert support_of(agent.world, thing) == into
+    (x0, y0, z0), (x1, y1, _) = agent.world.box(into)
+    low, high = agent.world.box(thing)
+    x, y, _ = (low + high) / 2
+    assert x0 < x < x1
+    assert y0 < y < y1
+    assert low[2] > z0 - 0.005
+
+
+def test_cutlery_in_a_cup_is_steep(agent: Agent) -> None:
+    fork = hold(agent, "Fork")
+    lying = np.ptp(agent.world.box(fork), axis=0)[2]
+    assert agent.put(first_of(agent, "Mug"), force=True).success
+    assert np.ptp(agent.world.box(fork), axis=0)[2] > max(3 * lying, 0.08)
+
+
+def test_a_microwave_takes_things_in_and_not_on_its_top(agent: Agent) -> None:
+    apple, microwave = hold(agent, "Apple"), first_of(agent, "Microwave")
+    refused = agent.put(microwave, force=True)
+    assert refused.error == f"{microwave} is closed"
+    assert agent.held == apple
+    agent.world.open(microwave)
+    assert agent.put(microwave, force=True).success
+    (x0, y0, z0), (x1, y1, z1) = agent.world.box(microwave)
+    low, high = agent.world.box(apple)
+    assert (low > (x0, y0, z0)).all()
+    assert (high < (x1, y1, z1)).all()
+
+
+def test_what_is_put_on_a_counter_is_in_sight(agent: Agent) -> None:
+    counter = max(
+        (n for n in agent.world.ids if agent.world.type_of(n) == "CounterTop"), key=lambda n: top_area(agent, n)
+    )
+    tried = 0
+    for cell in agent.grid.cells[::4]:
+        for yaw in (0.0, 90.0, 180.0, 270.0):
+            agent.place(agent.grid.position(cell), yaw, 30.0)
+            if agent.view.pixels(agent.camera())[agent.world.ids.index(counter)] < 8000:
+                continue
+            mug = hold(agent, "Mug")
+            assert agent.put(counter, force=True).success
+            assert mug in agent.visible_objects(), (cell, yaw)
+            tried += 1
+    assert tried >= 5
+
+
+def test_who_puts_a_thing_on_the_floor_can_walk_away(agent: Agent) -> None:
+    hold(agent, "Pot")
+    assert agent.put(first_of(agent, "Floor"), force=True).success
+    away = 0
+    for yaw in (0.0, 90.0, 180.0, 270.0):
+        where = agent.position
+        agent.place(where, yaw)
+        away += agent.move(0.25).success
+        agent.place(where, yaw)
+    assert away >= 2
+
+
+def test_what_does_not_fit_changes_nothing(agent: Agent) -> None:
+    pot, cup = hold(agent, "Pot"), first_of(agent, "Cup")
+    before = agent.world.save()
+    assert agent.put(cup, force=True).error == f"no free place for {pot} in {cup}"
+    assert agent.world.is_as(before)
+
+
+def top_area(agent: Agent, name: str) -> float:
+    width, depth, _ = np.ptp(agent.world.box(name), axis=0)
+    return float(width * depth)
