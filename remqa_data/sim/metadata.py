@@ -149,7 +149,7 @@ def object_metadata(world: World) -> dict[str, ObjectMetadata]:
             substance=asset.substance,
             box=(float(low[0]), float(low[1]), float(low[2]), float(high[0]), float(high[1]), float(high[2])),
             openness=float(world.state(object_id).openness),
-            is_picked_up=object_id == world.held,
+            is_picked_up=object_id in world.held,
             support=support.id if support else None,
             support_kind=support.kind if support else None,
             facing_deg=facing if object_type(world.type_of(object_id)).has_front else None,

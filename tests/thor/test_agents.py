@@ -8,6 +8,7 @@ from remqa_data.thor import Controller
 pytestmark = pytest.mark.slow
 
 APPLE, FRIDGE = "Apple|-00.47|+01.15|+00.48", "Fridge|-02.10|+00.00|+01.07"
+EGG, ISLAND = "Egg|-02.04|+00.81|+01.24", "CounterTop|-00.08|+01.15|00.00"
 
 
 @pytest.fixture
@@ -47,17 +48,45 @@ def test_what_one_does_the_other_finds(two) -> None:
     assert sum(abs(records[0]["position"][axis] - hand[axis]) for axis in "xyz") < 0.1
 
 
-def test_one_thing_is_held_by_one_of_them(two) -> None:
+def inventories(event) -> list[list[str]]:
+    return [[o["objectId"] for o in e.metadata["inventoryObjects"]] for e in event.events]
+
+
+def test_each_holds_a_thing_of_its_own(two) -> None:
     assert two.step("PickupObject", objectId=APPLE, forceAction=True, agentId=1)
-    mug = next(o["objectId"] for o in two.last_event.metadata["objects"] if o["objectType"] == "Mug")
-    assert not two.step("PickupObject", objectId=mug, forceAction=True, agentId=0)
-    assert "another agent holds" in two.last_event.metadata["errorMessage"]
+    assert not two.step("PickupObject", objectId=APPLE, forceAction=True, agentId=0)
+    assert two.last_event.metadata["errorMessage"] == f"agent 1 holds {APPLE}"
     for action in ("DropHandObject", "ThrowObject", "MoveHeldObjectAhead"):
         arguments = {"moveMagnitude": 1.0} if action == "ThrowObject" else {}
         assert not two.step(action, agentId=0, **arguments)
-    assert two.step("DropHandObject", agentId=1)
-    assert two.step("PickupObject", objectId=mug, forceAction=True, agentId=0)
-    assert [len(e.metadata["inventoryObjects"]) for e in two.last_event.events] == [1, 0]
+    event = two.step("PickupObject", objectId=EGG, forceAction=True, agentId=0, renderInstanceSegmentation=True)
+    assert event, event.metadata["errorMessage"]
+    assert inventories(event) == [[EGG], [APPLE]]
+    for number, name in enumerate((EGG, APPLE)):
+        hand = event.events[number].metadata["heldObjectPose"]["position"]
+        for seen_by in event.events:
+            record = seen_by.get_object(name)
+            assert record["isPickedUp"]
+            assert sum(abs(record["position"][axis] - hand[axis]) for axis in "xyz") < 0.1
+            assert name not in seen_by.instance_masks
+    assert two.step("MoveHeldObjectUp", moveMagnitude=0.05, agentId=1)
+    assert two.step("PutObject", objectId=ISLAND, forceAction=True, agentId=1)
+    assert inventories(two.last_event) == [[EGG], []]
+    assert two.last_event.events[0].get_object(APPLE)["parentReceptacles"] == [ISLAND]
+    assert two.step("DropHandObject", agentId=0)
+    assert inventories(two.last_event) == [[], []]
+
+
+def test_one_slices_while_both_hold_something(two) -> None:
+    knife = next(o["objectId"] for o in two.last_event.metadata["objects"] if o["objectType"] == "Knife")
+    assert two.step("PickupObject", objectId=knife, forceAction=True, agentId=0)
+    assert two.step("PickupObject", objectId=EGG, forceAction=True, agentId=1)
+    event = two.step("MoveHeldObjectUp", moveMagnitude=0.05, agentId=1)
+    hand = event.metadata["heldObjectPose"]
+    event = two.step("SliceObject", objectId=APPLE, forceAction=True, agentId=0)  # loads the room anew
+    assert event, event.metadata["errorMessage"]
+    assert inventories(event) == [[knife], [EGG]]
+    assert event.events[1].metadata["heldObjectPose"] == hand
 
 
 def test_they_begin_apart_and_do_not_walk_through_each_other(two) -> None:
@@ -83,10 +112,12 @@ def test_an_agent_that_is_not_there_is_an_error(two) -> None:
         two.reset("FloorPlan1", agentCount=9)
 
 
-def test_what_an_agent_held_that_is_gone_goes_to_the_first(two) -> None:
+def test_what_an_agent_held_that_is_gone_falls(two) -> None:
+    assert two.step("PickupObject", objectId=EGG, forceAction=True, agentId=0)
     assert two.step("PickupObject", objectId=APPLE, forceAction=True, agentId=1)
     event = two.step("Initialize", agentCount=1)
-    assert [o["objectId"] for o in event.metadata["inventoryObjects"]] == [APPLE]
+    assert inventories(event) == [[EGG]]
+    assert not event.events[0].get_object(APPLE)["isPickedUp"]
     assert two.step("DropHandObject")
 
 

@@ -286,3 +286,12 @@ def test_a_fork_of_few_pixels_is_taken_from_as_far_as_ai2thor_allows(kitchen) ->
             done(kitchen.step("PlaceObjectAtPoint", objectId=FORK, position=start["axisAlignedBoundingBox"]["center"]))
             taken.append(pose)
     assert len(taken) >= 3
+
+
+def test_what_is_held_leaves_its_place_free(kitchen) -> None:
+    box = kitchen.last_event.get_object(APPLE)["axisAlignedBoundingBox"]
+    place = box["center"] | {"y": box["center"]["y"] - box["size"]["y"] / 2}
+    assert not kitchen.step("PlaceObjectAtPoint", objectId=EGG, position=place)
+    done(kitchen.step("PickupObject", objectId=APPLE, forceAction=True))
+    event = done(kitchen.step("PlaceObjectAtPoint", objectId=EGG, position=place))
+    assert event.get_object(EGG)["parentReceptacles"] == [ISLAND]

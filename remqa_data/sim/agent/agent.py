@@ -62,6 +62,8 @@ class Agent(Body):
         Its body.
     hands : {"arm", "reach", "near"}
         What it takes to act on a thing.
+    number : int
+        Which one of the agents in the room it is.
     """
 
     def __init__(
@@ -75,14 +77,16 @@ class Agent(Body):
         *,
         embodiment: Embodiment | None = None,
         hands: Hands = "reach",
+        number: int = 0,
     ) -> None:
         super().__init__(world, view, position, yaw_deg, horizon_deg, is_standing, embodiment=embodiment)
         self.hands: Hands = hands
+        self.number = number
 
     @property
     def held(self) -> str | None:
         """Id of what it holds."""
-        return self.world.held
+        return self.world.held_by(self.number)
 
     @cached_property
     def arm(self) -> Arm:
@@ -138,10 +142,12 @@ class Agent(Body):
             return ActionResult(False, f"{object_id} is not pickupable")
         if self.held is not None:
             return ActionResult(False, f"cannot pick up {object_id}: already holding {self.held}")
+        if object_id in self.world.held:
+            return ActionResult(False, f"agent {self.world.held[object_id]} holds {object_id}")
         refusal = None if force else self.refusal(object_id) or self.reach(object_id)
         if refusal is None:
             bears = self.world.bears_something(object_id)
-            self.world.pick_up(object_id)
+            self.world.pick_up(object_id, self.number)
             if bears:
                 handling.settle(self.world)
         return refusal or DONE
@@ -155,13 +161,14 @@ class Agent(Body):
         refusal = None if force else self.refusal(receptacle_id) or self.reach(receptacle_id)
         if refusal is not None:
             return refusal
-        return self._released(put_into(self.world, receptacle_id, (self.x, self.y), self.are_seen, self._is_beside))
+        near = (self.x, self.y)
+        return self._released(put_into(self.world, self.held, receptacle_id, near, self.are_seen, self._is_beside))
 
     def drop(self) -> ActionResult:
         """Let go of what is held; it falls in front of the agent, or under the hand where the arm is in use."""
         if self.held is None:
             return ActionResult(False, "nothing is held")
-        return self._released(handling.drop_at(self.world, self.drop_spots()))
+        return self._released(handling.drop_at(self.world, self.held, self.drop_spots()))
 
     def drop_spots(self) -> list[Vec3]:
         """Where it lets go of what it holds, the best first: metres in the room."""
@@ -219,7 +226,7 @@ class Agent(Body):
 
     def refusal(self, object_id: str) -> ActionResult | None:
         """Why the agent cannot act on an object from here, or None; whether an arm gets there is seen when it goes."""
-        if object_id == self.held:
+        if object_id in self.world.held:
             return ActionResult(False, f"{object_id} is held")
         if self.hands == "arm":
             return None

@@ -42,17 +42,15 @@ class Slide:
     blocked_by: str = ""
 
 
-def drop_at(world: World, spots: Sequence[Vec3], velocity: Vec3 | None = None) -> Release:
+def drop_at(world: World, held: str, spots: Sequence[Vec3], velocity: Vec3 | None = None) -> Release:
     """Let go of what is held at the first of some points where there is room for it, and let it fall.
 
     With a velocity, m/s, it is thrown.
     """
-    held = world.held
-    assert held is not None
     before = world.save()
     for spot in spots:
         if is_free(world, held, spot):
-            world.put(spot)
+            world.put(held, spot)
             if velocity is None:
                 settle(world)
             else:
@@ -68,7 +66,7 @@ def settle(world: World, steps: int = SETTLE_STEPS, velocities: Mapping[str, Vec
     before = world.save()
     world.settle(steps, velocities)
     for object_id, state in before.states.items():
-        if not state.is_fixed and object_id != world.held and not _is_in_room(world, object_id):
+        if not state.is_fixed and object_id not in world.held and not _is_in_room(world, object_id):
             world.move(object_id, state.position, state.quaternion)
 
 

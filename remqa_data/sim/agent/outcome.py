@@ -71,8 +71,8 @@ def is_manipulated(world: World, before: Before) -> bool:
         least = OPEN_SHARE * before.opens_to - ROUNDING
         return world.state(object_id).openness >= max(least, ROUNDING)
     if before.wanted.kind == "Pickup":
-        return world.held == object_id
-    return world.held != object_id and _is_aside(world, object_id, before.state)
+        return object_id in world.held
+    return object_id not in world.held and _is_aside(world, object_id, before.state)
 
 
 def _is_aside(world: World, object_id: str, before: ObjectState) -> bool:

@@ -59,6 +59,7 @@ class _Way(NamedTuple):
 
 def put_into(
     world: World,
+    held: str,
     receptacle_id: str,
     near: tuple[float, float],
     are_seen: Callable[[F64], Flags],
@@ -72,6 +73,8 @@ def put_into(
     ----------
     world : World
         The room.
+    held : str
+        What.
     receptacle_id : str
         Where to.
     near : tuple of float
@@ -81,8 +84,6 @@ def put_into(
     is_clear : callable
         Says of an object whether it could stay where it is put to try.
     """
-    held = world.held
-    assert held is not None
     spaces = open_spaces(world, receptacle_id)
     if not spaces:
         is_closed = world.assets[receptacle_id].spaces
@@ -99,7 +100,7 @@ def put_into(
         world.move_alone(held, world.state(held).position, way.quaternion)
         free = (spot for spot in _free(world, held, spots, way.lies_across) if is_clear(held))
         for spot in islice(free, TRIES):
-            world.put(spot)
+            world.put(held, spot)
             settle(world)
             if support_of(world, held) == receptacle_id:
                 return Release(held)

@@ -104,8 +104,8 @@ class Obstacles:
         around = arithmetic.turned_back(self._halves, np.abs(self._axes))
         gaps = np.maximum(np.abs(self._centres - [base.x, base.y, 0.0]) - around, 0.0)
         near = arithmetic.length(gaps[:, :2]) < EXTENT_M
-        if self._world.held is not None:
-            near &= self._owner != self._world.ids.index(self._world.held)
+        for object_id in self._world.held:
+            near &= self._owner != self._world.ids.index(object_id)
         body = _BODY + np.tile([base.x, base.y, base.floor_z], 2)
         halves = np.vstack([self._halves[near], (body[:, 3:] - body[:, :3]) / 2])
         centres = np.vstack([self._centres[near], (body[:, 3:] + body[:, :3]) / 2])

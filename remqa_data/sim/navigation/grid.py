@@ -112,7 +112,7 @@ def obstacles(world: World) -> list[Outline]:
 
 def solid_ids(world: World) -> list[str]:
     """The objects that may block the agent: all but the floor and what is held."""
-    return [name for name in world.ids if name != world.held and world.type_of(name) != "Floor"]
+    return [name for name in world.ids if name not in world.held and world.type_of(name) != "Floor"]
 
 
 def building_outlines(scene: Scene) -> list[Outline]:

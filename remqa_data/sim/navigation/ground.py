@@ -55,7 +55,7 @@ class Ground:
         self._building = building_outlines(world.scene)
         self._clearance: Clearance | None = None
         self._grid: ReachableGrid | None = None
-        self._revision, self._held = world.revision, world.held
+        self._revision, self._held = world.revision, dict(world.held)
         self._follow(world.ids)
 
     def blocker_at(self, x: float, y: float) -> str | None:
@@ -113,7 +113,7 @@ class Ground:
             return
         moved = [name for name in world.ids if self._states[name] is not world.state(name)]
         if moved or world.held != self._held:
-            self._held = world.held
+            self._held = dict(world.held)
             self._follow(moved)
         self._revision = world.revision
 

@@ -63,6 +63,7 @@ class Bodies:
         self._of: dict[str, int] = {}
         self._names: dict[int, str] = {}
         self._structure: list[int] = []
+        self._passable: set[int] = set()
 
     def load(self, structure: Sequence[Box], assets: Mapping[str, Asset], states: Mapping[str, ObjectState]) -> None:
         """Begin afresh with a building and objects; the same arguments always give the same simulation."""
@@ -73,7 +74,7 @@ class Bodies:
         )
         self._assets = assets
         self._structure = self._static_boxes(structure)
-        self._of = {}
+        self._of, self._passable = {}, set()
         for object_id, state in states.items():
             self._of[object_id] = self._create(assets[object_id], state)
             self.place(object_id, state)
@@ -135,8 +136,9 @@ class Bodies:
             self.client.resetJointState(body, number, link.joint.upper * state.openness)
 
     def set_collisions(self, object_id: str, enabled: bool) -> None:
-        """Let other bodies and rays meet an object, or pass through it."""
+        """Let other bodies and rays meet an object, or pass through it; then it is near to nothing either."""
         body = self._of[object_id]
+        (self._passable.discard if enabled else self._passable.add)(body)
         for link in range(-1, self.client.getNumJoints(body)):
             self.client.setCollisionFilterGroupMask(body, link, int(enabled), -1 if enabled else 0)
 
@@ -201,7 +203,7 @@ class Bodies:
     def _around(self, box: F64, margin_m: float, without: int = -1) -> list[int]:
         low, high = box[0] - margin_m - 0.02, box[1] + margin_m + 0.02
         pairs = self.client.getOverlappingObjects(low.tolist(), high.tolist())
-        return sorted({body for body, _ in pairs or ()} - {without})
+        return sorted({body for body, _ in pairs or ()} - {without} - self._passable)
 
     def _link_of(self, object_id: str, number: int) -> int:
         """The asset's link to which a link of PyBullet's body belongs; its base is number -1."""

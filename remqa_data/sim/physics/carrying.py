@@ -21,10 +21,6 @@ class Room(Protocol):
     """What must be known of a `World`; see there."""
 
     @property
-    def held(self) -> str | None:
-        """Id of what is in a hand."""
-
-    @property
     def assets(self) -> Mapping[str, Asset]:
         """By object id."""
 
@@ -51,7 +47,7 @@ def riders(world: Room, bodies: Bodies, object_id: str, link: int | None = None,
     Parameters
     ----------
     world : Room
-        The room; what is held is not in it.
+        The room.
     bodies : Bodies
         Its side of PyBullet.
     object_id : str
@@ -65,7 +61,7 @@ def riders(world: Room, bodies: Bodies, object_id: str, link: int | None = None,
     found: set[str] = set()
     news = [object_id]
     while news:
-        for other in sorted(bodies.around(world.box(news.pop()), NEAR_M) - found - {object_id, world.held}):
+        for other in sorted(bodies.around(world.box(news.pop()), NEAR_M) - found - {object_id}):
             if not _can_ride(world, other):
                 continue
             if other not in carriers:

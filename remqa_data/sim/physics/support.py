@@ -71,7 +71,7 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
     Parameters
     ----------
     world : World
-        The room; what the agent holds neither holds nor is held.
+        The room; what an agent holds neither holds nor is held.
     boxes : mapping of str to (2, 3) array
         `world.box` of every object.
 
@@ -85,7 +85,7 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
     # The space of what things hang on reaches below it.
     undersides = np.minimum([boxes[owner][0, 2] for owner in spaces.owners], spaces.floor_z)
     held_by: dict[str, Support] = {}
-    names = [object_id for object_id in boxes if object_id != world.held and len(spaces.owners)]
+    names = [object_id for object_id in boxes if object_id not in world.held and len(spaces.owners)]
     if not names:
         return held_by
     low, high = np.moveaxis(np.array([boxes[object_id] for object_id in names]), 1, 0)
@@ -136,7 +136,7 @@ class _Spaces:
 def _all_spaces(world: World) -> _Spaces:
     owners, is_floor, enclosed, walled, poses, low, high = [], [], [], [], [], [], []
     for object_id in world.ids:
-        if object_id == world.held or not world.assets[object_id].spaces:
+        if object_id in world.held or not world.assets[object_id].spaces:
             continue
         type_name, links = world.type_of(object_id), world.link_poses(object_id)
         for space in world.assets[object_id].spaces:

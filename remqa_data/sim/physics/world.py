@@ -39,7 +39,7 @@ class Snapshot:
     """The state of a whole world; see `World.save`."""
 
     states: dict[str, ObjectState]
-    held: str | None
+    held: dict[str, int]
 
 
 class World:
@@ -52,8 +52,8 @@ class World:
 
     Attributes
     ----------
-    held : str or None
-        Id of the object that is out of the room, in the agent's hand.
+    held : dict of str to int
+        Ids of the objects that are out of the room, each with the number of the agent in whose hand it is.
     revision : int
         Grows with every change, so that who follows the world can tell that nothing has changed.
 
@@ -70,7 +70,7 @@ class World:
         self._link_poses: _Kept = {}
         self._boxes: _Kept = {}
         self._states = {o.id: ObjectState(o.position, o.quaternion, o.openness, o.is_fixed) for o in scene.objects}
-        self.held: str | None = None
+        self.held: dict[str, int] = {}
         self.revision = 0
         self._bodies = Bodies()
         self._reload()
@@ -160,7 +160,7 @@ class World:
         self._reload()
         for object_id, velocity in (velocities or {}).items():
             self._bodies.set_velocity(object_id, velocity)
-        free = [i for i, state in self._states.items() if not state.is_fixed and i != self.held]
+        free = [i for i, state in self._states.items() if not state.is_fixed and i not in self.held]
         was_still = False
         for done in range(0, steps, CHECK_STEPS):
             self._bodies.step(min(CHECK_STEPS, steps - done))
@@ -230,39 +230,45 @@ class World:
             self._move_by(other, motion)
         return carried
 
-    def pick_up(self, object_id: str) -> None:
-        """Take an object out of the room; it stays out of physics until it is put back.
+    def held_by(self, agent: int) -> str | None:
+        """Id of what is in the hand of an agent, by its number."""
+        return next((object_id for object_id, number in self.held.items() if number == agent), None)
+
+    def pick_up(self, object_id: str, agent: int = 0) -> None:
+        """Take an object out of the room into the hand of an agent; it stays out of physics until it is put back.
 
         Raises
         ------
         ActionError
-            If it is not pickupable, or something is held already.
+            If it is not pickupable or is in a hand, or the agent holds something already.
         """
         self._check_known(object_id)
         if not object_type(self.type_of(object_id)).pickupable:
             raise ActionError(f"{object_id} is not pickupable")
-        if self.held is not None:
-            raise ActionError(f"cannot pick up {object_id}: already holding {self.held}")
+        if object_id in self.held:
+            raise ActionError(f"cannot pick up {object_id}: agent {self.held[object_id]} holds it")
+        if (held := self.held_by(agent)) is not None:
+            raise ActionError(f"cannot pick up {object_id}: already holding {held}")
         self.set_fixed(object_id, False)
-        self.held = object_id
+        self.held[object_id] = agent
         self.revision += 1
         self._bodies.set_collisions(object_id, False)
 
-    def put(self, position: Vec3, quaternion: Quaternion | None = None) -> str:
-        """Put the held object back into the room at a pose, free to fall; returns its id.
+    def put(self, object_id: str, position: Vec3, quaternion: Quaternion | None = None) -> None:
+        """Put a held object back into the room at a pose, free to fall.
 
         Raises
         ------
         ActionError
-            If nothing is held.
+            If nobody holds it.
         """
-        if self.held is None:
-            raise ActionError("nothing is held")
-        object_id, self.held = self.held, None
+        self._check_known(object_id)
+        if object_id not in self.held:
+            raise ActionError(f"{object_id} is not held")
+        del self.held[object_id]
         self._bodies.set_collisions(object_id, True)
         state = self._states[object_id]
         self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion))
-        return object_id
 
     def overlapping(self, object_id: str, margin_m: float = 0.0) -> list[tuple[str, float]]:
         """Other objects (and "structure") that an object's collision boxes come closer to than a margin.
@@ -291,15 +297,15 @@ class World:
 
     def put_away(self, object_id: str) -> None:
         """Take an object, and not what is in or on it, out of the room: it lies far below, where nothing meets it."""
-        if object_id == self.held:
-            self.put(AWAY)
+        if object_id in self.held:
+            self.put(object_id, AWAY)
         self.set_fixed(object_id, True)
         self.move_alone(object_id, AWAY)
 
     def put_back(self, object_id: str, state: ObjectState) -> None:
         """Give an object a state that it had before; no check for obstacles."""
-        if object_id == self.held:
-            self.put(state.position)
+        if object_id in self.held:
+            self.put(object_id, state.position)
         self.set_fixed(object_id, state.is_fixed)
         self._put_at(object_id, state)
 
@@ -310,13 +316,13 @@ class World:
         try:
             yield
         finally:
-            self._bodies.set_collisions(object_id, object_id != self.held)
+            self._bodies.set_collisions(object_id, object_id not in self.held)
 
     # ---- saving
 
     def save(self) -> Snapshot:
         """The state of everything, to come back to with `restore`."""
-        return Snapshot(dict(self._states), self.held)
+        return Snapshot(dict(self._states), dict(self.held))
 
     def is_as(self, snapshot: Snapshot) -> bool:
         """Whether everything is where it was when a state was saved, or has been brought back; states are never changed."""
@@ -325,17 +331,17 @@ class World:
 
     def restore(self, snapshot: Snapshot) -> None:
         """Bring back a saved state exactly: later actions give what they would have given then."""
-        if self.held is not None and self.held != snapshot.held:
-            self._bodies.set_collisions(self.held, True)
+        for object_id in self.held.keys() - snapshot.held.keys():
+            self._bodies.set_collisions(object_id, True)
         for object_id, state in snapshot.states.items():
             self.set_fixed(object_id, state.is_fixed)
         for object_id, state in snapshot.states.items():
             if state is not self._states[object_id]:
                 self._put_at(object_id, state)
-        self.held = snapshot.held
+        self.held = dict(snapshot.held)
         self.revision += 1
-        if self.held is not None:
-            self._bodies.set_collisions(self.held, False)
+        for object_id in self.held:
+            self._bodies.set_collisions(object_id, False)
 
     def close(self) -> None:
         """Give PyBullet's memory back; the world cannot be used afterwards."""
@@ -370,8 +376,8 @@ class World:
     def _reload(self) -> None:
         solid = [part.box for part in self.scene.structure if part.kind != "outside"]
         self._bodies.load(solid, self.assets, self._states)
-        if self.held is not None:
-            self._bodies.set_collisions(self.held, False)
+        for object_id in self.held:
+            self._bodies.set_collisions(object_id, False)
 
     def _put_at(self, object_id: str, state: ObjectState) -> None:
         self._states[object_id] = state

@@ -98,7 +98,7 @@ class WorldView:
         self._object_of = np.array([*object_of, STRUCTURE], dtype=np.int32)
         self._link_of = np.array([*link_of, STRUCTURE], dtype=np.int32)
         self._shown = {object_id: world.state(object_id) for object_id in world.ids}
-        self._out_of_room: str | None = None
+        self._out_of_room = frozenset[str]()
         self._revision: int | None = None
         self._draw_with(Renderer(parts, poses, lights=world.scene.lights))
         self._lamps = self.renderer.lights
@@ -133,10 +133,9 @@ class WorldView:
             if state is not self._shown[object_id]:
                 self._shown[object_id] = state
                 self.renderer.set_poses(np.arange(rows.start, rows.stop), self.world.link_poses(object_id))
-        before, self._out_of_room = self._out_of_room, None if self._shows_held else self.world.held
-        for changed in (before, self._out_of_room):
-            if changed is not None:
-                self._show_or_hide(changed)
+        before, self._out_of_room = self._out_of_room, frozenset(() if self._shows_held else self.world.held)
+        for changed in before ^ self._out_of_room:
+            self._show_or_hide(changed)
 
     def hide(self, object_id: str, hidden: bool = True) -> None:
         """Leave an object out of the pictures, or in them again; what is held needs no hiding."""
@@ -258,7 +257,7 @@ class WorldView:
         self.renderer.set_light(light, mirrors_of(room_mirrors(scene), self.renderer.parts, bases))
 
     def _show_or_hide(self, object_id: str) -> None:
-        is_seen = object_id not in self._asked_to_hide and object_id != self._out_of_room
+        is_seen = object_id not in self._asked_to_hide and object_id not in self._out_of_room
         for part in self._parts_of[object_id]:
             self.renderer.set_visible(part, is_seen)
 

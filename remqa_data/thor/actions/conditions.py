@@ -41,7 +41,7 @@ def slice_object(
     room, agent = simulator.room, simulator.agent
     if object_type(room.world.type_of(target)).slices is None:
         return ActionResult(False, f"{target} is not sliceable")
-    if target == room.world.held:
+    if target in room.world.held:
         return ActionResult(False, f"{target} is in the hand: put it down to slice it")
     refusal = None if forceAction else agent.refusal(target) or agent.reach(target)
     if refusal is not None:

@@ -37,6 +37,7 @@ def move_held_object(
     refusal = _refusal(agent)
     if refusal is not None:
         return refusal
+    held = str(agent.held)
     x, y, z = np.add(agent.hand_offset, (right, up, ahead)).tolist()
     if math.hypot(x, y, z) > simulator.settings.visibility_distance:
         return ActionResult(
@@ -46,9 +47,9 @@ def move_held_object(
         )
     if forceVisible and not agent.has_in_frame((x, y, z)):
         return ActionResult(False, "the hand would be out of the frame, and forceVisible is set")
-    blocker = _blocker(world, np.asarray(agent.hand_at()), np.asarray(agent.hand_at((x, y, z))))
+    blocker = _blocker(world, held, np.asarray(agent.hand_at()), np.asarray(agent.hand_at((x, y, z))))
     if blocker is not None:
-        return ActionResult(False, f"{blocker} is blocking {world.held} from moving")
+        return ActionResult(False, f"{blocker} is blocking {held} from moving")
     agent.hand_offset = (x, y, z)
     return ActionResult(True)
 
@@ -111,7 +112,7 @@ def rotate_held_object(
     refusal = _refusal(agent)
     if refusal is not None:
         return refusal
-    held = str(world.held)
+    held = str(agent.held)
     body = turn_of_euler({"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0})
     if rotation is not None:
         turn = arithmetic.product(body, turn_of_euler(whole(rotation)))
@@ -119,7 +120,7 @@ def rotate_held_object(
         about_body = arithmetic.product(arithmetic.product(body, turn_of_euler(by)), body.T)
         turn = arithmetic.product(about_body, records.turn(held))
     _, quaternion = records.pose_of(held, (0.0, 0.0, 0.0), turn)
-    blocker = _blocker_of_turn(world, np.asarray(agent.hand_at()), quaternion)
+    blocker = _blocker_of_turn(world, held, np.asarray(agent.hand_at()), quaternion)
     if blocker is not None:
         return ActionResult(False, f"{blocker} is blocking {held} from turning")
     world.move_alone(held, world.state(held).position, quaternion)
@@ -136,7 +137,7 @@ def throw_object(simulator: SimulatorState, moveMagnitude: float, forceAction: b
     mass = simulator.room.records.mass_kg(agent.held)
     ahead = agent.camera().rotation()[2]
     x, y, z = arithmetic.snapped(min(moveMagnitude * PUSH_S / mass, MOST_THROW_M_S) * ahead).tolist()
-    released = handling.drop_at(world, [agent.hand_at(), *agent.drop_spots()], (x, y, z))
+    released = handling.drop_at(world, agent.held, [agent.hand_at(), *agent.drop_spots()], (x, y, z))
     return ActionResult(released.object_id is not None, released.error)
 
 
@@ -163,24 +164,24 @@ def _distance(simulator: SimulatorState, metres: float | None) -> float:
     return simulator.settings.grid_size if metres is None else metres
 
 
-def _blocker(world: World, start: F64, end: F64) -> str | None:
+def _blocker(world: World, held: str, start: F64, end: F64) -> str | None:
     """What the held object meets on its way; what it is in already does not count."""
-    quaternion = world.state(str(world.held)).quaternion
-    touching = _met(world, start, quaternion)
+    quaternion = world.state(held).quaternion
+    touching = _met(world, held, start, quaternion)
     count = max(1, math.ceil(float(arithmetic.length(end - start)) / STEP_M))
-    met = (_met(world, start + k / count * (end - start), quaternion) - touching for k in range(1, count + 1))
+    met = (_met(world, held, start + k / count * (end - start), quaternion) - touching for k in range(1, count + 1))
     return next((min(names) for names in met if names), None)
 
 
-def _blocker_of_turn(world: World, hand: F64, quaternion: Quaternion) -> str | None:
+def _blocker_of_turn(world: World, held: str, hand: F64, quaternion: Quaternion) -> str | None:
     """What the held object would meet if it were turned."""
-    touching = _met(world, hand, world.state(str(world.held)).quaternion)
-    return min(_met(world, hand, quaternion) - touching, default=None)
+    touching = _met(world, held, hand, world.state(held).quaternion)
+    return min(_met(world, held, hand, quaternion) - touching, default=None)
 
 
-def _met(world: World, hand: F64, quaternion: Quaternion) -> set[str]:
+def _met(world: World, held: str, hand: F64, quaternion: Quaternion) -> set[str]:
     """What the held object would be in, if the hand were at a (3,) point; it stays where it is."""
-    before, held = world.save(), str(world.held)
+    before = world.save()
     x, y, z = arithmetic.snapped(hand).tolist()
     world.move_alone(held, (x, y, z), quaternion)
     met = set(handling.sunk_into(world, held))

@@ -100,7 +100,7 @@ def set_object_poses(
     before, away, moved = world.save(), dict(room.records.away), []
     for object_id, pose in poses.items():
         state = _wanted(room, object_id, pose)
-        if state is not world.state(object_id) or object_id == world.held:
+        if state is not world.state(object_id) or object_id in world.held:
             world.put_back(object_id, state)
             moved.append(object_id)
     gone = {
@@ -128,8 +128,8 @@ def place_object_at_point(
     if (refusal := _stays(room, objectId)) is not None:
         return refusal
     before = world.save()
-    if objectId == world.held:
-        world.put(world.state(objectId).position)
+    if objectId in world.held:
+        world.put(objectId, world.state(objectId).position)
     quaternion = world.state(objectId).quaternion
     if rotation is not None:
         quaternion = room.records.pose_of(objectId, (0.0, 0.0, 0.0), turn_of_euler(whole(rotation)))[1]
@@ -166,7 +166,7 @@ def teleport_object(
     room, world = simulator.room, simulator.room.world
     if (refusal := _stays(room, objectId)) is not None:
         return refusal
-    if objectId == world.held and not allowTeleportOutOfHand:
+    if objectId in world.held and not allowTeleportOutOfHand:
         return ActionResult(False, f"{objectId} is in the hand, and allowTeleportOutOfHand is not set")
     places = positions or ([] if position is None else [position])
     if not places:
@@ -174,8 +174,8 @@ def teleport_object(
     turn = room.records.turn(objectId) if rotation is None else turn_of_euler(whole(rotation))
     before, blocker = world.save(), None
     for place in places:
-        if objectId == world.held:
-            world.put(world.state(objectId).position)
+        if objectId in world.held:
+            world.put(objectId, world.state(objectId).position)
         pivot, quaternion = room.records.pose_of(objectId, to_room(whole(place)), turn)
         moved = [objectId, *world.move(objectId, pivot, quaternion)]
         blocker = _put_down(room, moved, forceAction)

@@ -87,6 +87,8 @@ def initialize(
         return ActionResult(
             False, "visibilityDistance, cameraNearPlane and cameraFarPlane must be positive and in order"
         )
+    if (refusal := simulator.room.let_go(simulator.room.agents[agentCount:])) is not None:
+        return refusal
     for name in sorted(set(others) - NO_EFFECT):
         warnings.warn(f"initialization parameter {name} has no effect here", stacklevel=2)
     simulator.settings = Settings(

@@ -81,8 +81,8 @@ def initial_random_spawn(
         world.type_of(name)  # names the nearest ids if there is no such object
     for type_name in excludedReceptacles or []:
         object_type(type_name)
-    if world.held is not None and not (dropped := simulator.room.holder.drop()).success:
-        return ActionResult(False, dropped.error)
+    if (refusal := simulator.room.let_go(simulator.room.agents)) is not None:
+        return refusal
     surfaces = _surfaces(world, {*away}, set(excludedReceptacles or []), forceVisible)
     loose = [name for name in world.ids if name not in away and _may_move(world, name, excluded)]
     return _spawn(world, loose, surfaces, numPlacementAttempts, generator(randomSeed))

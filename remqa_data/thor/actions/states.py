@@ -152,14 +152,14 @@ def _switch(simulator: SimulatorState, chosen: set[str], on: bool) -> None:
 def _sliceable(simulator: SimulatorState, chosen: Sequence[str]) -> list[str]:
     """What of some objects is whole and can be sliced where it is."""
     room = simulator.room
-    whole = [name for name in chosen if name != room.world.held and name not in room.records.away]
+    whole = [name for name in chosen if name not in room.world.held and name not in room.records.away]
     return [name for name in whole if object_type(room.world.type_of(name)).slices is not None]
 
 
 def _set_openness(world: World, is_open: bool, chosen: Sequence[str]) -> None:
     """Open some objects as far as they can be opened beside each other, in their order, or close them."""
     for name in chosen:
-        if name != world.held and world.assets[name].is_openable:
+        if name not in world.held and world.assets[name].is_openable:
             world.open(name, next(share for share in _OPENNESSES if _fits(world, name, share)) if is_open else 0.0)
 
 

@@ -41,6 +41,8 @@ class ThorAgent(Agent):
         Field of view, visibility distance, and whether it has an arm.
     frame : FrameSize
         Of its pictures; may change later.
+    number : int
+        Which one of the room's agents it is.
     others : sequence of ThorAgent
         The agents of the room, this one among them, by their numbers.
     **pose
@@ -48,8 +50,6 @@ class ThorAgent(Agent):
 
     Attributes
     ----------
-    is_holder : bool
-        Whether what is held is held by this agent: in all there is one thing in a hand.
     hand_offset : tuple of float
         Where the hand is without an arm, metres to the right of the camera, above and ahead of it.
     """
@@ -63,10 +63,11 @@ class ThorAgent(Agent):
         *,
         settings: Settings,
         frame: FrameSize,
+        number: int = 0,
         others: Sequence[ThorAgent] = (),
         **pose: Any,
     ) -> None:
-        self.frame, self.hand_offset, self.is_holder, self._all = frame, HAND, False, others
+        self.frame, self.hand_offset, self._all = frame, HAND, others
         body = Embodiment(
             fov_deg=settings.field_of_view,
             step_m=settings.grid_size,
@@ -74,14 +75,17 @@ class ThorAgent(Agent):
             visibility_m=settings.visibility_distance,
         )
         hands: Hands = "arm" if settings.has_arm else "near"
-        super().__init__(world, view, position, yaw_deg, embodiment=body, hands=hands, **pose)
+        super().__init__(world, view, position, yaw_deg, embodiment=body, hands=hands, number=number, **pose)
         self._grasp: F64 = np.zeros(3)
         self._sight = Sight(world, view, body)
 
-    @property
-    def held(self) -> str | None:
-        """Id of what it holds."""
-        return self.world.held if self.is_holder else None
+    def take_over(self, before: ThorAgent) -> None:
+        """Hold the hand, and what is in it, as an agent did in whose place it comes, if that had the same kind of hand."""
+        if self.hands != before.hands:
+            return
+        self.hand_offset, self._grasp = before.hand_offset, before._grasp
+        if "arm" in vars(before):  # it has been used
+            self.arm.state = before.arm.state
 
     def camera(self, width: int | None = None, height: int | None = None) -> Camera:
         """Its eye, by default with the size of its frames."""
@@ -124,14 +128,9 @@ class ThorAgent(Agent):
 
     def pick_up(self, object_id: str, force: bool = False) -> ActionResult:
         """Take an object into the hand, which is where it usually is; an arm holds it as it took hold of it."""
-        if self.world.held is not None and not self.is_holder:
-            return ActionResult(False, f"another agent holds {self.world.held}, and there is one thing in a hand here")
         middle = self.world.box(object_id).mean(axis=0)
         result = super().pick_up(object_id, force)
         if result.success:
-            for other in self._all:
-                other.is_holder = False
-            self.is_holder = True
             self.hand_offset = HAND
             self._grasp = middle - np.asarray(self.hand_at()) if self.hands == "arm" else np.zeros(3)
         return result

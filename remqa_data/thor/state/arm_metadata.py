@@ -73,7 +73,7 @@ def arm_metadata(room: LoadedFloorPlan) -> Metadata:
 def touched_objects(world: World, centre: F64 | Vec3, radius_m: float) -> list[str]:
     """Ids of the objects whose collision boxes a ball touches, nearest first; not of what is held."""
     point = np.asarray(centre, dtype=np.float64)
-    gaps = {name: _gap(world, name, point) for name in world.ids if name != world.held}
+    gaps = {name: _gap(world, name, point) for name in world.ids if name not in world.held}
     return [name for name in sorted(gaps, key=lambda name: gaps[name]) if gaps[name] <= radius_m]
 
 

@@ -142,8 +142,8 @@ def _listing(simulator: SimulatorState, visible: Callable[[], Collection[str]]) 
     """The objects as the agent that acts finds them."""
     room, only = simulator.room, simulator.shown_objects
     records, agent = room.records, room.agent_position()
-    hand = agent if room.world.held is None else room.holder.held_at()
-    return Listing(lambda: records.listing(agent, frozenset(visible()), hand, only))
+    hands = {who.held: who.held_at() for who in room.agents if who.held is not None}
+    return Listing(lambda: records.listing(agent, frozenset(visible()), hands, only))
 
 
 def _state(simulator: SimulatorState, images: Images) -> Metadata:

@@ -64,7 +64,7 @@ class ObjectRecords:
         self._frames = _frames(world.scene)
         self._static = self._statics()
         self._shown: dict[str, ObjectState] = {}
-        self._held: str | None = None
+        self._held = frozenset[str]()
         self._revision: int | None = None
         self._boxes: dict[str, F64] = {}
         self._moving: dict[str, Metadata] = {}
@@ -124,7 +124,7 @@ class ObjectRecords:
         return (x, y, z), quaternion
 
     def listing(
-        self, agent: Vec3, visible: Collection[str], hand: Vec3, only: Collection[str] | None
+        self, agent: Vec3, visible: Collection[str], hands: Mapping[str, Vec3], only: Collection[str] | None
     ) -> list[Metadata]:
         """The metadata of all objects as they were at the last `update`.
 
@@ -134,8 +134,8 @@ class ObjectRecords:
             Where AI2-THOR says the agent is, metres in the room; distances are measured from there.
         visible : collection of str
             Ids of the objects that the agent sees within its visibility distance.
-        hand : tuple of float
-            Where a held object is, metres in the room; means nothing if none is held.
+        hands : mapping
+            By the ids of the objects that are held: where they are, metres in the room.
         only : collection of str, optional
             Ids of the objects to list, by default all.
         """
@@ -151,8 +151,8 @@ class ObjectRecords:
             if object_id in changed:
                 record.update(changed[object_id])
             record["distance"] = distance
-            if object_id == self._held:
-                self._put_into_hand(record, agent, hand)
+            if object_id in hands:
+                self._put_into_hand(record, agent, hands[object_id])
             listed.append(record)
         return listed
 
@@ -168,7 +168,7 @@ class ObjectRecords:
             return
         self._revision = world.revision
         moved = [name for name in world.ids if world.state(name) is not self._shown.get(name)]
-        if not moved and world.held == self._held and self._shown:
+        if not moved and world.held.keys() == self._held and self._shown:
             return
         for object_id in moved:
             self._shown[object_id] = world.state(object_id)
@@ -176,7 +176,7 @@ class ObjectRecords:
             if object_id not in self.sliced:
                 self._moving[object_id] = self._pose_and_boxes(object_id)
                 self._positions[world.ids.index(object_id)] = self.position(object_id)
-        self._held = world.held
+        self._held = frozenset(world.held)
         parents, self._contents = _parents_and_contents(world, self._boxes)
         holding = _holding(world, parents, self._contents)
         self._records = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.scene import SceneObject
 from remqa_data.sim.agent.pictures import Pictures
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose
 from remqa_data.sim.physics.state import ObjectState
@@ -109,12 +110,19 @@ class LoadedFloorPlan:
         self.active = 0
         del self.agents[settings.agent_count :]
         position, yaw_deg = self._start
-        while len(self.agents) < settings.agent_count:
+        for number in range(len(self.agents), settings.agent_count):
             place = position if not self.agents else self._free_place(settings)
-            agent = ThorAgent(self.world, self.view, place, yaw_deg, settings=settings, frame=frame, others=self.agents)
+            agent = ThorAgent(
+                self.world,
+                self.view,
+                place,
+                yaw_deg,
+                settings=settings,
+                frame=frame,
+                number=number,
+                others=self.agents,
+            )
             self.agents.append(agent)
-        if not any(agent.is_holder for agent in self.agents):
-            self.agents[0].is_holder = True  # what an agent held that is gone
 
     def _free_place(self, settings: Settings) -> tuple[float, float]:
         """Of the reachable cells that no agent is near, the one nearest to the first agent."""
@@ -130,10 +138,10 @@ class LoadedFloorPlan:
         """The agent that acts."""
         return self.agents[self.active]
 
-    @property
-    def holder(self) -> ThorAgent:
-        """The agent that holds what is held."""
-        return next(agent for agent in self.agents if agent.is_holder)
+    def let_go(self, agents: Iterable[ThorAgent]) -> ActionResult | None:
+        """Let some agents drop what they hold; why one cannot, or None."""
+        holders = [agent for agent in agents if agent.held is not None]
+        return next((dropped for agent in holders if not (dropped := agent.drop()).success), None)
 
     @property
     def conditions(self) -> Conditions:
@@ -185,11 +193,12 @@ class LoadedFloorPlan:
                 old.yaw_deg,
                 settings=settings,
                 frame=frame,
+                number=number,
                 others=self.agents,
                 horizon_deg=old.horizon_deg,
                 is_standing=old.is_standing,
             )
-            new.is_holder = old.is_holder
+            new.take_over(old)
             self.agents[number] = new
         self._add_agents(settings, frame)
 

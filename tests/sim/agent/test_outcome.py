@@ -103,5 +103,5 @@ def test_a_thing_is_picked_up_when_it_is_held_and_then_it_is_not_moved(agent: Ag
     assert is_manipulated(world, before)
     far = replace(before.state, position=(position[0] + 9.0, *position[1:]))
     assert not is_manipulated(world, Before(Wanted("Move", name, FAR), far, 0.0))
-    world.put(position)
+    world.put(name, position)
     assert not is_manipulated(world, before)

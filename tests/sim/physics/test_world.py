@@ -1,3 +1,4 @@
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -78,17 +79,40 @@ def test_pick_up_and_put() -> None:
         before = world.state("Mug|1")
         world.settle(60)
         assert world.state("Mug|1") == before
-        assert world.put((0.5, 0.5, 0.2)) == "Mug|1"
+        world.put("Mug|1", (0.5, 0.5, 0.2))
         world.settle()
         assert world.box("Mug|1")[0, 2] == pytest.approx(0.0, abs=0.003)
-        with pytest.raises(ActionError, match="nothing is held"):
-            world.put((0, 0, 1))
+        with pytest.raises(ActionError, match=r"Mug\|1 is not held"):
+            world.put("Mug|1", (0, 0, 1))
+
+
+def test_each_agent_has_a_hand(kitchen: Scene) -> None:
+    with World(kitchen) as world:
+        apple, egg, fork = (next(i for i in world.ids if world.type_of(i) == kind) for kind in ("Apple", "Egg", "Fork"))
+        world.pick_up(apple, agent=1)
+        with pytest.raises(ActionError, match=rf"cannot pick up {re.escape(apple)}: agent 1 holds it"):
+            world.pick_up(apple)
+        world.pick_up(egg)
+        with pytest.raises(ActionError, match=rf"already holding {re.escape(apple)}"):
+            world.pick_up(fork, agent=1)
+        assert [world.held_by(agent) for agent in range(3)] == [egg, apple, None]
+        both = world.save()
+        out = {name: world.state(name) for name in (apple, egg)}
+        world.settle(60)
+        assert out == {name: world.state(name) for name in (apple, egg)}
+        world.put(egg, world.state(fork).position)
+        assert (world.held_by(0), world.held_by(1)) == (None, apple)
+        assert fork in dict(world.overlapping(egg))
+        assert apple not in dict(world.overlapping(egg, 10.0))
+        world.restore(both)
+        assert world.held == {apple: 1, egg: 0}
+        assert egg not in dict(world.overlapping(fork, 10.0))
 
 
 def test_a_hanging_thing_becomes_loose_when_it_is_picked_up() -> None:
     with World(room(mug(is_fixed=True))) as world:
         world.pick_up("Mug|1")
-        world.put((0.0, 0.0, 0.5))
+        world.put("Mug|1", (0.0, 0.0, 0.5))
         world.settle()
         assert world.box("Mug|1")[0, 2] == pytest.approx(0.0, abs=0.003)
 

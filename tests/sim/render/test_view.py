@@ -51,7 +51,7 @@ def test_what_is_held_is_in_no_picture_however_it_came_into_the_hand_or_left_it(
     assert sees_mug(view)
     world.restore(in_hand)
     assert not sees_mug(view)
-    world.put((0.1, 0.1, 0.05))
+    world.put("Mug|1", (0.1, 0.1, 0.05))
     assert sees_mug(view)
 
 
@@ -59,7 +59,7 @@ def test_what_was_hidden_stays_hidden_when_it_is_put_back(world: World) -> None:
     view = WorldView(world)
     view.hide("Mug|1")
     world.pick_up("Mug|1")
-    world.put((0.1, 0.2, 0.05))
+    world.put("Mug|1", (0.1, 0.2, 0.05))
     assert not sees_mug(view)
     view.hide("Mug|1", False)
     assert sees_mug(view)
