@@ -9,6 +9,7 @@ EGG = "Egg|-02.04|+00.81|+01.24"
 ISLAND = "CounterTop|-00.08|+01.15|00.00"
 MICROWAVE = "Microwave|-00.24|+01.69|-02.53"
 FORK = "Fork|+00.95|+00.77|-02.37"
+SINK = "Sink|-01.90|+00.97|-01.50"
 
 
 def pose(x: float, z: float, rotation: float, horizon: float) -> dict:
@@ -295,3 +296,9 @@ def test_what_is_held_leaves_its_place_free(kitchen) -> None:
     done(kitchen.step("PickupObject", objectId=APPLE, forceAction=True))
     event = done(kitchen.step("PlaceObjectAtPoint", objectId=EGG, position=place))
     assert event.get_object(EGG)["parentReceptacles"] == [ISLAND]
+
+
+def test_what_is_put_into_a_sink_lies_in_its_basin(kitchen) -> None:
+    done(kitchen.step("PickupObject", objectId=APPLE, forceAction=True))
+    event = done(kitchen.step("PutObject", objectId=SINK, forceAction=True))
+    assert event.get_object(APPLE)["parentReceptacles"] == [f"{SINK}|SinkBasin"]

@@ -15,8 +15,8 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.scene import Quaternion
-from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, support_of
-from remqa_data.sim.physics.support import surrounds
+from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, sunk_into, support_of
+from remqa_data.sim.physics.support import support_rules, surrounds
 from remqa_data.sim.physics.world import World
 
 LATTICE_M = 0.05
@@ -24,7 +24,9 @@ TRIES = 3
 """How many free places of a receptacle are tried with a thing turned one way: from some, things roll or tip off."""
 CLOSED = "closed"
 OPEN_ENOUGH = 0.3
-"""A thing can be put into a closed space that is open at least this much."""
+"""A thing can be put into a closed space that is open at least this much, or as far as it opens at all."""
+HANGS_M = 0.006
+"""So far below the top of a holder's space is the top of what hangs on it."""
 TURNS_DEG = (0.0, 90.0, 45.0, 135.0)
 RISE_M, MOST_RISE_M = 0.01, 0.3
 """What is in the way a little is passed by letting go so much higher; what is too large for an open space, by so many
@@ -67,7 +69,8 @@ def put_into(
 ) -> Release:
     """Put what is held into or onto a receptacle, where it is free; it must stay there.
 
-    It lies as it is held, or else turned on the spot, or stands in what has walls around it if it is long, or lies across.
+    It lies as it is held, or else turned on the spot, or stands in what has walls around it if it is long, or lies across;
+    towels and rolls hang on their holders, and nothing else does.
 
     Parameters
     ----------
@@ -88,7 +91,13 @@ def put_into(
     if not spaces:
         is_closed = world.assets[receptacle_id].spaces
         return Release(None, f"{receptacle_id} is {CLOSED if is_closed else 'not a receptacle'}")
-    before = world.save()
+    before, refused = world.save(), Release(None, f"no free place for {held} in {receptacle_id}")
+    hangs = support_rules().hangs.get(world.type_of(receptacle_id))
+    if hangs is not None:
+        if world.type_of(held) in hangs and _hang(world, held, receptacle_id, spaces[0]) and is_clear(held):
+            return Release(held)
+        world.restore(before)
+        return refused
     for way in _ways(world, held):
         spots = _spots(world, receptacle_id, spaces, way)
         if not spots:
@@ -107,13 +116,14 @@ def put_into(
             world.restore(before)
             world.move_alone(held, world.state(held).position, way.quaternion)
         world.restore(before)
-    return Release(None, f"no free place for {held} in {receptacle_id}")
+    return refused
 
 
 def open_spaces(world: World, receptacle_id: str) -> list[Space]:
     """The spaces of a receptacle into which a thing can be put as it is now: not those that are closed."""
     asset = world.assets[receptacle_id]
-    is_open = asset.is_openable and world.state(receptacle_id).openness >= OPEN_ENOUGH
+    enough, openness = min(OPEN_ENOUGH, world.most_open(receptacle_id)), world.state(receptacle_id).openness
+    is_open = asset.is_openable and openness > 0.0 and openness >= enough
     takes_in = world.type_of(receptacle_id) in types_with("takes_in")
     return [space for space in asset.spaces if (is_open if space.enclosed else not takes_in)]
 
@@ -121,6 +131,16 @@ def open_spaces(world: World, receptacle_id: str) -> list[Space]:
 def lattice(link: F64, space: Space) -> Iterator[Vec3]:
     """Points of the floor of a space of a link, whose pose is (4, 4), metres in the room."""
     yield from _lattice(link, space, np.zeros(2))
+
+
+def _hang(world: World, held: str, receptacle_id: str, space: Space) -> bool:
+    """Hang a thing just below the top of a holder's space; whether it hangs there and meets nothing else."""
+    low, high = np.array(space.box).reshape(2, 3)
+    middle = [*(low + high)[:2] / 2, high[2] - HANGS_M - world.assets[held].spec.size[2] / 2]
+    x, y, z = arithmetic.snapped(arithmetic.moved(middle, world.link_poses(receptacle_id)[space.link])).tolist()
+    world.put(held, (x, y, z), world.state(receptacle_id).quaternion)
+    world.set_fixed(held, True)
+    return support_of(world, held) == receptacle_id and not {*sunk_into(world, held)} - {receptacle_id}
 
 
 def _ways(world: World, held: str) -> Iterator[_Way]:

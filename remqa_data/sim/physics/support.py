@@ -38,6 +38,8 @@ class SupportRules(BaseModel):
     ----------
     vessels : mapping of str to tuple of str
         By type, the first words of the names of its spaces that have walls around them but are not closed.
+    hangs : mapping of str to tuple of str
+        By type of what things hang on, the types that do.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -48,6 +50,7 @@ class SupportRules(BaseModel):
     contact_m: float = Field(ge=0)
     pile_m: float = Field(ge=0)
     vessels: dict[str, tuple[str, ...]]
+    hangs: dict[str, tuple[str, ...]]
 
 
 @lru_cache(maxsize=1)

@@ -13,6 +13,7 @@ from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
 from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
+from remqa_data.thor.state.conditions import BASINS
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, whole
 from remqa_data.thor.state.simulator import SimulatorState
@@ -91,11 +92,13 @@ def put_object(
     placeStationary: bool = True,
     receptacleObjectId: str | None = None,
 ) -> ActionResult:
-    """Put what is held into or onto a receptacle, which `receptacleObjectId` names in old code."""
+    """Put what is held into or onto a receptacle, which `receptacleObjectId` names in old code; a sink means its basin."""
     target = target_of(simulator, "PutObject", receptacleObjectId or objectId, x, y)
     if isinstance(target, ActionResult):
         return target
     world, held = simulator.room.world, simulator.agent.held
+    basins = {f"{target}|{name}" for name in BASINS} & set(world.ids)
+    target = basins.pop() if basins else target
     turned = None if held is None else world.state(held).quaternion
     _stand_up(simulator)
     result = simulator.agent.put(target, forceAction)

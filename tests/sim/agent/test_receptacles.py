@@ -8,22 +8,32 @@ import pytest
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.sim.agent.agent import Agent
 from remqa_data.sim.agent.handling import support_of
+from remqa_data.sim.agent.receptacles import open_spaces
+from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.view import WorldView
 
 CUTLERY = ("Fork", "Spoon", "ButterKnife", "Knife")
 
 
-@pytest.fixture(scope="module")
-def loaded() -> Iterator[tuple[Agent, Snapshot]]:
-    with World(load_scene("FloorPlan8")) as world:
+def rested(room: str) -> Iterator[tuple[Agent, Snapshot]]:
+    with World(load_scene(room)) as world:
         world.settle()
         yield Agent(world, WorldView(world), (0.0, 0.0), 0.0, hands="near"), world.save()
 
 
-@pytest.fixture
-def agent(loaded: tuple[Agent, Snapshot]) -> Agent:
-    """An agent amid a kitchen as it was at first."""
+@pytest.fixture(scope="module")
+def kitchen() -> Iterator[tuple[Agent, Snapshot]]:
+    yield from rested("FloorPlan8")
+
+
+@pytest.fixture(scope="module")
+def bathroom() -> Iterator[tuple[Agent, Snapshot]]:
+    yield from rested("FloorPlan403")
+
+
+def amid(loaded: tuple[Agent, Snapshot]) -> Agent:
+    """An agent amid a room as it was at first."""
     made, first = loaded
     made.world.restore(first)
     cells = made.grid.cells
@@ -31,8 +41,18 @@ def agent(loaded: tuple[Agent, Snapshot]) -> Agent:
     return made
 
 
+@pytest.fixture
+def agent(kitchen: tuple[Agent, Snapshot]) -> Agent:
+    return amid(kitchen)
+
+
 def first_of(agent: Agent, type_name: str) -> str:
     return next(name for name in agent.world.ids if agent.world.type_of(name) == type_name)
+
+
+def on(world: World, holder: str) -> list[str]:
+    held_by = supports(world, {name: world.box(name) for name in world.ids})
+    return [name for name, support in held_by.items() if support.id == holder]
 
 
 def hold(agent: Agent, type_name: str) -> str:
@@ -115,3 +135,53 @@ def test_what_does_not_fit_changes_nothing(agent: Agent) -> None:
 def top_area(agent: Agent, name: str) -> float:
     width, depth, _ = np.ptp(agent.world.box(name), axis=0)
     return float(width * depth)
+
+
+HUNG = {"HandTowel": "HandTowelHolder", "ToiletPaper": "ToiletPaperHanger", "Towel": "TowelHolder"}
+
+
+@pytest.mark.parametrize("thing", HUNG)
+def test_what_hung_on_a_holder_hangs_there_again(bathroom: tuple[Agent, Snapshot], thing: str) -> None:
+    agent = amid(bathroom)
+    world = agent.world
+    holder = next(name for name in world.ids if world.type_of(name) == HUNG[thing] and on(world, name))
+    (hung,) = on(world, holder)
+    place, box = world.state(hung).position, world.box(hung)
+    assert world.type_of(hung) == thing
+    assert agent.pick_up(hung, force=True).success
+    assert agent.drop().success
+    assert np.abs(world.box(hung) - box).max() > 0.1
+    assert agent.pick_up(hung, force=True).success
+    assert agent.put(holder, force=True).success
+    world.settle()
+    assert on(world, holder) == [hung]
+    assert world.state(hung).position == pytest.approx(place, abs=0.02)
+    assert np.allclose(world.box(hung), box, atol=0.02)
+    assert agent.pick_up(hung, force=True).success
+
+
+def test_a_holder_takes_nothing_else_and_no_second_one(bathroom: tuple[Agent, Snapshot]) -> None:
+    agent = amid(bathroom)
+    world = agent.world
+    holder = next(name for name in world.ids if world.type_of(name) == "TowelHolder" and on(world, name))
+    soap = hold(agent, "SoapBar")
+    assert agent.put(holder, force=True).error == f"no free place for {soap} in {holder}"
+    assert agent.drop().success
+    free = next(name for name in world.ids if world.type_of(name) == "TowelHolder" and not on(world, name))
+    (towel,) = on(world, holder)
+    agent.pick_up(towel, force=True)
+    assert agent.put(free, force=True).success
+    other = hold(agent, "HandTowel")
+    assert agent.put(free, force=True).error == f"no free place for {other} in {free}"
+
+
+def test_what_cannot_open_far_takes_things_in_when_it_is_open() -> None:
+    with World(load_scene("FloorPlan17")) as world:
+        narrow = next(
+            name for name in world.ids if world.assets[name].is_openable and 0.0 < world.most_open(name) < 0.3
+        )
+        assert not open_spaces(world, narrow)
+        world.open(narrow, world.most_open(narrow) / 2)
+        assert not open_spaces(world, narrow)
+        world.open(narrow)
+        assert open_spaces(world, narrow)
