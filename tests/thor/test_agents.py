@@ -16,6 +16,7 @@ def two(kitchen) -> Controller:
     kitchen.reset("FloorPlan1", agentCount=2)
     yield kitchen
     kitchen.initialization_parameters.pop("agentCount")
+    kitchen.initialization_parameters.pop("makeAgentsVisible", None)
 
 
 def place(event, agent: int) -> tuple[float, float]:
@@ -125,3 +126,75 @@ def test_one_agent_again(two) -> None:
     event = two.reset("FloorPlan1", agentCount=1)
     assert event.metadata["agentId"] == 0
     assert [e.metadata["agentId"] for e in event.events] == [0]
+
+
+def facing(two, **settings):
+    """The event after agent 0 has turned to the fridge, and agent 1 has come between them, with all images of both."""
+    two.reset("FloorPlan1", agentCount=2, renderDepthImage=True, renderInstanceSegmentation=True, **settings)
+    poses = two.step("GetInteractablePoses", objectId=FRIDGE, horizons=[0], standings=[True], rotations=[270]).metadata[
+        "actionReturn"
+    ]
+    far = max(poses, key=lambda pose: pose["x"])
+    two.step("TeleportFull", **far, agentId=0)
+    between = {"x": far["x"] - 0.75, "y": far["y"], "z": far["z"]}
+    event = two.step("Teleport", position=between, agentId=1, forceAction=True)
+    assert event, event.metadata["errorMessage"]
+    return event
+
+
+def pose_of(event, number: int) -> dict:
+    agent = event.events[number].metadata["agent"]
+    return {
+        **agent["position"],
+        "rotation": agent["rotation"],
+        "horizon": 0.0,
+        "standing": True,
+    }
+
+
+def test_they_see_each_other(two) -> None:
+    hidden = facing(two, makeAgentsVisible=False).events
+    seen = facing(two, makeAgentsVisible=True).events
+    is_body = seen[0].depth_frame < hidden[0].depth_frame - 0.01
+    assert 0.03 < is_body.mean() < 0.6
+    gap = float(np.linalg.norm(np.subtract(place(two.last_event, 0), place(two.last_event, 1))))
+    assert gap - 0.3 < seen[0].depth_frame[is_body].min() < gap
+    # A body is no object, and hides those that are behind it.
+    behind = {name for name, mask in hidden[0].instance_masks.items() if (mask & is_body).any()}
+    assert FRIDGE in behind
+    assert not any((mask & is_body).any() for mask in seen[0].instance_masks.values())
+    # Nobody sees itself, nor anything else than before where no body is.
+    assert np.array_equal(seen[1].depth_frame, hidden[1].depth_frame)
+    assert np.array_equal(seen[0].depth_frame[~is_body], hidden[0].depth_frame[~is_body])
+
+
+def test_what_one_holds_the_other_sees_in_its_hand(two) -> None:
+    facing(two)
+    event = two.step("PickupObject", objectId=APPLE, forceAction=True, agentId=1)
+    towards = (event.events[0].metadata["agent"]["rotation"]["y"] + 180) % 360
+    event = two.step("TeleportFull", **pose_of(event, 1) | {"rotation": towards}, agentId=1)
+    assert event, event.metadata["errorMessage"]
+    assert APPLE in event.events[0].instance_masks
+    assert APPLE not in event.events[1].instance_masks
+    rows, columns = np.nonzero(event.events[0].instance_masks[APPLE])
+    assert abs(columns.mean() - 150) < 30
+    hand, eye = (event.events[n].metadata[key] for n, key in ((1, "heldObjectPose"), (0, "cameraPosition")))
+    depth = event.events[0].depth_frame[rows, columns].mean()
+    assert depth == pytest.approx(np.hypot(hand["position"]["x"] - eye["x"], hand["position"]["z"] - eye["z"]), abs=0.1)
+    gone = two.step("DropHandObject", agentId=1)
+    assert not gone.events[0].get_object(APPLE)["isPickedUp"]
+
+
+def test_a_camera_in_the_room_sees_the_agent_and_one_in_its_eye_does_not(two) -> None:
+    event = two.reset("FloorPlan1", agentCount=1, renderDepthImage=True)
+    own = event.metadata["cameraPosition"], event.metadata["agent"]["rotation"]
+    above = two.step("GetMapViewCameraProperties").metadata["actionReturn"]
+    two.step("AddThirdPartyCamera", **above)
+    event = two.step("AddThirdPartyCamera", position=own[0], rotation={**own[1], "x": 0})
+    assert np.array_equal(event.third_party_depth_frames[1], event.depth_frame)
+    before = event.third_party_depth_frames[0]
+    moved = next(e for e in (two.step(f"Move{way}") for way in ("Ahead", "Back", "Left", "Right")) if e)
+    changed = np.abs(moved.third_party_depth_frames[0] - before) > 0.05
+    assert 0.001 < changed.mean() < 0.05
+    two.step("Initialize", makeAgentsVisible=False, renderDepthImage=True)
+    assert (two.last_event.third_party_depth_frames[0] >= np.maximum(before, moved.third_party_depth_frames[0])).all()

@@ -15,7 +15,8 @@ ROOMS = {"kitchen": "FloorPlan4", "living room": "FloorPlan222", "bedroom": "Flo
 
 @pytest.fixture(scope="module", params=ROOMS.values(), ids=ROOMS.keys())
 def room(request):
-    with Controller(scene=request.param, width=96, height=96, renderInstanceSegmentation=True) as controller:
+    settings = {"renderInstanceSegmentation": True, "makeAgentsVisible": False}  # it stands where things are put
+    with Controller(scene=request.param, width=96, height=96, **settings) as controller:
         yield controller
 
 

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.geometry.types import F64
 from remqa_data.sim.agent.agent import Agent
 from remqa_data.sim.arm import body as arm_body
-from remqa_data.sim.arm.postures import COLUMN_TOP_M
+from remqa_data.sim.arm.postures import COLUMN_TOP_M, HOME
 from remqa_data.sim.render.camera import NEAR_M, AnyCamera, Camera
-from remqa_data.sim.render.renderer import Renderer, RenderPart
-from remqa_data.sim.render.view import WorldView, world_parts
+from remqa_data.sim.render.view import WorldView
 
 Place = tuple[float, float, float]
 """Where the camera stands: degrees counter-clockwise from the agent's heading, and metres away and above the floor."""
@@ -98,21 +98,14 @@ class RobotView(WorldView):
     """
 
     def __init__(self, agent: Agent) -> None:
-        super().__init__(agent.world, shows_held=True)
+        super().__init__(agent.world, shows_held=True, bodies=[arm_body.robot_surfaces()])
         self.agent = agent
         self._in_hand: str | None = None
-        parts, poses = world_parts(agent.world)
-        # All parts of the robot have the instance that WorldView reads as "no object".
-        robot = [RenderPart(surfaces, len(parts)) for surfaces in arm_body.robot_surfaces()]
-        self._robot = range(len(parts), len(parts) + len(robot))
-        self._draw_with(
-            Renderer([*parts, *robot], np.concatenate([poses, self._robot_poses()]), lights=agent.world.scene.lights)
-        )
 
     def sync(self) -> None:
         """Follow the world, the agent, its arm, and what is in its hand."""
         super().sync()
-        self.renderer.set_poses(self._robot, self._robot_poses())
+        self.show_body(0, body_of(self.agent))
         before, self._in_hand = self._in_hand, self.agent.held
         if before is not None:  # it may be where it was when it was picked up
             self.renderer.set_poses(self._parts_of[before], self.world.link_poses(before))
@@ -128,12 +121,13 @@ class RobotView(WorldView):
         The view must be in step, see `sync`.
         """
         depth, instances = self.renderer.render_instances(camera)
-        is_robot = instances == self._robot.start
+        is_robot = instances == self.instance_of_bodies
         is_near = ~is_robot & (depth < CLOSE_M) & (instances >= 0)
         return int(np.count_nonzero(is_robot)), float(is_near.mean())
 
-    def _robot_poses(self) -> npt.NDArray[np.float64]:
-        agent = self.agent
-        body = agent.embodiment
-        eye = body.camera_height_m if agent.is_standing else body.crouched_camera_height_m
-        return arm_body.robot_poses(agent.base, agent.arm.state, eye)
+
+def body_of(agent: Agent) -> F64:
+    """(n, 4, 4) poses in the room of the parts of `robot_surfaces`, of an agent as it stands and holds its arm."""
+    embodiment = agent.embodiment
+    eye = embodiment.camera_height_m if agent.is_standing else embodiment.crouched_camera_height_m
+    return arm_body.robot_poses(agent.base, agent.arm.state if "arm" in vars(agent) else HOME, eye)

@@ -30,6 +30,8 @@ STRUCTURE = -1
 Shapes = Mapping[str, Sequence[tuple[Surface, ...]]]
 """What is drawn of some objects, link by link, instead of what they were built with."""
 _AS_BUILT: Shapes = {}
+Body = Sequence[tuple[Surface, ...]]
+"""What is drawn of each part of something that is no object of the world, such as an agent."""
 
 
 @dataclass(frozen=True)
@@ -70,11 +72,17 @@ class WorldView:
         What to draw; later changes of the world are followed by `render`.
     shows_held : bool
         Whether what is held, and so out of the room, is drawn all the same.
+    bodies : sequence of Body
+        What may be in pictures besides the world; see `show_body`.
 
+    Attributes
+    ----------
+    instance_of_bodies : int
+        Which instance pictures show where there is a body.
     """
 
-    def __init__(self, world: World, *, shows_held: bool = False) -> None:
-        self.world = world
+    def __init__(self, world: World, *, shows_held: bool = False, bodies: Sequence[Body] = ()) -> None:
+        self.world, self.bodies = world, bodies
         self._shows_held = shows_held
         self._shapes: Shapes = {}
         self._asked_to_hide: set[str] = set()
@@ -88,6 +96,12 @@ class WorldView:
         parts, poses = world_parts(world, self._shapes)
         self._first_object_part = len(parts) - sum(len(asset.links) for asset in world.assets.values())
         object_of, link_of = [STRUCTURE] * self._first_object_part, [STRUCTURE] * self._first_object_part
+        self.instance_of_bodies = len(parts)  # which is read as "no object"
+        self._parts_of_bodies = []
+        for body in self.bodies:
+            self._parts_of_bodies.append(range(len(parts), len(parts) + len(body)))
+            parts += [RenderPart(surfaces, self.instance_of_bodies) for surfaces in body]
+        poses = np.concatenate([poses, np.tile(np.eye(4), (len(parts) - len(poses), 1, 1))])
         self._parts_of: dict[str, range] = {}
         for index, object_id in enumerate(world.ids):
             count = len(world.assets[object_id].links)
@@ -100,21 +114,22 @@ class WorldView:
         self._shown = {object_id: world.state(object_id) for object_id in world.ids}
         self._out_of_room = frozenset[str]()
         self._revision: int | None = None
-        self._draw_with(Renderer(parts, poses, lights=world.scene.lights))
+        self.renderer = Renderer(parts, poses, lights=world.scene.lights)
+        self._object_labels = self.renderer.labels_of_surfaces(self._object_of)
+        for number in range(len(self.bodies)):
+            self.show_body(number, None)
         self._lamps = self.renderer.lights
         self._level = 1.0
         self._waits_for_light = world.scene.light == "baked"
 
-    def _draw_with(self, renderer: Renderer) -> None:
-        self.renderer = renderer
-        self._object_labels = renderer.labels_of_surfaces(self._object_of)
-
-    def rebuild(self, shapes: Shapes) -> None:
+    def rebuild(self, shapes: Shapes | None = None, bodies: Sequence[Body] | None = None) -> None:
         """Draw some objects in other shapes from now on, and all others as built; and what the world has got since.
 
-        Takes some 50 ms, as everything is put together anew; but for materials all stays as it was set.
+        Takes some 50 ms, as everything is put together anew; but for materials all stays as it was set. Without shapes, or
+        without bodies, those of before go on.
         """
-        self._shapes = shapes
+        self._shapes = self._shapes if shapes is None else shapes
+        self.bodies = self.bodies if bodies is None else bodies
         self._build()
         self._asked_to_hide &= self._parts_of.keys()
         for object_id in self._asked_to_hide:
@@ -142,6 +157,21 @@ class WorldView:
         (self._asked_to_hide.add if hidden else self._asked_to_hide.discard)(object_id)
         self._changes += 1
         self._show_or_hide(object_id)
+
+    def show_body(self, number: int, poses: F64 | None) -> None:
+        """Let a body be in pictures from now on, with its parts at (n, 4, 4) poses, or in none."""
+        rows = self._parts_of_bodies[number]
+        if poses is not None:
+            self.renderer.set_poses(rows, poses)
+        for part in rows:
+            self.renderer.set_visible(part, poses is not None)
+
+    def show_held(self, object_id: str, poses: F64 | None) -> None:
+        """Let what is held be in pictures from now on, with its links at (n, 4, 4) poses, or, as usual, in none."""
+        rows = self._parts_of[object_id]
+        self.renderer.set_poses(rows, self.world.link_poses(object_id) if poses is None else poses)
+        for part in rows:
+            self.renderer.set_visible(part, poses is not None)
 
     def render(
         self,

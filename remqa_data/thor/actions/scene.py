@@ -29,7 +29,6 @@ NO_EFFECT = frozenset(
         "continuousMode",
         "fastActionEmit",
         "headless",
-        "makeAgentsVisible",
         "massThreshold",
         "maxDownwardLookAngle",
         "maxUpwardLookAngle",
@@ -67,6 +66,7 @@ def initialize(
     cameraFarPlane: float = 20.0,
     agentMode: str = "default",
     agentCount: int = 1,
+    makeAgentsVisible: bool = True,
     renderDepthImage: bool = False,
     renderInstanceSegmentation: bool = False,
     renderSemanticSegmentation: bool = False,
@@ -99,6 +99,7 @@ def initialize(
         far_plane=cameraFarPlane,
         agent_mode=agentMode,
         agent_count=agentCount,
+        shows_agents=makeAgentsVisible,
         images=Images(
             depth=renderDepthImage,
             instances=renderInstanceSegmentation,

@@ -167,6 +167,13 @@ class ThorAgent(Agent):
         x, y, z = arithmetic.snapped(np.asarray(self.hand_at()) + self._grasp).tolist()
         return x, y, z
 
+    def poses_of_held(self) -> F64:
+        """(links, 4, 4) poses in the room at which what it holds is drawn."""
+        held = str(self.held)
+        poses = self.world.link_poses(held)
+        poses[:, :3, 3] += np.asarray(self.held_at()) - self.world.box(held).mean(axis=0)
+        return poses
+
     def drop_spots(self) -> list[Vec3]:
         """Where it lets go: where its hand is, if it has been moved, or where its arm holds the thing, or just above."""
         if self.hands != "arm":

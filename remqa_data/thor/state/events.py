@@ -100,6 +100,9 @@ def reply(simulator: SimulatorState, outcomes: Mapping[int, Outcome], images: Im
         return Reply(0, [_outcome(outcomes.get(0, NOTHING_DONE), 0) | _about(simulator)], [Listing(list)], files)
     room, active = simulator.room, simulator.room.active
     room.show_conditions()
+    if not images.none:
+        are_seen = simulator.settings.shows_agents and (len(room.agents) > 1 or simulator.cameras)
+        room.have_bodies(len(room.agents) if are_seen else 0)
     metadata, objects = [], []
     for number in range(len(room.agents)):
         room.active = number
@@ -131,7 +134,7 @@ def _seen(simulator: SimulatorState, images: Images, files: Files) -> Callable[[
         return look
     camera = room.frame_camera()
     only = room.shown_to(camera)
-    shown = room.picture(camera, only, simulator.quality)
+    shown = room.picture(camera, only, simulator.quality, room.agent)
     _add(files, _AGENT_FILES, shown, images, room.palette, simulator.settings.far_plane)
     if only is not None or room.shows_map:
         return look

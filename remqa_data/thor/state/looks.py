@@ -15,7 +15,7 @@ import numpy as np
 from remqa_data.assets.core.model import Material
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Flags, Vec3
-from remqa_data.sim.render.view import Shapes, WorldView
+from remqa_data.sim.render.view import Body, Shapes, WorldView
 
 MARK = Material("plastic", "pink", (1.0, 0.0, 1.0), glow=1.0)
 """What is masked or emphasised: every pixel of it is (255, 0, 255), whatever the light."""
@@ -91,9 +91,9 @@ class Looks:
             self._view.set_materials(self._materials())
         self.only = None if look.emphasized is None else self._view.parts_of([look.emphasized])
 
-    def reshape(self, shapes: Shapes) -> None:
-        """Draw some objects in other shapes, and all else as it looks; see `WorldView.rebuild`."""
-        self._view.rebuild(shapes)
+    def reshape(self, shapes: Shapes | None = None, bodies: Sequence[Body] | None = None) -> None:
+        """Draw some objects in other shapes, or agents, too, and all else as it looks; see `WorldView.rebuild`."""
+        self._view.rebuild(shapes, bodies)
         self._read_parts()
         self._view.set_materials(self._materials())
         self.only = None if self.look.emphasized is None else self._view.parts_of([self.look.emphasized])

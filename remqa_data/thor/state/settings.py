@@ -79,6 +79,7 @@ class Settings:
     far_plane: float = 20.0
     agent_mode: str = "default"
     agent_count: int = 1
+    shows_agents: bool = True
     images: Images = field(default_factory=Images)
 
     @property

@@ -9,15 +9,19 @@ import numpy as np
 
 from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import load_scene
+from remqa_data.geometry.boxes import corners
 from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.scene import SceneObject
 from remqa_data.sim.agent.pictures import Pictures
 from remqa_data.sim.agent.results import ActionResult
+from remqa_data.sim.agent.third_person import body_of
+from remqa_data.sim.arm.body import robot_surfaces
+from remqa_data.sim.arm.postures import COLUMN_TOP_M
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import Snapshot, World
-from remqa_data.sim.render.camera import AnyCamera, Camera, OrthographicCamera
+from remqa_data.sim.render.camera import AnyCamera, Camera, OrthographicCamera, are_outside
 from remqa_data.sim.render.view import Observation, WorldView
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.appearance import shapes_of
@@ -232,12 +236,39 @@ class LoadedFloorPlan:
         is_above = camera.view().eye[2] >= self.world.scene.floor_z + self.world.scene.height
         return ~self._hides_room if is_above else None
 
-    def picture(self, camera: AnyCamera, only: Flags | None, quality: Quality) -> Observation:
-        """What `WorldView.render` gives; not to be written to, as it is remembered while nothing in the room changes."""
+    def picture(
+        self, camera: AnyCamera, only: Flags | None, quality: Quality, whose: ThorAgent | None = None
+    ) -> Observation:
+        """What `WorldView.render` gives; not to be written to, as it is remembered while nothing in the room changes.
+
+        With the bodies of agents and what they hold, if there are any: not of the one whose camera it is, nor where the
+        camera is in the body.
+        """
         if self.view.version != self._pictured:
             self._pictured = self.view.version
             self.pictures.forget()
-        return self.pictures.of(camera, only, shadows=quality.shadows, antialias=quality.smooth_edges)
+        shown = [who for who in self.agents if who is not whose and _can_see(camera, who)] if self.view.bodies else []
+        if not shown:
+            return self.pictures.of(camera, only, shadows=quality.shadows, antialias=quality.smooth_edges)
+        self._show(shown)
+        drawn = self.view.render(camera, only=only, shadows=quality.shadows, antialias=quality.smooth_edges)
+        self._show([])
+        return drawn
+
+    def have_bodies(self, count: int) -> None:
+        """Let the first of the agents be in pictures that others take of them from now on, and no more of them."""
+        if len(self.view.bodies) != count:
+            self.looks.reshape(bodies=[robot_surfaces()] * count)
+            self._hides_room = self.view.parts_of_building("ceiling") | self.view.parts_of_building("outside")
+
+    def _show(self, agents: Sequence[ThorAgent]) -> None:
+        """Let some agents, with what they hold, be drawn, and no others."""
+        self.view.sync()
+        for agent in self.agents:
+            is_shown = agent in agents
+            self.view.show_body(agent.number, body_of(agent) if is_shown else None)
+            if agent.held is not None:
+                self.view.show_held(agent.held, agent.poses_of_held() if is_shown else None)
 
     def box(self) -> F64:
         """(2, 3) corners of the room inside its walls, metres."""
@@ -331,6 +362,18 @@ class SimulatorState:
         if self._room is not None:
             self._room.world.close()
             self._room = None
+
+
+def _can_see(camera: AnyCamera, agent: ThorAgent) -> bool:
+    """Whether an agent may be in a camera's picture: it is not out of its sight, and the camera is not in its body."""
+    view, radius, floor_z = camera.view(), agent.embodiment.radius_m, agent.world.scene.floor_z
+    if math.dist(view.eye[:2], (agent.x, agent.y)) < radius and view.eye[2] < floor_z + COLUMN_TOP_M:
+        return False
+    box = np.array(
+        [(agent.x - radius, agent.y - radius, floor_z), (agent.x + radius, agent.y + radius, floor_z + COLUMN_TOP_M)]
+    )
+    is_far_out = agent.held is not None or agent.hands == "arm"
+    return is_far_out or not bool(are_outside(view, corners(box)))
 
 
 def generator(seed: int) -> np.random.Generator:
