@@ -333,12 +333,12 @@ class World:
         """Bring back a saved state exactly: later actions give what they would have given then."""
         for object_id in self.held.keys() - snapshot.held.keys():
             self._bodies.set_collisions(object_id, True)
+        self.held = dict(snapshot.held)
         for object_id, state in snapshot.states.items():
-            self.set_fixed(object_id, state.is_fixed)
+            self.set_fixed(object_id, state.is_fixed)  # may load all anew, but for what is held
         for object_id, state in snapshot.states.items():
             if state is not self._states[object_id]:
                 self._put_at(object_id, state)
-        self.held = dict(snapshot.held)
         self.revision += 1
         for object_id in self.held:
             self._bodies.set_collisions(object_id, False)

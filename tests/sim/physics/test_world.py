@@ -117,6 +117,20 @@ def test_a_hanging_thing_becomes_loose_when_it_is_picked_up() -> None:
         assert world.box("Mug|1")[0, 2] == pytest.approx(0.0, abs=0.003)
 
 
+def test_a_hanging_thing_is_in_the_way_again_when_it_is_restored() -> None:
+    with World(room(mug(is_fixed=True), mug("Mug|2", (1.0, 0.0, 0.2)))) as world:
+        first = world.save()
+        x, y, z = world.state("Mug|1").position
+        world.pick_up("Mug|1")
+        assert world.first_hit((x - 0.3, y, z), (x + 0.3, y, z)) is None
+        world.restore(first)
+        hit = world.first_hit((x - 0.3, y, z), (x + 0.3, y, z))
+        assert hit is not None
+        assert hit[0] == "Mug|1"
+        world.move_alone("Mug|2", (x, y, z))
+        assert "Mug|1" in dict(world.overlapping("Mug|2"))
+
+
 def test_refusals_say_why() -> None:
     with World(room(DRAWER, mug())) as world:
         with pytest.raises(ActionError, match=r"Mug\|1 is not openable"):
