@@ -8,6 +8,7 @@ from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from remqa_data.assets.core.model import Space
 from remqa_data.catalog import types_with
@@ -128,9 +129,19 @@ def open_spaces(world: World, receptacle_id: str) -> list[Space]:
     return [space for space in asset.spaces if (is_open if space.enclosed else not takes_in)]
 
 
-def lattice(link: F64, space: Space) -> Iterator[Vec3]:
-    """Points of the floor of a space of a link, whose pose is (4, 4), metres in the room."""
-    yield from _lattice(link, space, np.zeros(2))
+def lattice(link: F64, space: Space, half: ArrayLike = (0.0, 0.0)) -> Iterator[Vec3]:
+    """Points of the floor of a space at which the middle of a thing, (2,) half as large, can be; at least one.
+
+    The link to which the space belongs is at a (4, 4) pose; all in metres, the points in the room.
+    """
+    low, high = np.array(space.box).reshape(2, 3)
+    room, middle = (high - low)[:2] / 2, (low + high) / 2
+    within = np.minimum(half, room)  # what is larger than its place lies in its middle
+    axes = [np.arange(-(r - h), r - h + 1e-9, LATTICE_M) for r, h in zip(room, within, strict=True)]
+    for dx in axes[0]:
+        for dy in axes[1]:
+            x, y, z = arithmetic.moved([middle[0] + dx, middle[1] + dy, low[2]], link).tolist()
+            yield x, y, z
 
 
 def _hang(world: World, held: str, receptacle_id: str, space: Space) -> bool:
@@ -183,7 +194,7 @@ def _spots(world: World, receptacle_id: str, spaces: list[Space], way: _Way) -> 
             continue
         if way.lies_across and (space.enclosed or not is_too_large):
             continue
-        spots += [(x, y, z + GAP_M - float(way.low[2])) for x, y, z in _lattice(link, space, along)]
+        spots += [(x, y, z + GAP_M - float(way.low[2])) for x, y, z in lattice(link, space, along)]
     return spots
 
 
@@ -191,18 +202,6 @@ def _holds_upright(type_name: str, space: Space, way: _Way) -> bool:
     """Whether a thing that is stood into a space leans against walls around it."""
     tall, deep = float(way.high[2] - way.low[2]), space.box[5] - space.box[2]
     return surrounds(type_name, space) and not space.enclosed and deep >= DEEP * tall
-
-
-def _lattice(link: F64, space: Space, half: F64) -> Iterator[Vec3]:
-    """Points of the floor of a space at which the middle of a thing, (2,) half as large, can be; at least one."""
-    low, high = np.array(space.box).reshape(2, 3)
-    room, middle = (high - low)[:2] / 2, (low + high) / 2
-    half = np.minimum(half, room)  # what is larger than its place lies in its middle
-    axes = [np.arange(-(r - h), r - h + 1e-9, LATTICE_M) for r, h in zip(room, half, strict=True)]
-    for dx in axes[0]:
-        for dy in axes[1]:
-            x, y, z = arithmetic.moved([middle[0] + dx, middle[1] + dy, low[2]], link).tolist()
-            yield x, y, z
 
 
 def _free(world: World, held: str, spots: list[Vec3], rises: bool) -> Iterator[Vec3]:

@@ -98,7 +98,7 @@ class RobotView(WorldView):
     """
 
     def __init__(self, agent: Agent) -> None:
-        super().__init__(agent.world, shows_held=True, bodies=[arm_body.robot_surfaces()])
+        super().__init__(agent.world, bodies=[arm_body.robot_surfaces()])
         self.agent = agent
         self._in_hand: str | None = None
 
@@ -106,14 +106,14 @@ class RobotView(WorldView):
         """Follow the world, the agent, its arm, and what is in its hand."""
         super().sync()
         self.show_body(0, body_of(self.agent))
-        before, self._in_hand = self._in_hand, self.agent.held
-        if before is not None:  # it may be where it was when it was picked up
+        before, held = self._in_hand, self.agent.held
+        self._in_hand = held
+        if before not in (None, held):  # it may be where it was when it was picked up
             self.renderer.set_poses(self._parts_of[before], self.world.link_poses(before))
-        held = self._in_hand
         if held is not None:
             poses = self.world.link_poses(held)
             poses[:, :3, 3] += np.array(self.agent.arm.hand(self.agent.base)) - self.world.state(held).position
-            self.renderer.set_poses(self._parts_of[held], poses)
+            self.show_held(held, poses)
 
     def scout(self, camera: AnyCamera) -> tuple[int, float]:
         """Number of pixels that show the agent, and share of those that show something else close to the camera.

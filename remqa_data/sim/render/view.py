@@ -70,8 +70,6 @@ class WorldView:
     ----------
     world : World
         What to draw; later changes of the world are followed by `render`.
-    shows_held : bool
-        Whether what is held, and so out of the room, is drawn all the same.
     bodies : sequence of Body
         What may be in pictures besides the world; see `show_body`.
 
@@ -81,9 +79,8 @@ class WorldView:
         Which instance pictures show where there is a body.
     """
 
-    def __init__(self, world: World, *, shows_held: bool = False, bodies: Sequence[Body] = ()) -> None:
+    def __init__(self, world: World, *, bodies: Sequence[Body] = ()) -> None:
         self.world, self.bodies = world, bodies
-        self._shows_held = shows_held
         self._shapes: Shapes = {}
         self._asked_to_hide: set[str] = set()
         self._brightness: Sequence[float] | None = None
@@ -148,7 +145,7 @@ class WorldView:
             if state is not self._shown[object_id]:
                 self._shown[object_id] = state
                 self.renderer.set_poses(np.arange(rows.start, rows.stop), self.world.link_poses(object_id))
-        before, self._out_of_room = self._out_of_room, frozenset(() if self._shows_held else self.world.held)
+        before, self._out_of_room = self._out_of_room, frozenset(self.world.held)
         for changed in before ^ self._out_of_room:
             self._show_or_hide(changed)
 
@@ -163,15 +160,13 @@ class WorldView:
         rows = self._parts_of_bodies[number]
         if poses is not None:
             self.renderer.set_poses(rows, poses)
-        for part in rows:
-            self.renderer.set_visible(part, poses is not None)
+        self._set_visible(rows, poses is not None)
 
     def show_held(self, object_id: str, poses: F64 | None) -> None:
         """Let what is held be in pictures from now on, with its links at (n, 4, 4) poses, or, as usual, in none."""
         rows = self._parts_of[object_id]
         self.renderer.set_poses(rows, self.world.link_poses(object_id) if poses is None else poses)
-        for part in rows:
-            self.renderer.set_visible(part, poses is not None)
+        self._set_visible(rows, poses is not None)
 
     def render(
         self,
@@ -288,7 +283,10 @@ class WorldView:
 
     def _show_or_hide(self, object_id: str) -> None:
         is_seen = object_id not in self._asked_to_hide and object_id not in self._out_of_room
-        for part in self._parts_of[object_id]:
+        self._set_visible(self._parts_of[object_id], is_seen)
+
+    def _set_visible(self, parts: Iterable[int], is_seen: bool) -> None:
+        for part in parts:
             self.renderer.set_visible(part, is_seen)
 
 

@@ -191,8 +191,7 @@ class ThorAgent(Agent):
 
     def _is_beside(self, object_id: str) -> bool:
         """See `Agent`; nothing is put where another agent stands either."""
-        links, radius = self.world.link_poses(object_id), self.embodiment.radius_m
-        return all(self.ground.distance(object_id, links, (who.x, who.y)) > radius for who in (self, *self._all))
+        return all(Agent._is_beside(who, object_id) for who in self._all or (self,))
 
     def _blocker(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
         """See `Body`; another agent is in the way, too."""

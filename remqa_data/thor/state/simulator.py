@@ -89,7 +89,7 @@ class LoadedFloorPlan:
         """Let this be the room from now on, and be seen."""
         self.world = world
         self.view = WorldView(world)
-        self._hides_room = self.view.parts_of_building("ceiling") | self.view.parts_of_building("outside")
+        self._hides_room = _parts_that_hide_it(self.view)
         self.looks = Looks(self.view)
         self._conditions_shown: tuple[object, int | None] = ({}, None)
         self.palette = Palette(world.ids, [world.type_of(object_id) for object_id in world.ids])
@@ -259,7 +259,7 @@ class LoadedFloorPlan:
         """Let the first of the agents be in pictures that others take of them from now on, and no more of them."""
         if len(self.view.bodies) != count:
             self.looks.reshape(bodies=[robot_surfaces()] * count)
-            self._hides_room = self.view.parts_of_building("ceiling") | self.view.parts_of_building("outside")
+            self._hides_room = _parts_that_hide_it(self.view)
 
     def _show(self, agents: Sequence[ThorAgent]) -> None:
         """Let some agents, with what they hold, be drawn, and no others."""
@@ -364,6 +364,11 @@ class SimulatorState:
             self._room = None
 
 
+def _parts_that_hide_it(view: WorldView) -> Flags:
+    """(parts,) what is between a room and a camera above it."""
+    return view.parts_of_building("ceiling") | view.parts_of_building("outside")
+
+
 def _can_see(camera: AnyCamera, agent: ThorAgent) -> bool:
     """Whether an agent may be in a camera's picture: it is not out of its sight, and the camera is not in its body."""
     view, radius, floor_z = camera.view(), agent.embodiment.radius_m, agent.world.scene.floor_z
@@ -372,8 +377,8 @@ def _can_see(camera: AnyCamera, agent: ThorAgent) -> bool:
     box = np.array(
         [(agent.x - radius, agent.y - radius, floor_z), (agent.x + radius, agent.y + radius, floor_z + COLUMN_TOP_M)]
     )
-    is_far_out = agent.held is not None or agent.hands == "arm"
-    return is_far_out or not bool(are_outside(view, corners(box)))
+    reaches_out = agent.held is not None or agent.hands == "arm"
+    return reaches_out or not bool(are_outside(view, corners(box)))
 
 
 def generator(seed: int) -> np.random.Generator:
