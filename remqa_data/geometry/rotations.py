@@ -37,6 +37,12 @@ def snapped_quaternion(quaternion: tuple[float, float, float, float]) -> tuple[f
     return x, y, z, w
 
 
+def about_z(degrees: float) -> F64:
+    """3x3 rotation about the vertical, counter-clockwise; exact for quarter turns."""
+    sine, cosine = (float(value) for value in arithmetic.sin_cos_deg(degrees))
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+
+
 def degrees_apart(one: float, other: float) -> float:
     """The angle between two headings in degrees, 0 to 180.
 

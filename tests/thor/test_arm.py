@@ -240,3 +240,39 @@ def test_an_elbow_that_cannot_be_turned_so_far_stays(armed) -> None:
     assert not event
     assert event.metadata["errorMessage"]
     assert event.metadata["arm"] == before
+
+
+def test_the_agent_sees_its_arm(armed) -> None:
+    armed.step("TeleportFull", x=1.0, y=0.9, z=-1.5, rotation=270, horizon=30, standing=True)
+    folded = armed.step("Pass")
+    event = armed.step("MoveArm", position={"x": 0.0, "y": 0.2, "z": 0.5}, coordinateSpace="armBase")
+    assert event, event.metadata["errorMessage"]
+    changed = np.abs(event.frame.astype(int) - folded.frame).max(axis=2) > 30
+    assert changed.sum() > 800
+    assert {o["objectId"] for o in event.metadata["objects"] if o["visible"]} == {
+        o["objectId"] for o in folded.metadata["objects"] if o["visible"]
+    }
+    hidden = armed.reset(agentMode="arm", makeAgentsVisible=False)
+    armed.initialization_parameters.pop("makeAgentsVisible")
+    hidden = armed.step("TeleportFull", x=1.0, y=0.9, z=-1.5, rotation=270, horizon=30, standing=True)
+    event = armed.step("MoveArm", position={"x": 0.0, "y": 0.2, "z": 0.5}, coordinateSpace="armBase")
+    assert event, event.metadata["errorMessage"]
+    assert np.array_equal(event.frame, hidden.frame)
+
+
+def test_what_the_arm_holds_turns_with_the_agent(armed) -> None:
+    world = armed.server.session._simulator.room.world
+    agent = armed.server.session._simulator.agent
+    assert agent.pick_up(APPLE, force=True).success
+    before = armed.step("Pass")
+    from_hand = np.subtract(place(before), list(hand(before).values()))
+    quaternion = world.state(APPLE).quaternion
+    turned = armed.step("RotateRight", degrees=90)
+    x, y, z = np.subtract(place(turned), list(hand(turned).values()))
+    assert (x, y, z) == pytest.approx((from_hand[2], from_hand[1], -from_hand[0]), abs=2e-3)
+    armed.step("RotateLeft", degrees=90)
+    assert world.state(APPLE).quaternion == pytest.approx(quaternion, abs=1e-6)
+
+
+def place(event) -> list[float]:
+    return list(event.get_object(APPLE)["axisAlignedBoundingBox"]["center"].values())

@@ -121,6 +121,69 @@ def test_turns_what_it_holds(holding) -> None:
         holding.step("RotateHeldObject", pitch=10, rotation={"x": 0, "y": 0, "z": 0})
 
 
+def test_what_is_held_faces_as_the_agent_does_and_turns_with_it(kitchen) -> None:
+    for rotation in (90, 210):
+        assert kitchen.step("Teleport", rotation=rotation)
+        event = kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+        assert degrees(event) == pytest.approx([0.0, rotation, 0.0], abs=0.1)  # it lies a little tilted
+        before, pose = degrees(event), event.metadata["heldObjectPose"]
+        assert [(angle + 90.0) % 360.0 for angle in pose["localRotation"].values()] == pytest.approx([90] * 3, abs=0.1)
+        for turn in (50, 40, 270):
+            event = kitchen.step("RotateRight", degrees=turn)
+        assert degrees(event) == pytest.approx(before, abs=1e-3)
+        event = kitchen.step("RotateLeft", degrees=60)
+        assert degrees(event)[1] == pytest.approx((before[1] - 60 + 90) % 360 - 90, abs=1e-3)
+        pose = event.metadata["heldObjectPose"]
+        assert pose["rotation"] == event.get_object(APPLE)["rotation"]
+        assert [(angle + 90.0) % 360.0 for angle in pose["localRotation"].values()] == pytest.approx([90] * 3, abs=0.1)
+        assert degrees(kitchen.step("LookDown")) == degrees(event)  # a cup stays upright
+        assert kitchen.step("DropHandObject")
+
+
+def test_what_is_held_is_in_the_picture_where_the_metadata_say(holding) -> None:
+    event = holding.step("Initialize", renderInstanceSegmentation=True, renderDepthImage=True)
+    assert event.get_object(APPLE)["visible"]
+    rows, columns = np.nonzero(event.instance_masks[APPLE])
+    height, width = event.depth_frame.shape
+    focal = height / 2 / np.tan(np.radians(event.metadata["fov"] / 2))
+    # Of a thing that is 0.38 m ahead and 0.16 m below the eye.
+    assert (columns.min() + columns.max()) / 2 == pytest.approx(width / 2 - 0.5, abs=5)
+    assert (rows.min() + rows.max()) / 2 == pytest.approx(height / 2 + focal * 0.16 / 0.38, abs=15)
+    assert 0.30 < event.depth_frame[rows, columns].min() < 0.38
+    event = holding.step("MoveHeldObjectRight", moveMagnitude=0.1)
+    assert np.nonzero(event.instance_masks[APPLE])[1].mean() == pytest.approx(
+        columns.mean() + focal * 0.1 / 0.38, abs=8
+    )
+    event = holding.step("MoveHeldObjectUp", moveMagnitude=0.8)
+    assert APPLE not in event.instance_detections2D
+    assert not event.get_object(APPLE)["visible"]
+
+
+def test_what_is_held_hides_nothing_from_the_metadata(kitchen) -> None:
+    kitchen.step("TeleportFull", **{**BEFORE_APPLE, "horizon": 0})
+    before = {o["objectId"] for o in kitchen.last_event.metadata["objects"] if o["visible"]} - {APPLE}
+    event = kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    assert before
+    assert {o["objectId"] for o in event.metadata["objects"] if o["visible"]} == before | {APPLE}
+    without = kitchen.step("Pass", renderImage=False)
+    assert {o["objectId"] for o in without.metadata["objects"] if o["visible"]} == before | {APPLE}
+
+
+def test_pictures_are_as_before_when_the_hand_is_empty_again(holding) -> None:
+    world = holding.server.session._simulator.room.world
+    held = holding.step("Pass")
+    turned = [holding.step("RotateRight").frame for _ in range(4)]
+    assert np.array_equal(turned[3], held.frame)
+    put = holding.step("DropHandObject")
+    assert not np.array_equal(put.frame, held.frame)
+    state = world.save()
+    assert holding.step("PickupObject", objectId=APPLE, forceAction=True)
+    assert holding.step("RotateRight")
+    assert holding.step("RotateLeft")
+    world.restore(state)
+    assert np.array_equal(holding.step("Pass").frame, put.frame)
+
+
 def test_what_is_thrown_flies_where_the_camera_looks(holding) -> None:
     before, agent = place(holding.last_event), holding.last_event.metadata["agent"]["position"]
     event = holding.step("ThrowObject", moveMagnitude=10.0)

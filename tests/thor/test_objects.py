@@ -278,13 +278,14 @@ def test_a_fork_of_few_pixels_is_taken_from_as_far_as_ai2thor_allows(kitchen) ->
         "actionReturn"
     ]
     start = kitchen.last_event.get_object(FORK)
+    as_before = {"position": start["axisAlignedBoundingBox"]["center"], "rotation": start["rotation"]}
     for pose in poses[::3]:
         event = done(kitchen.step("TeleportFull", renderInstanceSegmentation=True, **pose))
         pixels = int(event.instance_masks[FORK].sum())
         assert pixels >= 10
         if pixels < 50:
             done(kitchen.step("PickupObject", objectId=FORK))
-            done(kitchen.step("PlaceObjectAtPoint", objectId=FORK, position=start["axisAlignedBoundingBox"]["center"]))
+            done(kitchen.step("PlaceObjectAtPoint", objectId=FORK, **as_before))
             taken.append(pose)
     assert len(taken) >= 3
 

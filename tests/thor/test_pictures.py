@@ -17,7 +17,8 @@ def drawn_now(controller: Controller) -> np.ndarray:
     simulator = controller.server.session._simulator
     room, quality = simulator.room, simulator.quality
     camera, how = room.frame_camera(), {"shadows": quality.shadows, "antialias": quality.smooth_edges}
-    return room.view.render(camera, only=room.shown_to(camera), **how).rgb
+    with room.view.showing(room._figures(camera, room.agent)):
+        return room.view.render(camera, only=room.shown_to(camera), **how).rgb
 
 
 def test_a_place_that_is_seen_again_is_not_drawn_again(kitchen, monkeypatch) -> None:

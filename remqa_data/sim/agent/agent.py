@@ -286,7 +286,7 @@ class Agent(Body):
     def _body_at(self, object_id: str, position: Vec3) -> str | None:
         """Whether the agent is in the way of an object that is to be somewhere else; its name in errors, or None."""
         state = replace(self.world.state(object_id), position=position)
-        links = arithmetic.product(state.matrix(), self.world.assets[object_id].link_poses(state.openness))
+        links = state.link_poses(self.world.assets[object_id])
         return "Agent" if self.ground.meets_agent(object_id, links, (self.x, self.y)) else None
 
     def _released(self, done: handling.Release) -> ActionResult:

@@ -37,6 +37,7 @@ class Body:
         self.world, self.view = world, view
         self.embodiment = embodiment or Embodiment()
         self.ground = Ground(world, self.embodiment.radius_m)
+        self.yaw_deg = _turn(float(yaw_deg))
         self.place(position, yaw_deg, horizon_deg, is_standing)
 
     # ---- where it is
@@ -47,7 +48,7 @@ class Body:
         """Put the agent somewhere, unchecked, with its arm folded."""
         self._prepare_to_move()
         self.x, self.y = float(position[0]), float(position[1])
-        self.yaw_deg = _turn(float(yaw_deg))
+        self._face(float(yaw_deg))
         self.horizon_deg = float(horizon_deg)
         self.is_standing = is_standing
 
@@ -116,7 +117,7 @@ class Body:
     def rotate(self, degrees: float) -> ActionResult:
         """Turn, counter-clockwise."""
         self._prepare_to_move()
-        self.yaw_deg = _turn(self.yaw_deg + degrees)
+        self._face(self.yaw_deg + degrees)
         return DONE
 
     def look(self, degrees: float) -> ActionResult:
@@ -166,6 +167,10 @@ class Body:
 
     def _prepare_to_move(self) -> None:
         """Called before the body moves."""
+
+    def _face(self, yaw_deg: float) -> None:
+        """Have a heading."""
+        self.yaw_deg = _turn(yaw_deg)
 
     def _blocker(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
         """What keeps the body from a straight step, by the name that it has in errors."""

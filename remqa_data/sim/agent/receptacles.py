@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from remqa_data.assets.core.model import Space
 from remqa_data.catalog import types_with
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.rotations import quaternion_of, rotation_of, snapped_quaternion
+from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, sunk_into, support_of
@@ -157,7 +157,7 @@ def _hang(world: World, held: str, receptacle_id: str, space: Space) -> bool:
 def _ways(world: World, held: str) -> Iterator[_Way]:
     """How a thing can be put down, the most natural way first."""
     lying = rotation_of(world.state(held).quaternion)
-    flat = [_way(world, held, arithmetic.product(_about_z(degrees), lying)) for degrees in TURNS_DEG]
+    flat = [_way(world, held, arithmetic.product(about_z(degrees), lying)) for degrees in TURNS_DEG]
     yield from flat
     sides = np.ptp(world.assets[held].bounds(), axis=0)
     if sides.max() >= LONG * np.median(sides):
@@ -165,13 +165,8 @@ def _ways(world: World, held: str) -> Iterator[_Way]:
         across = np.eye(3)[(int(sides.argmax()) + 1) % 3]
         upright = np.array([across, arithmetic.cross(long_side, across), long_side])
         for degrees in TURNS_DEG:
-            yield _way(world, held, arithmetic.product(_about_z(degrees), upright))._replace(is_upright=True)
+            yield _way(world, held, arithmetic.product(about_z(degrees), upright))._replace(is_upright=True)
     yield from (way._replace(lies_across=True) for way in flat)
-
-
-def _about_z(degrees: float) -> F64:
-    sine, cosine = (float(value) for value in arithmetic.sin_cos_deg(degrees))
-    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
 
 
 def _way(world: World, held: str, rotation: F64) -> _Way:

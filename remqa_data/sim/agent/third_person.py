@@ -126,6 +126,10 @@ class RobotView(WorldView):
         return int(np.count_nonzero(is_robot)), float(is_near.mean())
 
 
+ARM = slice(3, None)
+"""Of `body_of`: what an agent sees of itself, which is its arm with the carriage."""
+
+
 def body_of(agent: Agent) -> F64:
     """(n, 4, 4) poses in the room of the parts of `robot_surfaces`, of an agent as it stands and holds its arm."""
     embodiment = agent.embodiment

@@ -75,6 +75,7 @@ class Arm:
         self.world = world
         self.state = HOME
         self.hand_radius_m = HAND_RADIUS_M
+        self._posed: tuple[tuple[ArmBase, ArmState] | None, F64] = (None, np.empty(0))
         self._obstacles = Obstacles(world)
         self._targets = Targets(world)
 
@@ -88,7 +89,15 @@ class Arm:
 
     def link_poses(self, base: ArmBase) -> F64:
         """(8, 4, 4) poses in the room of the arm's foot, its six links and its hand."""
-        return np.asarray(link_poses(base, self.state.posture()[None])[0])
+        if self._posed[0] != (base, self.state):
+            self._posed = ((base, self.state), link_poses(base, self.state.posture()[None])[0])
+        return self._posed[1].copy()
+
+    def touched(self, point: Vec3) -> list[str]:
+        """Ids of the objects that the hand's ball would touch if it were at a point, nearest first; not of what is held."""
+        gaps = self._obstacles.gaps(point)
+        near = [index for index in np.argsort(gaps, kind="stable").tolist() if gaps[index] <= self.hand_radius_m]
+        return [self.world.ids[index] for index in near if self.world.ids[index] not in self.world.held]
 
     def move_hand(
         self, base: ArmBase, target: Vec3, *, ignore: Collection[str] = (), free_height: bool = False

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from remqa_data.compiled import exact
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.arm.postures import BASE_TOP_M, COLUMN_TOP_M, ArmBase
 from remqa_data.sim.physics.bodies import STRUCTURE_NAME
 from remqa_data.sim.physics.state import ObjectState
@@ -113,6 +113,15 @@ class Obstacles:
         around = np.vstack([around[near], halves[-len(body) :]])
         owners = np.append(self._owner[near], np.full(len(body), AGENT))
         return Boxes(centres, axes, halves, centres - around, centres + around), owners
+
+    def gaps(self, point: Vec3) -> F64:
+        """(objects,) metres from a point to the nearest box of each object; infinite where it has none."""
+        self._sync()
+        local = arithmetic.turned(np.asarray(point) - self._centres, self._axes)
+        outside = arithmetic.length(np.maximum(np.abs(local) - self._halves, 0.0))
+        nearest = np.full(len(self._world.ids), np.inf)
+        np.minimum.at(nearest, self._owner[self._owner >= 0], outside[self._owner >= 0])
+        return nearest
 
     def name(self, owner: int) -> str:
         """Id of the object that is an owner, or what the building or the agent's body is called."""

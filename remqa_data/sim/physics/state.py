@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remqa_data.assets.core.model import Asset
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Quaternion
@@ -26,3 +28,7 @@ class ObjectState:
         pose[:3, :3] = rotation_of(self.quaternion)
         pose[:3, 3] = self.position
         return pose
+
+    def link_poses(self, asset: Asset) -> F64:
+        """(links, 4, 4) poses of the links of an object of that asset, link frame to world frame."""
+        return arithmetic.product(self.matrix(), asset.link_poses(self.openness))

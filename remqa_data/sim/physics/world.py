@@ -365,8 +365,7 @@ class World:
         return kept[object_id][1].copy()
 
     def _find_link_poses(self, object_id: str) -> F64:
-        state = self._states[object_id]
-        return arithmetic.product(state.matrix(), self.assets[object_id].link_poses(state.openness))
+        return self._states[object_id].link_poses(self.assets[object_id])
 
     def _find_box(self, object_id: str) -> F64:
         return self.assets[object_id].box_at(self.link_poses(object_id))
@@ -382,7 +381,8 @@ class World:
     def _put_at(self, object_id: str, state: ObjectState) -> None:
         self._states[object_id] = state
         self._bodies.place(object_id, state)
-        self.revision += 1
+        if object_id not in self.held:  # what is in a hand is nowhere in the room
+            self.revision += 1
 
     def _move_by(self, object_id: str, motion: F64) -> None:
         state = self._states[object_id]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,33 @@ Shapes = Mapping[str, Sequence[tuple[Surface, ...]]]
 _AS_BUILT: Shapes = {}
 Body = Sequence[tuple[Surface, ...]]
 """What is drawn of each part of something that is no object of the world, such as an agent."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Somebody who is in a picture of a world: a body, and what it holds.
+
+    Attributes
+    ----------
+    poses : (n, 4, 4) array or None
+        Of all parts of its body in the room, metres; None if none of them is seen.
+    parts : slice
+        Which parts of it are seen.
+    held : str or None
+        Id of what it holds.
+    poses_of_held : (links, 4, 4) array or None
+        Where that is.
+    """
+
+    poses: F64 | None
+    parts: slice
+    held: str | None
+    poses_of_held: F64 | None
+
+    def key(self) -> bytes:
+        """The same for figures that look the same."""
+        arrays = [b"" if poses is None else poses.tobytes() for poses in (self.poses, self.poses_of_held)]
+        return b"|".join([*arrays, f"{self.parts}{self.held}".encode()])
 
 
 @dataclass(frozen=True)
@@ -155,17 +183,39 @@ class WorldView:
         self._changes += 1
         self._show_or_hide(object_id)
 
-    def show_body(self, number: int, poses: F64 | None) -> None:
-        """Let a body be in pictures from now on, with its parts at (n, 4, 4) poses, or in none."""
+    def show_body(self, number: int, poses: F64 | None, parts: slice = slice(None)) -> None:
+        """Let a body, or some of its parts, be in pictures from now on, with all parts at (n, 4, 4) poses, or in none."""
         rows = self._parts_of_bodies[number]
         if poses is not None:
             self.renderer.set_poses(rows, poses)
-        self._set_visible(rows, poses is not None)
+        shown = range(0) if poses is None else rows[parts]
+        self._set_visible(shown, True)
+        self._set_visible((part for part in rows if part not in shown), False)
+
+    @contextmanager
+    def showing(self, figures: Mapping[int, Figure]) -> Iterator[None]:
+        """For the length of a block, let some figures be in pictures, by the numbers of their bodies."""
+        self.sync()
+        self._put_in(figures)
+        try:
+            yield
+        finally:
+            self._put_in(
+                {number: replace(figure, poses=None, poses_of_held=None) for number, figure in figures.items()}
+            )
+
+    def _put_in(self, figures: Mapping[int, Figure]) -> None:
+        for number, figure in figures.items():
+            if number < len(self.bodies):
+                self.show_body(number, figure.poses, figure.parts)
+            if figure.held is not None:
+                self.show_held(figure.held, figure.poses_of_held)
 
     def show_held(self, object_id: str, poses: F64 | None) -> None:
         """Let what is held be in pictures from now on, with its links at (n, 4, 4) poses, or, as usual, in none."""
         rows = self._parts_of[object_id]
         self.renderer.set_poses(rows, self.world.link_poses(object_id) if poses is None else poses)
+        self._shown[object_id] = self.world.state(object_id)
         self._set_visible(rows, poses is not None)
 
     def render(

@@ -20,7 +20,7 @@ from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.actions import objects as actions_objects
 from remqa_data.thor.state.agent import ThorAgent
-from remqa_data.thor.state.arm_metadata import facing, hand_facing, touched_objects
+from remqa_data.thor.state.arm_metadata import facing, hand_facing
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import SWAP, PartialVector, Vector, to_room, turn_of_euler, whole
 from remqa_data.thor.state.simulator import SimulatorState
@@ -82,7 +82,7 @@ def pick_up_object(
     """Take hold of the nearest object that the hand touches, of those that are named, if any."""
     agent, world = simulator.agent, simulator.room.world
     names = [objectId] if objectId is not None else objectIdCandidates
-    touched = touched_objects(world, agent.arm.hand(agent.base), agent.arm.hand_radius_m)
+    touched = agent.arm.touched(agent.arm.hand(agent.base))
     fit = [name for name in touched if object_type(world.type_of(name)).pickupable]
     chosen = [name for name in fit if names is None or name in names]
     if not chosen:
@@ -174,11 +174,7 @@ def _reach(simulator: SimulatorState, point: Vec3, return_to_start: bool) -> Act
 def _bring_hand(agent: ThorAgent, point: Vec3) -> ActionResult:
     """Bring the hand to a point, into what can be picked up there; or else until it touches that."""
     world, before = agent.world, agent.arm.state
-    there = [
-        name
-        for name in touched_objects(world, point, agent.arm.hand_radius_m)
-        if object_type(world.type_of(name)).pickupable
-    ]
+    there = [name for name in agent.arm.touched(point) if object_type(world.type_of(name)).pickupable]
     stopped = agent.arm.move_hand(agent.base, point, ignore=there)
     if stopped.success:
         return ActionResult(True)

@@ -1,7 +1,7 @@
 """What the agent without an arm does with what it holds: moves it, turns it, throws it.
 
-Directions are the camera's. What is held stops before what is in its way, and is out of the room all the same: in no
-picture, and in nobody's way.
+Directions are the camera's. What is held stops before what is in its way, and is out of the room all the same: nothing in
+the room falls onto it or meets it.
 """
 
 from __future__ import annotations

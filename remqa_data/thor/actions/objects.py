@@ -6,7 +6,7 @@ import math
 
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry.rotations import about_z, rotation_of
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import CLOSED
 from remqa_data.sim.navigation.embodiment import AGENT
@@ -15,7 +15,7 @@ from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.state.conditions import BASINS
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import PartialVector, whole
+from remqa_data.thor.state.frames import PartialVector, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
 
 SHUT_WHEN_ON = frozenset({"Microwave"})
@@ -72,14 +72,17 @@ def pick_up_object(
     forceAction: bool = False,
     manualInteract: bool = False,
 ) -> ActionResult:
-    """Take an object into the hand; with `manualInteract` the hand is where the object was."""
+    """Take an object into the hand, where it faces as the agent does; with `manualInteract` it stays where it was."""
     target = target_of(simulator, "PickupObject", objectId, x, y)
     if isinstance(target, ActionResult):
         return target
-    where = simulator.room.world.box(target).mean(axis=0)
-    result = simulator.agent.pick_up(target, forceAction)
+    agent, room = simulator.agent, simulator.room
+    where = room.world.box(target).mean(axis=0)
+    result = agent.pick_up(target, forceAction)
     if result.success and manualInteract:
-        simulator.agent.hand_offset = simulator.agent.offset_of(where)
+        agent.hand_offset = agent.offset_of(where)
+    elif result.success:
+        agent.turn_held(about_z(room.records.rotation(target)["y"] - yaw_to_thor(agent.yaw_deg)))
     return result
 
 

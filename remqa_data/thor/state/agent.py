@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.rotations import quaternion_of, rotation_of, snapped_quaternion
+from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, I32, Flags, Vec3
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
+from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import Observation, WorldView
@@ -127,7 +128,7 @@ class ThorAgent(Agent):
         return abs(up) <= tall and abs(right) <= tall * self.frame.width / self.frame.height
 
     def pick_up(self, object_id: str, force: bool = False) -> ActionResult:
-        """Take an object into the hand, which is where it usually is; an arm holds it as it took hold of it."""
+        """Take an object into the hand, which is where it usually is; it turns with the agent from now on."""
         middle = self.world.box(object_id).mean(axis=0)
         result = super().pick_up(object_id, force)
         if result.success:
@@ -135,11 +136,18 @@ class ThorAgent(Agent):
             self._grasp = middle - np.asarray(self.hand_at()) if self.hands == "arm" else np.zeros(3)
         return result
 
+    def _face(self, yaw_deg: float) -> None:
+        """See `Body`; what it holds turns with it, and stays upright when it looks up or down."""
+        before = self.yaw_deg
+        super()._face(yaw_deg)
+        if self.yaw_deg != before:
+            self.turn_held(about_z(self.yaw_deg - before))
+
     def turn_hand(self, rotation: F64) -> ActionResult:
         """Turn the arm's hand, and what it holds with it, by a (3, 3) rotation about axes of the room."""
         turned = self.arm.turn_hand(self.base, rotation)
         if turned.success:
-            self._turn_held(rotation)
+            self.turn_held(rotation)
         return ActionResult(turned.success, turned.error)
 
     def turn_elbow(self, angle: float) -> ActionResult:
@@ -148,11 +156,14 @@ class ThorAgent(Agent):
         turned = self.arm.turn_elbow(self.base, angle)
         after = self.arm.link_poses(self.base)[jaco.HAND][:3, :3]
         if turned.success:
-            self._turn_held(arithmetic.product(after, before.T))
+            self.turn_held(arithmetic.product(after, before.T))
         return ActionResult(turned.success, turned.error)
 
-    def _turn_held(self, rotation: F64) -> None:
-        """Turn what is held by a (3, 3) rotation about axes of the room, about the middle of the hand."""
+    def turn_held(self, rotation: F64) -> None:
+        """Turn what is held, if anything, by a (3, 3) rotation about axes of the room.
+
+        An arm's hand turns about its middle, with what it holds; without an arm the middle of what is held stays there.
+        """
         world, held = self.world, self.held
         if held is None:
             return
@@ -160,19 +171,25 @@ class ThorAgent(Agent):
         from_hand = self._grasp + state.position - world.box(held).mean(axis=0)
         quaternion = snapped_quaternion(quaternion_of(arithmetic.product(rotation, rotation_of(state.quaternion))))
         world.move_alone(held, state.position, quaternion)
-        self._grasp = arithmetic.turned(from_hand, rotation) - state.position + world.box(held).mean(axis=0)
+        if self.hands == "arm":
+            self._grasp = arithmetic.turned(from_hand, rotation) - state.position + world.box(held).mean(axis=0)
+
+    @property
+    def sees_held(self) -> bool:
+        """Whether the middle of what it holds is in its frame."""
+        return self.held is not None and self.has_in_frame(self.offset_of(np.asarray(self.held_at())))
 
     def held_at(self) -> Vec3:
         """Where the middle of the box of what it holds is, metres in the room."""
         x, y, z = arithmetic.snapped(np.asarray(self.hand_at()) + self._grasp).tolist()
         return x, y, z
 
-    def poses_of_held(self) -> F64:
-        """(links, 4, 4) poses in the room at which what it holds is drawn."""
+    def state_of_held(self) -> ObjectState:
+        """How what it holds would be in the room, if it were in the room where it is held."""
         held = str(self.held)
-        poses = self.world.link_poses(held)
-        poses[:, :3, 3] += np.asarray(self.held_at()) - self.world.box(held).mean(axis=0)
-        return poses
+        state = self.world.state(held)
+        x, y, z = (state.position + np.asarray(self.held_at()) - self.world.box(held).mean(axis=0)).tolist()
+        return replace(state, position=(x, y, z))
 
     def drop_spots(self) -> list[Vec3]:
         """Where it lets go: where its hand is, if it has been moved, or where its arm holds the thing, or just above."""

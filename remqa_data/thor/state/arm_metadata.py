@@ -1,4 +1,4 @@
-"""The `arm` of AI2-THOR's metadata, and what the hand touches."""
+"""The `arm` of AI2-THOR's metadata: its joints, its hand, and what that touches."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ import numpy as np
 
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.rotations import quaternion_of, rotation_of
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.rotations import quaternion_of
+from remqa_data.geometry.types import F64
 from remqa_data.sim.arm import jaco
-from remqa_data.sim.physics.world import World
 from remqa_data.thor.state.frames import SWAP, to_thor
 from remqa_data.thor.state.objects import Metadata
 from remqa_data.thor.state.simulator import LoadedFloorPlan
@@ -35,7 +34,7 @@ def arm_metadata(room: LoadedFloorPlan) -> Metadata:
     agent = room.agent
     arm, base = agent.arm, agent.base
     links, hand = arm.link_poses(base), np.asarray(arm.hand(base))
-    touched = touched_objects(room.world, hand, arm.hand_radius_m)
+    touched = arm.touched(arm.hand(base))
     root = np.eye(4)
     root[:3, :3], root[:3, 3] = facing(agent.yaw_deg), arm.shoulder(base)
     palm = np.eye(4)
@@ -68,25 +67,6 @@ def arm_metadata(room: LoadedFloorPlan) -> Metadata:
         "handSphereCenter": to_thor(hand),
         "handSphereRadius": float(arm.hand_radius_m),
     }
-
-
-def touched_objects(world: World, centre: F64 | Vec3, radius_m: float) -> list[str]:
-    """Ids of the objects whose collision boxes a ball touches, nearest first; not of what is held."""
-    point = np.asarray(centre, dtype=np.float64)
-    gaps = {name: _gap(world, name, point) for name in world.ids if name not in world.held}
-    return [name for name in sorted(gaps, key=lambda name: gaps[name]) if gaps[name] <= radius_m]
-
-
-def _gap(world: World, object_id: str, point: F64) -> float:
-    """Metres from a point to the nearest collision box of an object."""
-    gap = np.inf
-    for link, pose in zip(world.assets[object_id].links, world.link_poses(object_id), strict=True):
-        local = pose[:3, :3].T @ (point - pose[:3, 3])
-        for box in link.boxes:
-            inside = rotation_of(box.quaternion).T @ (local - np.asarray(box.centre))
-            outside = np.maximum(np.abs(inside) - np.asarray(box.size) / 2, 0.0)
-            gap = min(gap, float(np.linalg.norm(outside)))
-    return gap
 
 
 def _axis_angle(rotation: F64) -> Metadata:

@@ -6,13 +6,14 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.render.view import Observation
 from remqa_data.thor.state.arm_metadata import arm_metadata
-from remqa_data.thor.state.frames import to_thor, yaw_to_thor
+from remqa_data.thor.state.frames import Vector, euler_to_thor, to_thor, turn_of_euler, yaw_to_thor
 from remqa_data.thor.state.images import Palette, as_bytes, depth_bytes
-from remqa_data.thor.state.objects import Metadata, box_metadata
+from remqa_data.thor.state.objects import InHand, Metadata, box_metadata
 from remqa_data.thor.state.settings import Images
 from remqa_data.thor.state.simulator import LoadedFloorPlan, SimulatorState
 
@@ -101,7 +102,8 @@ def reply(simulator: SimulatorState, outcomes: Mapping[int, Outcome], images: Im
     room, active = simulator.room, simulator.room.active
     room.show_conditions()
     if not images.none:
-        are_seen = simulator.settings.shows_agents and (len(room.agents) > 1 or simulator.cameras)
+        settings = simulator.settings
+        are_seen = settings.shows_agents and (len(room.agents) > 1 or simulator.cameras or settings.has_arm)
         room.have_bodies(len(room.agents) if are_seen else 0)
     metadata, objects = [], []
     for number in range(len(room.agents)):
@@ -136,7 +138,7 @@ def _seen(simulator: SimulatorState, images: Images, files: Files) -> Callable[[
     only = room.shown_to(camera)
     shown = room.picture(camera, only, simulator.quality, room.agent)
     _add(files, _AGENT_FILES, shown, images, room.palette, simulator.settings.far_plane)
-    if only is not None or room.shows_map:
+    if only is not None or room.shows_map or room.shows_own_hand:
         return look
     return room.agent.look_at(shown, distance)
 
@@ -145,7 +147,8 @@ def _listing(simulator: SimulatorState, visible: Callable[[], Collection[str]]) 
     """The objects as the agent that acts finds them."""
     room, only = simulator.room, simulator.shown_objects
     records, agent = room.records, room.agent_position()
-    hands = {who.held: who.held_at() for who in room.agents if who.held is not None}
+    holders = [who for who in room.agents if who.held is not None]
+    hands = {str(who.held): InHand(who.state_of_held(), who is room.agent and who.sees_held) for who in holders}
     return Listing(lambda: records.listing(agent, frozenset(visible()), hands, only))
 
 
@@ -231,13 +234,16 @@ def _outcome(done: Outcome, agent: int) -> Metadata:
 def _agent(room: LoadedFloorPlan, hand: Vec3) -> Metadata:
     agent, world = room.agent, room.world
     above = room.map_camera() if room.shows_map else None
-    rotation = {"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0}
+    rotation: Vector = {"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0}
+    turn = body = turn_of_euler(rotation)
+    if agent.held is not None:
+        turn = room.records.turn(agent.held)
     held = [] if agent.held is None else [{"objectId": agent.held, "objectType": world.type_of(agent.held)}]
     return {
         "agent": {
             "name": "agent",
             "position": to_thor(room.agent_position()),
-            "rotation": rotation,
+            "rotation": dict(rotation),
             "cameraHorizon": agent.horizon_deg,
             "isStanding": agent.is_standing,
             "inHighFrictionArea": False,
@@ -248,8 +254,8 @@ def _agent(room: LoadedFloorPlan, hand: Vec3) -> Metadata:
         "inventoryObjects": held,
         "heldObjectPose": {
             "localPosition": dict(zip("xyz", agent.hand_offset, strict=True)),
-            "localRotation": {"x": 0.0, "y": 0.0, "z": 0.0},
+            "localRotation": euler_to_thor(arithmetic.product(body.T, turn)),
             "position": to_thor(hand),
-            "rotation": dict(rotation),
+            "rotation": euler_to_thor(turn),
         },
     }

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from remqa_data.assets.core.model import Asset
 from remqa_data.catalog import object_type, types_with
 from remqa_data.floorplans.load import recorded_poses
 from remqa_data.geometry import arithmetic
@@ -35,6 +36,13 @@ from remqa_data.thor.state.frames import (
 
 Metadata = dict[str, Any]
 """A part of an event's metadata: what AI2-THOR would send as JSON."""
+
+
+class InHand(NamedTuple):
+    """How an object is that is held, and whether the agent whose event it is sees it."""
+
+    state: ObjectState
+    is_seen: bool
 
 
 class ObjectRecords:
@@ -85,7 +93,9 @@ class ObjectRecords:
 
     def position(self, object_id: str) -> Vec3:
         """Where AI2-THOR says an object is, metres in the room: its pivot, such as a door's hinge."""
-        state = self._world.state(object_id)
+        return self._position_in(object_id, self._world.state(object_id))
+
+    def _position_in(self, object_id: str, state: ObjectState) -> Vec3:
         frame = self._frames.get(object_id)
         if frame is None:
             return state.position
@@ -112,7 +122,10 @@ class ObjectRecords:
 
     def turn(self, object_id: str) -> F64:
         """(3, 3) how AI2-THOR says an object is turned, in its frame."""
-        turn, frame = turn_to_thor(self._world.state(object_id).quaternion), self._frames.get(object_id)
+        return self._turn_in(object_id, self._world.state(object_id))
+
+    def _turn_in(self, object_id: str, state: ObjectState) -> F64:
+        turn, frame = turn_to_thor(state.quaternion), self._frames.get(object_id)
         return turn if frame is None else arithmetic.product(turn, frame.turn)
 
     def pose_of(self, object_id: str, pivot: Vec3, turn: F64) -> tuple[Vec3, Quaternion]:
@@ -124,7 +137,7 @@ class ObjectRecords:
         return (x, y, z), quaternion
 
     def listing(
-        self, agent: Vec3, visible: Collection[str], hands: Mapping[str, Vec3], only: Collection[str] | None
+        self, agent: Vec3, visible: Collection[str], hands: Mapping[str, InHand], only: Collection[str] | None
     ) -> list[Metadata]:
         """The metadata of all objects as they were at the last `update`.
 
@@ -135,7 +148,7 @@ class ObjectRecords:
         visible : collection of str
             Ids of the objects that the agent sees within its visibility distance.
         hands : mapping
-            By the ids of the objects that are held: where they are, metres in the room.
+            By the ids of the objects that are held: where they are.
         only : collection of str, optional
             Ids of the objects to list, by default all.
         """
@@ -201,7 +214,7 @@ class ObjectRecords:
         state, kind = self._world.state(object_id), object_type(self._world.type_of(object_id))
         oriented = None
         if kind.pickupable or kind.moveable:
-            oriented = {"cornerPoints": corners_to_thor(_oriented_corners(self._world, object_id))}
+            oriented = {"cornerPoints": corners_to_thor(_oriented_corners(self._world.assets[object_id], state))}
         return {
             "position": to_thor(self.position(object_id)),
             "rotation": self.rotation(object_id),
@@ -211,16 +224,16 @@ class ObjectRecords:
             "objectOrientedBoundingBox": oriented,
         }
 
-    def _put_into_hand(self, record: Metadata, agent: Vec3, hand: Vec3) -> None:
-        """A held object is nowhere in the world, and in no picture; its metadata say that it is in the hand."""
-        offset = np.asarray(hand) - self._boxes[record["objectId"]].mean(axis=0)
-        position = np.asarray(self.position(record["objectId"])) + offset
+    def _put_into_hand(self, record: Metadata, agent: Vec3, hand: InHand) -> None:
+        """A held object is nowhere in the world; its metadata say that it is in the hand, and turns with it."""
+        object_id, state = record["objectId"], hand.state
+        asset, position = self._world.assets[object_id], self._position_in(object_id, state)
         record["isPickedUp"] = True
-        record["position"] = to_thor(position)
-        record["distance"] = float(np.linalg.norm(position - np.asarray(agent)))
-        record["axisAlignedBoundingBox"] = box_metadata(self._boxes[record["objectId"]] + offset)
-        corners = _oriented_corners(self._world, record["objectId"]) + offset
-        record["objectOrientedBoundingBox"] = {"cornerPoints": corners_to_thor(corners)}
+        record["visible"] = record["isInteractable"] = hand.is_seen
+        record["position"], record["rotation"] = to_thor(position), euler_to_thor(self._turn_in(object_id, state))
+        record["distance"] = float(np.linalg.norm(np.asarray(position) - np.asarray(agent)))
+        record["axisAlignedBoundingBox"] = box_metadata(asset.box_at(state.link_poses(asset)))
+        record["objectOrientedBoundingBox"] = {"cornerPoints": corners_to_thor(_oriented_corners(asset, state))}
 
 
 def box_metadata(box: F64) -> Metadata:
@@ -329,10 +342,10 @@ def _frames(scene: Scene) -> dict[str, _Frame]:
     }
 
 
-def _oriented_corners(world: World, object_id: str) -> F64:
+def _oriented_corners(asset: Asset, state: ObjectState) -> F64:
     """(8, 3) corners of an object's closed box as it is turned, metres."""
-    half = np.asarray(world.assets[object_id].spec.size) / 2
-    pose = world.state(object_id).matrix()
+    half = np.asarray(asset.spec.size) / 2
+    pose = state.matrix()
     return np.asarray(_CORNERS * half @ pose[:3, :3].T + pose[:3, 3])
 
 

@@ -14,7 +14,7 @@ from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.scene import SceneObject
 from remqa_data.sim.agent.pictures import Pictures
 from remqa_data.sim.agent.results import ActionResult
-from remqa_data.sim.agent.third_person import body_of
+from remqa_data.sim.agent.third_person import ARM, body_of
 from remqa_data.sim.arm.body import robot_surfaces
 from remqa_data.sim.arm.postures import COLUMN_TOP_M
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
@@ -22,7 +22,7 @@ from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, Agent
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.camera import AnyCamera, Camera, OrthographicCamera, are_outside
-from remqa_data.sim.render.view import Observation, WorldView
+from remqa_data.sim.render.view import Figure, Observation, WorldView
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.appearance import shapes_of
 from remqa_data.thor.state.cameras import ThirdPartyCamera
@@ -241,19 +241,25 @@ class LoadedFloorPlan:
     ) -> Observation:
         """What `WorldView.render` gives; not to be written to, as it is remembered while nothing in the room changes.
 
-        With the bodies of agents and what they hold, if there are any: not of the one whose camera it is, nor where the
-        camera is in the body.
+        With the bodies of agents and what they hold, where the camera is not in the body; of the one whose eye it is, with
+        its arm and what it holds.
         """
         if self.view.version != self._pictured:
             self._pictured = self.view.version
             self.pictures.forget()
-        shown = [who for who in self.agents if who is not whose and _can_see(camera, who)] if self.view.bodies else []
-        if not shown:
-            return self.pictures.of(camera, only, shadows=quality.shadows, antialias=quality.smooth_edges)
-        self._show(shown)
-        drawn = self.view.render(camera, only=only, shadows=quality.shadows, antialias=quality.smooth_edges)
-        self._show([])
-        return drawn
+        return self.pictures.of(
+            camera,
+            only,
+            shadows=quality.shadows,
+            antialias=quality.smooth_edges,
+            figures=self._figures(camera, whose),
+        )
+
+    @property
+    def shows_own_hand(self) -> bool:
+        """Whether the pictures of the agent that acts show its arm, or what it holds."""
+        has_arm = self.agent.hands == "arm" and len(self.view.bodies) > 0
+        return not self.shows_map and (has_arm or self.agent.held is not None)
 
     def have_bodies(self, count: int) -> None:
         """Let the first of the agents be in pictures that others take of them from now on, and no more of them."""
@@ -261,14 +267,22 @@ class LoadedFloorPlan:
             self.looks.reshape(bodies=[robot_surfaces()] * count)
             self._hides_room = _parts_that_hide_it(self.view)
 
-    def _show(self, agents: Sequence[ThorAgent]) -> None:
-        """Let some agents, with what they hold, be drawn, and no others."""
-        self.view.sync()
+    def _figures(self, camera: AnyCamera, whose: ThorAgent | None) -> dict[int, Figure]:
+        """Who is in a picture, by their numbers."""
+        figures = {}
         for agent in self.agents:
-            is_shown = agent in agents
-            self.view.show_body(agent.number, body_of(agent) if is_shown else None)
-            if agent.held is not None:
-                self.view.show_held(agent.held, agent.poses_of_held() if is_shown else None)
+            is_own, has_bodies = agent is whose, len(self.view.bodies) > 0
+            is_in = self.shows_own_hand if is_own else has_bodies and _can_see(camera, agent)
+            if is_in:
+                has_body = has_bodies and (agent.hands == "arm" or not is_own)
+                held = agent.held
+                figures[agent.number] = Figure(
+                    poses=body_of(agent) if has_body else None,
+                    parts=ARM if is_own else slice(None),
+                    held=held,
+                    poses_of_held=None if held is None else agent.state_of_held().link_poses(self.world.assets[held]),
+                )
+        return figures
 
     def box(self) -> F64:
         """(2, 3) corners of the room inside its walls, metres."""

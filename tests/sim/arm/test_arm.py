@@ -21,7 +21,7 @@ from remqa_data.sim.arm.targets import best_shoulders
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import reach_distance
 from remqa_data.sim.physics.bullet import BulletClient, pybullet
-from remqa_data.sim.physics.world import World
+from remqa_data.sim.physics.world import Snapshot, World
 
 BASE = ArmBase(0.0, 0.0, 0.0, 0.0)
 
@@ -49,11 +49,11 @@ def placed_balls(arm: Arm, base: ArmBase = BASE) -> F64:
     return balls(link_poses(base, arm.state.posture()[None]))[0]
 
 
-def gap(world: World, points: F64, radii: F64) -> float:
+def gap(world: World, points: F64, radii: F64, structure: bool = True) -> float:
     """Least distance of balls from everything in a world, by PyBullet, in a client of its own."""
     client = BulletClient()
     try:
-        for part in world.scene.structure:
+        for part in world.scene.structure if structure else ():
             low, high = np.array(part.box[:3]), np.array(part.box[3:])
             _bullet_box(client, (low + high) / 2, np.eye(3), (high - low) / 2)
         for object_id in world.ids:
@@ -135,6 +135,30 @@ def test_depth_is_what_pybullet_measures(seed: int) -> None:
     client.close()
     found = depth(point[None, None], np.array([radius]), boxes, np.zeros((1, 1), dtype=np.bool_))
     assert found[0] == pytest.approx(max(-distance, 0.0), abs=1e-3)  # PyBullet rounds a box a little
+
+
+@pytest.mark.slow
+@settings(deadline=None, max_examples=30)
+@given(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0.1, 1.5)), st.floats(0.0, 1.0))
+def test_what_the_hand_touches_is_what_pybullet_says(point, openness: float) -> None:
+    with World(room(mug(0.4, 0.5, 0.8), drawer(0.6))) as world:
+        world.open("Drawer|1", openness)
+        arm = Arm(world)
+        gaps = {}
+        for object_id in world.ids:
+            alone = World(room(*(o for o in world.scene.objects if o.id == object_id)))
+            alone.restore(Snapshot({object_id: world.state(object_id)}, {}))
+            gaps[object_id] = gap(alone, np.array([point]), np.array([1e-3]), structure=False) + 1e-3
+            alone.close()
+        assume(min(gaps.values()) > 0.01)  # PyBullet has other depths than distances
+        expected = sorted(gaps, key=gaps.__getitem__)
+        found = arm._obstacles.gaps(point)
+        assert found == pytest.approx([gaps[name] for name in world.ids], abs=1e-3)
+        arm.hand_radius_m = max(gaps.values()) + 0.01
+        if abs(gaps[expected[0]] - gaps[expected[1]]) > 2e-3:
+            assert arm.touched(point) == expected
+        world.pick_up("Mug|1")
+        assert arm.touched(point) == ["Drawer|1"]
 
 
 def test_a_push_is_a_step_into_a_box_and_a_step_out_is_none() -> None:
