@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import csv
 from functools import lru_cache
-from importlib import resources
+
+from remqa_data.template_files import template_text
 
 SOURCE = "paper_results.csv"
 
@@ -16,9 +17,8 @@ SOURCE = "paper_results.csv"
 @lru_cache(maxsize=1)
 def paper_results() -> dict[str, dict[str, dict[str, float]]]:
     """By table ("VSN", "REC", "REMQA") and system, the figures by column, such as "success@25" or "COUNTING S_QA"."""
-    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
     found: dict[str, dict[str, dict[str, float]]] = {}
-    for row in csv.DictReader(text.splitlines()):
+    for row in csv.DictReader(template_text(SOURCE).splitlines()):
         figures = found.setdefault(row["table"], {}).setdefault(row["system"], {})
         figures[row["column"]] = float(row["value"])
     return found

@@ -189,7 +189,7 @@ def shown_ids(before: Observation, after: Observation, ids: Sequence[str]) -> tu
 
 
 def _goal(
-    room: AuditedRoom, question: Candidate[HidingPlace], answer_ids: tuple[str, ...], manipulation: Action
+    room: AuditedRoom, question: Candidate[HidingPlace], witness_ids: tuple[str, ...], manipulation: Action
 ) -> tuple[AgentPose, Views] | Refusal:
     """The first goal pose that can be acted from and sees what it should, and its views; or why there is none.
 
@@ -204,8 +204,8 @@ def _goal(
         except ActionError as error:
             refusals.append(Refusal("reachable", str(error)))
             continue
-        found = _check_views(room, hiding, answer_ids, views)
-        if found is None and not answer_ids:
+        found = _check_views(room, hiding, witness_ids, views)
+        if found is None and not witness_ids:
             motion = views.motion if hiding.relation == "in" else None
             looks = room.looks(hiding, goal, manipulation, motion)
             share = share_in_view(hiding.interior, motion, looks, views.revealed, question.type)

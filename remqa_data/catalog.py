@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache, lru_cache
-from importlib import resources
 from types import MappingProxyType
 from typing import Any, Literal
 
@@ -29,6 +28,7 @@ from pydantic import (
 )
 
 from remqa_data.errors import CatalogError, UnknownNameError, one_line
+from remqa_data.template_files import template_text, template_values
 
 Flag = Literal[
     "openable",
@@ -167,6 +167,11 @@ class ObjectType(BaseModel):
         return "moveable" in self.can
 
     @property
+    def is_loose(self) -> bool:
+        """It can be picked up or pushed aside."""
+        return self.pickupable or self.moveable
+
+    @property
     def receptacle(self) -> bool:
         """Things can be on it or in it."""
         return "receptacle" in self.can
@@ -257,8 +262,7 @@ def question_types() -> tuple[str, ...]:
 @lru_cache(maxsize=1)
 def traits() -> Mapping[str, str]:
     """What each trait means, by name."""
-    text = (resources.files("remqa_data.templates") / TRAITS_SOURCE).read_text(encoding="utf-8")
-    return MappingProxyType({str(name): str(meaning) for name, meaning in yaml.safe_load(text).items()})
+    return MappingProxyType({str(name): str(meaning) for name, meaning in template_values(TRAITS_SOURCE).items()})
 
 
 @cache
@@ -351,4 +355,4 @@ def _read_type(name: object, row: object) -> ObjectType:
 
 @lru_cache(maxsize=1)
 def _catalog() -> Mapping[str, ObjectType]:
-    return read_catalog((resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8"))
+    return read_catalog(template_text(SOURCE))

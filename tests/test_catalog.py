@@ -25,7 +25,7 @@ OPENABLE = {  # as the iTHOR documentation lists them
 }  # fmt: skip
 ROOT = Path(__file__).parents[1]
 CODE = [
-    *(ROOT / "remqa_data" / room for room in ("floorplans", "language", "sim")),
+    *(ROOT / "remqa_data" / room for room in ("floorplans", "language", "sim", "thor")),
     ROOT / "generators",
     ROOT / "agents",
 ]

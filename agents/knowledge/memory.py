@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -24,8 +24,7 @@ from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import DatasetError
 from remqa_data.geometry.types import F32, F64, I16, U8, Flags
 from remqa_data.mapping.semantic_map import FLOOR_SLACK_M, MARGIN_M, SemanticPlan, VoxelMap
-from remqa_data.scene_graph.graph import GraphUpdate, SceneGraph
-from remqa_data.sim.metadata import ObjectMetadata
+from remqa_data.scene_graph.graph import GraphUpdate, SceneGraph, without_frame
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.render.camera import Camera
 from remqa_data.storage.shards import read_table
@@ -183,14 +182,9 @@ def graph_of_walk(frames: Sequence[Mapping[str, Any]]) -> SceneGraph:
     updates = []
     for frame in sorted(frames, key=lambda frame: int(frame["index"])):
         seen = {record.id: record for record in frame["objects"]}
-        nodes = tuple(_plain(seen[name]) for name in frame["added_nodes"])
+        nodes = tuple(without_frame(seen[name]) for name in frame["added_nodes"])
         updates.append(GraphUpdate(nodes, tuple(frame["added_edges"])))
     return SceneGraph.replay(updates)
-
-
-def _plain(record: ObjectMetadata) -> ObjectMetadata:
-    """What is known of an object, without what one frame shows of it."""
-    return ObjectMetadata(**{field.name: getattr(record, field.name) for field in fields(ObjectMetadata)})
 
 
 def _of(table: pa.Table, scene: str, configuration: int) -> pa.Table:

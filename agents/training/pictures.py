@@ -27,8 +27,8 @@ LIGHTER, COLOURED = 0.2, 0.06
 
 
 def detector_types() -> tuple[str, ...]:
-    """All types that are looked for: the catalogue's, but for floors and the like, of which rooms are made."""
-    return tuple(name for name in catalog() if name not in ("Floor", "Wall", "Ceiling"))
+    """All types that are looked for: the catalogue's, but for the floor."""
+    return tuple(name for name in catalog() if name != "Floor")
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import UnknownNameError
 from remqa_data.evaluation.report.tables import failed_at, in_words
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
-from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, box_of, does, load_room, place_of, walk
+from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, does, load_room, place_of, walk
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.scoring.scoring import attempt_of
 from remqa_data.evaluation.submission.reader import Submission
@@ -21,6 +21,7 @@ from remqa_data.evaluation.submission.tracks import TRACKS
 from remqa_data.geometry.types import F64, U8
 from remqa_data.opencv import cv2
 from remqa_data.sim.agent.replay import Replay
+from remqa_data.sim.metadata import visible_box
 from remqa_data.sim.render.camera import TopDownCamera
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.images import decode_rgb
@@ -172,7 +173,7 @@ def _walked(truth: GroundTruth, rows: dict[int, dict[str, object]]) -> dict[int,
                 poses, _ = walk(replay, attempt)
                 seen = replay.observe()
                 view = seen.rgb.copy()
-                true = box_of(seen.objects, place_of(replay, attempt.target_id))
+                true = visible_box(seen.objects, place_of(replay, attempt.target_id))
                 _draw_boxes(view, true, rows[attempt.place].get("box"))
                 way = plan.draw(poses, truth.goals[attempt.place])
                 pictures[attempt.place] = (

@@ -10,16 +10,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
-
 from remqa_data.errors import DatasetError, RemqaError, UnknownNameError
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, KIND_OF, Action
 from remqa_data.sim.agent.outcome import Wanted, is_manipulated, look_before
 from remqa_data.sim.agent.replay import Replay
-from remqa_data.sim.metadata import Box2D, is_visible, tight_box
+from remqa_data.sim.metadata import Box2D, visible_box
 from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.storage.shards import read_table
@@ -167,12 +164,6 @@ def does(replay: Replay, action: Action) -> bool:
         return False
 
 
-def box_of(objects: npt.NDArray[np.int32], index: int) -> Box2D | None:
-    """Tight box of an object's pixels in an image of object indices, or None where it is not visible."""
-    mask = objects == index
-    return tight_box(mask) if is_visible(mask) else None
-
-
 def place_of(replay: Replay, object_id: str) -> int:
     """Which of the room's objects one is.
 
@@ -209,7 +200,7 @@ def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[R
 def _replayed(replay: Replay, attempt: Attempt) -> Replayed:
     poses, refused = walk(replay, attempt)
     objects = replay.view.instances(replay.agent.camera())
-    box = box_of(objects, place_of(replay, attempt.target_id))
+    box = visible_box(objects, place_of(replay, attempt.target_id))
     is_right = False
     if attempt.manipulation is not None:
         wanted = attempt.wanted

@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from remqa_data.catalog import object_type, question_types, types_with
+from remqa_data.catalog import Manipulation, object_type, question_types, types_with
 from remqa_data.generators.arrangement.areas import Area, Spot
 from remqa_data.generators.arrangement.hiding_goals import (
     Front,
@@ -41,7 +41,6 @@ from remqa_data.sim.render.view import WorldView
 
 __all__ = ["Area", "HidingPlace", "PlaceKey", "Spot", "hiding_places", "surface_points"]
 
-Manipulation = Literal["Open", "Pickup", "Move"]
 
 PlaceKey = tuple[str, str]
 """An object and what is done with it: what is in it and what is under it are brought to light in two ways."""

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from importlib import resources
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.geometry.types import Vec3
+from remqa_data.template_files import template_rules
 
 SOURCE = "hiding.yaml"
 
@@ -54,8 +53,7 @@ class HidingRules(BaseModel):
 @lru_cache(maxsize=1)
 def hiding_rules() -> HidingRules:
     """The rules that ship with the package."""
-    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
-    return HidingRules.model_validate(yaml.safe_load(text))
+    return template_rules(HidingRules, SOURCE)
 
 
 def hidden_size(type_: str) -> Vec3:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from importlib import resources
 from typing import Literal
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from remqa_data.catalog import Room, object_type
+from remqa_data.template_files import template_rules
 
 SOURCE = "plausible.yaml"
 DEFAULT = "default"
@@ -71,5 +70,4 @@ def _kept_in_rooms(room_type: str) -> frozenset[str]:
 
 @lru_cache(maxsize=1)
 def _plausible() -> PlausibleTypes:
-    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
-    return PlausibleTypes.model_validate(yaml.safe_load(text))
+    return template_rules(PlausibleTypes, SOURCE)

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from remqa_data.catalog import Manipulation
 from remqa_data.errors import NoPathError, RemqaError, UnknownNameError, one_line
 from remqa_data.generators.arrangement.hiding_goals import FRONT_DEG
 from remqa_data.generators.arrangement.hiding_places import surface_points
@@ -57,7 +58,7 @@ from remqa_data.tables.images import (
     encode_instances,
     encode_rgb,
 )
-from remqa_data.tables.rows import GridCell, Manipulation, QuestionRow, SceneRow
+from remqa_data.tables.rows import GridCell, QuestionRow, SceneRow
 
 CHANGED_FACTOR = 4
 """A manipulation changes so many times the pixels that an object needs to be visible."""

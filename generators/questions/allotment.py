@@ -13,7 +13,6 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from importlib import resources
 from typing import Literal
 
 from remqa_data.errors import QuotaError, UnknownNameError
@@ -22,6 +21,7 @@ from remqa_data.floorplans.sampled.naming import PREFIX, is_sampled, room_type_o
 from remqa_data.generators.questions.questions import KINDS, question_rules
 from remqa_data.published import QUESTIONS
 from remqa_data.tables.rows import QuestionKind
+from remqa_data.template_files import template_text
 
 SOURCE = "capacities.csv"
 SAMPLED_SOURCE = "sampled_capacities.csv"
@@ -355,8 +355,8 @@ def _sampled_capacity(scene: str) -> SceneCapacity:
 
 @lru_cache(maxsize=2)
 def _capacities(source: str) -> Mapping[str, SceneCapacity]:
-    with (resources.files("remqa_data.templates") / source).open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    lines = template_text(source).splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     return {row["scene"]: _capacity(row) for row in rows}
 
 

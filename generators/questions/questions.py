@@ -9,10 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from importlib import resources
 from typing import Generic, Literal, Protocol, TypeVar
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat
 
 from remqa_data.catalog import Manipulation, object_type, plural, with_article
@@ -22,6 +20,7 @@ from remqa_data.language.referring import AnyProgram, Program
 from remqa_data.language.rules import may_be_called
 from remqa_data.scene_graph.relations import Relation, relation_rules
 from remqa_data.tables.rows import QuestionKind
+from remqa_data.template_files import template_rules
 
 SOURCE = "questions.yaml"
 KINDS: tuple[QuestionKind, ...] = ("EXISTENCE", "COUNTING", "SPATIAL")
@@ -88,8 +87,7 @@ class QuestionRules(BaseModel):
 @lru_cache(maxsize=1)
 def question_rules() -> QuestionRules:
     """The rules that come with the package, read once."""
-    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
-    return QuestionRules.model_validate(yaml.safe_load(text))
+    return template_rules(QuestionRules, SOURCE)
 
 
 @dataclass(frozen=True)

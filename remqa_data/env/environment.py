@@ -69,7 +69,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
     vocabulary : Vocabulary, optional
         For the question's tokens; by default that of the dataset's train split.
     views_kept : int
-        So many pictures of a room that nothing has been done to are remembered, 1.4 MB each of 300 x 300: agents come by the
+        So many pictures of a room that nothing has been done to are remembered, 1.7 MB each of 300 x 300: agents come by the
         same places again. Nothing else depends on it.
     render_mode : {"rgb_array"}, optional
         `render` gives the view of a camera behind the agent, with its arm.

@@ -27,7 +27,7 @@ from remqa_data.metrics import (
 from remqa_data.sim.agent.actions import KIND_OF, MOVE, PULL, PUSH, Action
 from remqa_data.sim.agent.agent import Agent
 from remqa_data.sim.agent.outcome import Before, is_manipulated, look_before
-from remqa_data.sim.metadata import is_visible, tight_box
+from remqa_data.sim.metadata import Box2D, visible_box
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 
 
@@ -58,8 +58,8 @@ class EpisodeRecord:
     manipulation: Action | None = None
     is_manipulated: bool = False
     before: Before | None = None
-    target_box: Shares | None = None
-    box: Shares | None = None
+    target_box: Box2D | None = None
+    box: tuple[float, float, float, float] | None = None
 
     def walked(self, action: Action, agent: Agent) -> None:
         """Note a navigation action, done or refused."""
@@ -71,8 +71,9 @@ class EpisodeRecord:
         """Note the view before the manipulation, or before the end of an episode without one."""
         if self.manipulation is None:
             self.before = look_before(agent, task.wanted)
-            self.target_box = target_box(agent, task.target_id)
-            self.box = None if box is None else tuple(FRAME_PX * share for share in box)  # type: ignore[assignment]
+            index = agent.world.ids.index(task.target_id)
+            self.target_box = visible_box(agent.view.instances(agent.camera()), index)
+            self.box = None if box is None else _in_pixels(box)
 
     def manipulated(self, action: Action, object_id: str, agent: Agent) -> None:
         """Note that a manipulation was done to an object, and how the room is now."""
@@ -115,7 +116,6 @@ class EpisodeRecord:
         }
 
 
-def target_box(agent: Agent, object_id: str) -> Shares | None:
-    """Tight box [x1, y1, x2, y2) of an object in the agent's 300 x 300 view, or None where it is not visible."""
-    shown = agent.view.instances(agent.camera()) == agent.world.ids.index(object_id)
-    return tight_box(shown) if is_visible(shown) else None
+def _in_pixels(box: Shares) -> tuple[float, float, float, float]:
+    x1, y1, x2, y2 = (FRAME_PX * share for share in box)
+    return x1, y1, x2, y2

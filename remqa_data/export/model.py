@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from remqa_data.assets.core.fitting import vec
 from remqa_data.assets.core.model import AssetSpec, CollisionBox, Joint, Material, Surface
 from remqa_data.export.links import Inertia, holding_friction, inertias, joint_range, link_origins
 from remqa_data.export.looks import texture_png, upward_uv
@@ -142,7 +143,7 @@ def _object(world: World, object_id: str, files: _MeshFiles) -> ModelObject:
             ModelLink(
                 name=object_id if link.joint is None else f"{object_id}/{link.name}",
                 parent=-1 if link.joint is None else link.parent,
-                origin=_vec3(origins[number] - (0.0 if link.joint is None else origins[link.parent])),
+                origin=vec(origins[number] - (0.0 if link.joint is None else origins[link.parent])),
                 joint=joint,
                 inertia=inertia,
                 visuals=tuple(
@@ -150,7 +151,7 @@ def _object(world: World, object_id: str, files: _MeshFiles) -> ModelObject:
                     for k, surface in enumerate(link.surfaces)
                 ),
                 boxes=tuple(
-                    CollisionBox(_vec3(box.centre - origins[number]), box.size, box.quaternion) for box in link.boxes
+                    CollisionBox(vec(box.centre - origins[number]), box.size, box.quaternion) for box in link.boxes
                 ),
             )
         )
@@ -240,9 +241,4 @@ def _mtl_lines(name: str, material: Material) -> Iterator[str]:
 
 def _box(box: Sequence[float]) -> CollisionBox:
     low, high = np.asarray(box[:3]), np.asarray(box[3:])
-    return CollisionBox(_vec3((low + high) / 2), _vec3(high - low))
-
-
-def _vec3(values: F64) -> Vec3:
-    x, y, z = values.tolist()
-    return x, y, z
+    return CollisionBox(vec((low + high) / 2), vec(high - low))

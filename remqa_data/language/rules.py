@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from importlib import resources
 from typing import Literal
 
-import yaml
 from pydantic import BaseModel, ConfigDict
 
 from remqa_data.catalog import catalog, types_with
 from remqa_data.scene_graph.relations import Relation
+from remqa_data.template_files import template_rules
 
 SOURCE = "expressions.yaml"
 SEEN_AS_ONE = types_with("seen_as_one")
@@ -62,8 +61,7 @@ class ExpressionRules(BaseModel):
 @lru_cache(maxsize=1)
 def expression_rules() -> ExpressionRules:
     """The rules that come with the package, read once."""
-    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
-    return ExpressionRules.model_validate(yaml.safe_load(text))
+    return template_rules(ExpressionRules, SOURCE)
 
 
 def may_be_called(type_name: str) -> frozenset[str]:

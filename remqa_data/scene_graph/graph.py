@@ -108,7 +108,7 @@ class SceneGraph:
         new: dict[str, ObjectMetadata] = {}
         for record in objects:
             if record.id not in self._objects and not record.is_picked_up:
-                new.setdefault(record.id, _plain(record))
+                new.setdefault(record.id, without_frame(record))
         update = GraphUpdate(tuple(new.values()), tuple(sorted(self._edges_of(list(new.values())))))
         self._apply(update)
         return update
@@ -199,6 +199,6 @@ class SceneGraph:
         yield from edges_between(known, new, self.rules)
 
 
-def _plain(record: ObjectMetadata) -> ObjectMetadata:
+def without_frame(record: ObjectMetadata) -> ObjectMetadata:
     """The record without what one frame says about it."""
     return ObjectMetadata(**{field.name: getattr(record, field.name) for field in fields(ObjectMetadata)})

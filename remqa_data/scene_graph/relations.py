@@ -9,12 +9,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib import resources
 from typing import ClassVar, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-import yaml
 from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.catalog import object_type
@@ -22,6 +20,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.geometry.types import F64
 from remqa_data.sim.metadata import ObjectMetadata
+from remqa_data.template_files import template_rules
 
 Relation = Literal["in", "on", "under", "above", "below", "next to"]
 """What one object is to another, by their boxes and by what holds them: the edges of the scene graph."""
@@ -181,8 +180,7 @@ class RelationRules(_Rules):
 @lru_cache(maxsize=1)
 def relation_rules() -> RelationRules:
     """The rules that come with the package, read once."""
-    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
-    return RelationRules.model_validate(yaml.safe_load(text))
+    return template_rules(RelationRules, SOURCE)
 
 
 @dataclass(frozen=True, order=True)
@@ -271,7 +269,7 @@ class _Side:
     def removable(self) -> Table:
         """(n,) whether each object can be picked up or pushed aside."""
         kinds = [object_type(name) for name in self.types]
-        return np.array([kind.pickupable or kind.moveable for kind in kinds], dtype=np.bool_)
+        return np.array([kind.is_loose for kind in kinds], dtype=np.bool_)
 
     def sides(self) -> F64:
         """(n, 3) lengths of the boxes' sides."""

@@ -17,7 +17,7 @@ from scipy.ndimage import find_objects
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
-from remqa_data.geometry.types import F32, Box, Flags, Vec3
+from remqa_data.geometry.types import F32, I32, Box, Flags, Vec3
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, pixel_counts
@@ -233,6 +233,12 @@ def tight_box(mask: Flags) -> Box2D | None:
     if not len(rows):
         return None
     return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
+
+
+def visible_box(objects: I32, index: int) -> Box2D | None:
+    """Tight box of an object's pixels in a (h, w) image of object indices, or None where it is not visible."""
+    mask = objects == index
+    return tight_box(mask) if is_visible(mask) else None
 
 
 def changed_pixels(before: FrameImages, after: FrameImages, tolerance_m: float = 0.0) -> int:

@@ -15,6 +15,7 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.catalog import Manipulation
 from remqa_data.geometry.types import Vec3
 from remqa_data.limits import MOST_OBJECTS, MOST_SCENE_JSON_BYTES, MOST_VOXELS
 from remqa_data.scene_graph.relations import Edge
@@ -24,7 +25,6 @@ from remqa_data.tables.images import StoredImage
 
 Split = Literal["train", "val", "test"]
 QuestionKind = Literal["EXISTENCE", "COUNTING", "SPATIAL"]
-Manipulation = Literal["Open", "Move", "Pickup"]
 
 
 class GridCell(NamedTuple):

@@ -98,6 +98,7 @@ def test_masks_flags_and_boxes_agree(kitchen) -> None:
     kitchen.reset(renderInstanceSegmentation=True, renderSemanticSegmentation=True)
     for _ in range(4):
         event = kitchen.step("RotateRight")
+        assert any(record["visible"] for record in event.metadata["objects"])
         for record in event.metadata["objects"]:
             mask = event.instance_masks.get(record["objectId"])
             if record["visible"]:

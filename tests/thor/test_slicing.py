@@ -95,7 +95,9 @@ def test_slices_are_as_done_as_the_whole_one_and_gone_after_a_reset(kitchen) -> 
     potato = of_type(kitchen, "Potato")[0]["objectId"]
     act(kitchen, "CookObject", potato)
     act(kitchen, "SliceObject", potato)
-    assert all(o["isCooked"] for o in of_type(kitchen, "PotatoSliced"))
+    slices = of_type(kitchen, "PotatoSliced")
+    assert len(slices) == 6
+    assert all(o["isCooked"] for o in slices)
     kitchen.reset()
     assert [o["objectId"] for o in kitchen.last_event.metadata["objects"]] == before
     assert not any(o["isSliced"] for o in kitchen.last_event.metadata["objects"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import groupby
 from operator import itemgetter
 
@@ -131,7 +131,7 @@ def vec(values: F64) -> Vec3:
     return float(values[0]), float(values[1]), float(values[2])
 
 
-def box_of(values: Sequence[float]) -> Box:
+def box_of(values: Iterable[float]) -> Box:
     """Six numbers as a box."""
     x0, y0, z0, x1, y1, z1 = (float(v) for v in values)
     return x0, y0, z0, x1, y1, z1

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from importlib import resources
-
-import yaml
 
 from remqa_data.catalog import catalog
 from remqa_data.errors import UnknownNameError
 from remqa_data.geometry.types import Vec3
+from remqa_data.template_files import template_values
 
 
 def typical_size(type_: str) -> Vec3:
@@ -26,6 +24,5 @@ def typical_size(type_: str) -> Vec3:
 
 @lru_cache(maxsize=1)
 def _sizes() -> dict[str, Vec3]:
-    text = (resources.files("remqa_data.templates") / "sizes.yaml").read_text()
-    measured: dict[str, Vec3] = {name: (w, d, h) for name, (w, d, h) in yaml.safe_load(text).items()}
+    measured: dict[str, Vec3] = {name: (w, d, h) for name, (w, d, h) in template_values("sizes.yaml").items()}
     return measured | {name: kind.size_m for name, kind in catalog().items() if kind.size_m is not None}

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from remqa_data.assets.core.fitting import box_of
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.looks.materials import CHROME, COLORS
 from remqa_data.assets.mesh.cutting import solid_around
@@ -47,7 +48,7 @@ def building(objects: Sequence[RecordedObject], shell: RoomShell, rng: np.random
     parts += [
         StructureBox("floor", box, _SCREED)
         for box in solid_around(
-            (x0, y0, bottom - 0.1, x1, y1, shell.floor_z - 0.001), [_box((*floor.low, *floor.high))]
+            (x0, y0, bottom - 0.1, x1, y1, shell.floor_z - 0.001), [box_of((*floor.low, *floor.high))]
         )
         if min(box[3] - box[0], box[4] - box[1]) > 0.002
     ]
@@ -57,11 +58,11 @@ def building(objects: Sequence[RecordedObject], shell: RoomShell, rng: np.random
         face = shell.bounds[axis if inward[axis] > 0 else axis + 2]
         wall[:, axis] = sorted((face, face - inward[axis] * WALL_M))
         holes = [_through(opening, axis) for opening in openings if _crosses(opening, wall, 0.3)]
-        parts += [StructureBox("wall", box, finish) for box in solid_around(_box(wall.ravel()), holes)]
+        parts += [StructureBox("wall", box, finish) for box in solid_around(box_of(wall.ravel()), holes)]
         outer = wall.copy()
         outer[:, axis] -= inward[axis] * OUTER_M
-        parts.append(StructureBox("outside", _box(outer.ravel()), finish))
-        doors = [] if shell.door is None else [_box(np.concatenate(shell.door))]
+        parts.append(StructureBox("outside", box_of(outer.ravel()), finish))
+        doors = [] if shell.door is None else [box_of(np.concatenate(shell.door))]
         parts += _skirting(side, objects, [*holes, *doors], shell)
     parts += [StructureBox("wall", (x0, y0, bottom, x1, y1, top), finish) for x0, y0, x1, y1 in shell.notches]
     if shell.door is not None:
@@ -93,7 +94,7 @@ def _door(low: F64, high: F64) -> list[StructureBox]:
     leaf_low, leaf_high = low.copy(), high.copy()
     leaf_low[across] += FRAME_M
     leaf_high[[across, 2]] -= FRAME_M
-    frame = solid_around(_box((*low, *high)), [_through(np.stack([leaf_low - [0, 0, 1], leaf_high]), axis)])
+    frame = solid_around(box_of((*low, *high)), [_through(np.stack([leaf_low - [0, 0, 1], leaf_high]), axis)])
     inset = (high - low)[axis] / 4
     leaf_low[axis] += inset
     leaf_high[axis] -= inset
@@ -103,8 +104,8 @@ def _door(low: F64, high: F64) -> list[StructureBox]:
     handle_low[axis], handle_high[axis] = low[axis] - 0.03, high[axis] + 0.03
     return [
         *(StructureBox("fixture", box, _SKIRTING) for box in frame),
-        StructureBox("fixture", _box((*leaf_low, *leaf_high)), _DOOR),
-        StructureBox("fixture", _box((*handle_low, *handle_high)), CHROME),
+        StructureBox("fixture", box_of((*leaf_low, *leaf_high)), _DOOR),
+        StructureBox("fixture", box_of((*handle_low, *handle_high)), CHROME),
     ]
 
 
@@ -123,7 +124,7 @@ def _crosses(hole: F64, wall: F64, slack: float) -> bool:
 def _through(hole: F64, axis: int) -> Box:
     cut = hole.copy()
     cut[:, axis] = (-99.0, 99.0)
-    return _box(cut.ravel())
+    return box_of(cut.ravel())
 
 
 def _skirting(
@@ -136,8 +137,8 @@ def _skirting(
     board = np.array([[x0, y0, shell.floor_z], [x1, y1, shell.floor_z + height]])
     face = shell.bounds[axis if inward[axis] > 0 else axis + 2]
     board[:, axis] = sorted((face, face + inward[axis] * thickness))
-    pockets = [_box((*(o.low - 0.005), *(o.high + 0.005))) for o in objects if o.type != "Floor" and not o.pickupable]
-    boxes = solid_around(_box(board.ravel()), [*pockets, *holes])
+    pockets = [box_of((*(o.low - 0.005), *(o.high + 0.005))) for o in objects if o.type != "Floor" and not o.pickupable]
+    boxes = solid_around(box_of(board.ravel()), [*pockets, *holes])
     return [StructureBox("fixture", box, _SKIRTING) for box in boxes if (box[5] - box[2]) > 0.9 * height]
 
 
@@ -160,8 +161,8 @@ def _inner_walls(objects: Sequence[RecordedObject], shell: RoomShell, finish: Ma
         stub[0, across] -= 0.12
         stub[1, across] += 0.12
         stub[:, axis] = sorted((back - o.front[axis] * 0.001, back - o.front[axis] * depth))
-        pockets = [_box((*(b.low - 0.004), *(b.high + 0.004))) for b in others] + [p.box for p in parts]
-        pieces = solid_around(_box(stub.ravel()), pockets)
+        pockets = [box_of((*(b.low - 0.004), *(b.high + 0.004))) for b in others] + [p.box for p in parts]
+        pieces = solid_around(box_of(stub.ravel()), pockets)
         parts += [StructureBox("wall", box, finish) for box in pieces if _min_edge(box) > 0.02]
     return parts
 
@@ -171,7 +172,7 @@ def _behind_wall_cabinets(
 ) -> list[StructureBox]:
     """Masonry between a cabinet that hangs on a wall and the wall, where the recording leaves a gap."""
     parts: list[StructureBox] = []
-    others = [_box((*(o.low - 0.003), *(o.high + 0.003))) for o in objects if o.type != "Floor"]
+    others = [box_of((*(o.low - 0.003), *(o.high + 0.003))) for o in objects if o.type != "Floor"]
     for o in objects:
         if o.type != "Cabinet" or o.low[2] < shell.floor_z + 1.0:
             continue
@@ -182,15 +183,10 @@ def _behind_wall_cabinets(
         gap = np.stack([o.low, o.high])
         face = shell.bounds[axis if o.front[axis] > 0 else axis + 2]
         gap[:, axis] = sorted((face, float((o.low if o.front[axis] > 0 else o.high)[axis])))
-        pieces = solid_around(_box(gap.ravel()), others + [p.box for p in (*built, *parts) if p.kind != "outside"])
+        pieces = solid_around(box_of(gap.ravel()), others + [p.box for p in (*built, *parts) if p.kind != "outside"])
         parts += [StructureBox("wall", box, finish) for box in pieces if _min_edge(box) > 0.015]
     return parts
 
 
 def _min_edge(box: Box) -> float:
     return min(box[3] - box[0], box[4] - box[1], box[5] - box[2])
-
-
-def _box(values: Sequence[float] | F64) -> Box:
-    x0, y0, z0, x1, y1, z1 = (float(v) for v in values)
-    return x0, y0, z0, x1, y1, z1

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.assets.core.fitting import box_of
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.looks import materials
 from remqa_data.assets.mesh.cutting import solid_around
@@ -84,7 +85,7 @@ def counter_plan(
         (low[0] + i0 * step[0], low[1] + j0 * step[1], -1.0, low[0] + i1 * step[0], low[1] + j1 * step[1], 1.0)
         for i0, j0, i1, j1 in holes
     ]
-    cut = solid_around((whole[0], whole[1], 0.0, whole[2], whole[3], 0.5), [_box(p) for p in pockets])
+    cut = solid_around((whole[0], whole[1], 0.0, whole[2], whole[3], 0.5), [box_of(p) for p in pockets])
     return [(x0, y0, x1, y1) for x0, y0, _, x1, y1, _ in cut] or [whole]
 
 
@@ -175,14 +176,14 @@ def _inset(
             (low if inward[axis] > 0 else high)[axis] += (inset - OVERHANG_M + behind) * inward[axis]
     if np.any(high - low < 0.02):
         return None
-    return _box((*low, *high))
+    return box_of((*low, *high))
 
 
 def _opens_on(o: RecordedObject, rect: Rect, front: F64) -> bool:
     """Whether a door or drawer under a rectangle of a worktop faces a side."""
     middle = (o.low + o.high) / 2
     under = rect[0] < middle[0] < rect[2] and rect[1] < middle[1] < rect[3]
-    return o.type in ("Cabinet", "Drawer") and under and bool(arithmetic.dot(o.front, front) > 0.9)
+    return o.type in types_with("cupboard_front") and under and bool(arithmetic.dot(o.front, front) > 0.9)
 
 
 def _front_face(o: RecordedObject, axis: int) -> float:
@@ -221,7 +222,7 @@ def drawer_housings(
         x0, y0, x1, y1 = shell.bounds
         low[:2], high[:2] = np.maximum(low[:2], (x0, y0)), np.minimum(high[:2], (x1, y1))
         pockets = _places(objects, skip=set(), below=np.inf) + around
-        boxes = _usable(solid_around(_box((*low, *high)), pockets))
+        boxes = _usable(solid_around(box_of((*low, *high)), pockets))
         parts += [StructureBox("fixture", box, finish) for box in boxes]
         around += boxes
     return parts
@@ -239,7 +240,7 @@ def stoves(
         middle = (low + high)[:2] / 2
         on_worktop = any(x0 < middle[0] < x1 and y0 < middle[1] < y1 for x0, y0, x1, y1 in plans)
         if on_worktop:
-            plate = _box((low[0], low[1], top - 0.008, high[0], high[1], top - 0.0005))
+            plate = box_of((low[0], low[1], top - 0.008, high[0], high[1], top - 0.0005))
             parts.append(StructureBox("fixture", plate, materials.DARK_GLASS))
             continue
         front = _stove_front(burners, objects, shell)
@@ -256,7 +257,7 @@ def stoves(
                     low[axis] = min(low[axis], knob.high[axis] - 0.012)
         pockets = _places(objects, skip=set(), below=top) + [b.box for b in built]
         pockets += [(x0, y0, -9.0, x1, y1, 9.0) for x0, y0, x1, y1 in plans]
-        body = _box((low[0], low[1], shell.floor_z, high[0], high[1], top - 0.0005))
+        body = box_of((low[0], low[1], shell.floor_z, high[0], high[1], top - 0.0005))
         steel = _usable(solid_around(body, pockets))
         parts += [StructureBox("fixture", box, materials.STEEL) for box in steel]
         parts += _oven_door(body, front)
@@ -285,7 +286,7 @@ def _oven_door(body: Box, front: F64) -> list[StructureBox]:
     ):
         ends = sorted((face + front[axis] * start, face + front[axis] * end))
         a[axis], b[axis] = ends
-        parts.append(StructureBox("fixture", _box((*a, *b)), finish))
+        parts.append(StructureBox("fixture", box_of((*a, *b)), finish))
     return parts
 
 
@@ -325,9 +326,9 @@ def _places(objects: Sequence[RecordedObject], skip: set[str], below: float) -> 
 def _with_way_out(o: RecordedObject) -> Box:
     """An object's place; before a door or a drawer also the room that it opens into."""
     low, high = o.low - GAP_M, o.high + GAP_M
-    if o.type in ("Cabinet", "Drawer"):
+    if o.type in types_with("cupboard_front"):
         low, high = np.minimum(low, low + WAY_OUT_M * o.front), np.maximum(high, high + WAY_OUT_M * o.front)
-    return _box((*low, *high))
+    return box_of((*low, *high))
 
 
 def _usable(boxes: Sequence[Box], least: float = 0.012) -> list[Box]:
@@ -338,8 +339,3 @@ def _usable(boxes: Sequence[Box], least: float = 0.012) -> list[Box]:
 def _meets(o: RecordedObject, box: Box, margin: float) -> bool:
     low, high = np.asarray(box[:3]), np.asarray(box[3:])
     return bool(np.all(o.high + margin > low) and np.all(o.low - margin < high))
-
-
-def _box(values: Sequence[float]) -> Box:
-    x0, y0, z0, x1, y1, z1 = (float(v) for v in values)
-    return x0, y0, z0, x1, y1, z1

@@ -76,7 +76,7 @@ def _is_stacked(o: RecordedObject, other: RecordedObject) -> bool:
 
 def _let_in(o: RecordedObject) -> frozenset[str]:
     if o.type == "CounterTop" and o.size[2] >= THIN_M:
-        return SUNK | {"Cabinet", "Drawer"}
+        return SUNK | types_with("cupboard_front")
     return LET_IN.get(o.type, frozenset())
 
 

@@ -56,5 +56,4 @@ def _limit(world: World, object_id: str) -> float:
 def _is_firm(world: World, name: str) -> bool:
     if name == STRUCTURE_NAME:
         return True
-    kind = object_type(world.type_of(name))
-    return world.state(name).is_fixed and not (kind.moveable or kind.pickupable)
+    return world.state(name).is_fixed and not object_type(world.type_of(name)).is_loose

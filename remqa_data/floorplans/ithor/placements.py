@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterable
 from functools import lru_cache
-from importlib import resources
+
+from remqa_data.template_files import template_text
 
 SOURCE = "placements.csv"
 
@@ -23,6 +24,5 @@ def receptacle_weights(type_: str, room_type: str, present: Iterable[str]) -> di
 
 @lru_cache(maxsize=1)
 def _priors() -> dict[tuple[str, str, str], float]:
-    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
-    rows = csv.DictReader(text.splitlines())
+    rows = csv.DictReader(template_text(SOURCE).splitlines())
     return {(row["object_type"], row["receptacle_type"], row["room"]): float(row["probability"]) for row in rows}

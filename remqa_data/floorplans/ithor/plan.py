@@ -94,7 +94,7 @@ def facing_right(objects: Sequence[RecordedObject], shell: RoomShell, worktops: 
             front = _off_the_wall(o, shell)
         elif o.type == "Bed":
             front = -front
-        elif o.type in ("Cabinet", "Drawer"):
+        elif o.type in types_with("cupboard_front"):
             front = _towards_free_floor(o, blockers, shell, worktops)
         elif o.type in BACKED:
             front = _not_into_wall(o, shell)

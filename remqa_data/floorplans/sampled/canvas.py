@@ -209,7 +209,7 @@ def clearances(piece: FurnitureSet) -> list[tuple[F64, F64]]:
     """The room that must stay free before what opens in a piece."""
     boxes = []
     for row in piece.rows:
-        if row.type in OPENS_FORWARD and not (row.type in ("Cabinet", "Drawer") and row.low[2] > 1.3):
+        if row.type in OPENS_FORWARD and not (row.type in types_with("cupboard_front") and row.low[2] > 1.3):
             boxes.append(before(row))
     return boxes
 

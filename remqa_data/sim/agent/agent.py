@@ -180,7 +180,7 @@ class Agent(Body):
 
     def move_object(self, object_id: str, position: Vec3, force: bool = False) -> ActionResult:
         """Bring the centre of an object somewhere near, metres, with what is in or on it; what is under it stays."""
-        if not _can_be_moved(self.world, object_id):
+        if not object_type(self.world.type_of(object_id)).is_loose:
             return ActionResult(False, f"{object_id} is not moveable")
         if not force:
             refusal = self.refusal(object_id)
@@ -206,7 +206,7 @@ class Agent(Body):
         """
         if not 0.0 < distance_m <= self.embodiment.push_m:
             raise ActionError(f"a push goes more than 0 and at most {self.embodiment.push_m} m, not {distance_m}")
-        if not _can_be_moved(self.world, object_id):
+        if not object_type(self.world.type_of(object_id)).is_loose:
             return ActionResult(False, f"{object_id} is not moveable")
         refusal = None if force else self.refusal(object_id) or self.reach(object_id)
         if refusal is not None:
@@ -293,11 +293,6 @@ class Agent(Body):
         if done.object_id is None:
             return ActionResult(False, done.error)
         return ActionResult(True, value=done.object_id)
-
-
-def _can_be_moved(world: World, object_id: str) -> bool:
-    kind = object_type(world.type_of(object_id))
-    return kind.moveable or kind.pickupable
 
 
 def _of_arm(move: ArmMove) -> ActionResult:

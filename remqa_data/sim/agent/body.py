@@ -65,8 +65,7 @@ class Body:
     def camera(self, width: int = FRAME_PX, height: int = FRAME_PX) -> Camera:
         """Its eye."""
         body = self.embodiment
-        above = body.camera_height_m if self.is_standing else body.crouched_camera_height_m
-        eye = (self.x, self.y, self.world.scene.floor_z + above)
+        eye = (self.x, self.y, self.world.scene.floor_z + body.eye_height_m(self.is_standing))
         return Camera(eye, self.yaw_deg, self.horizon_deg, body.fov_deg, width, height)
 
     # ---- what it sees

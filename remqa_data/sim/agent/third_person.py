@@ -132,6 +132,5 @@ ARM = slice(3, None)
 
 def body_of(agent: Agent) -> F64:
     """(n, 4, 4) poses in the room of the parts of `robot_surfaces`, of an agent as it stands and holds its arm."""
-    embodiment = agent.embodiment
-    eye = embodiment.camera_height_m if agent.is_standing else embodiment.crouched_camera_height_m
+    eye = agent.embodiment.eye_height_m(agent.is_standing)
     return arm_body.robot_poses(agent.base, agent.arm.state if "arm" in vars(agent) else HOME, eye)

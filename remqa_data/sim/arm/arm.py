@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remqa_data.assets.core.fitting import vec
 from remqa_data.assets.core.model import Surface
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
@@ -81,11 +82,11 @@ class Arm:
 
     def shoulder(self, base: ArmBase) -> Vec3:
         """The shoulder in the room, metres: from here the reach is measured."""
-        return _vec3(arithmetic.moved([0.0, 0.0, jaco.SHOULDER_M], self.link_poses(base)[0]))
+        return vec(arithmetic.moved([0.0, 0.0, jaco.SHOULDER_M], self.link_poses(base)[0]))
 
     def hand(self, base: ArmBase) -> Vec3:
         """Centre of the hand's ball in the room, metres."""
-        return _vec3(self.link_poses(base)[jaco.HAND][:, 3])
+        return vec(self.link_poses(base)[jaco.HAND][:, 3])
 
     def link_poses(self, base: ArmBase) -> F64:
         """(8, 4, 4) poses in the room of the arm's foot, its six links and its hand."""
@@ -199,7 +200,3 @@ class Arm:
             return ArmMove(True, "", self.state)
         name = self._obstacles.name(way.blocker)
         return ArmMove(False, f"{name} is blocking", self.state, name)
-
-
-def _vec3(values: F64) -> Vec3:
-    return float(values[0]), float(values[1]), float(values[2])

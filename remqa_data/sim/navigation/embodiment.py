@@ -67,6 +67,10 @@ class Embodiment:
             reach_m=reach_m,
         )
 
+    def eye_height_m(self, is_standing: bool) -> float:
+        """Of the camera above the floor, as it stands or crouches."""
+        return self.camera_height_m if is_standing else self.crouched_camera_height_m
+
     def centre_of(self, cell: tuple[int, int]) -> tuple[float, float]:
         """Centre of a cell of a grid of its steps, metres."""
         return cell[0] * self.step_m, cell[1] * self.step_m

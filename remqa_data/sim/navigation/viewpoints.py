@@ -43,8 +43,7 @@ class AgentPose:
 
     def camera_above(self, floor_z: float, size_px: int = FRAME_PX, body: Embodiment = AGENT) -> Camera:
         """The camera of a body that stands there on a floor of some height."""
-        height = body.camera_height_m if self.is_standing else body.crouched_camera_height_m
-        eye = (*body.centre_of(self.cell), floor_z + height)
+        eye = (*body.centre_of(self.cell), floor_z + body.eye_height_m(self.is_standing))
         return Camera(eye, float(self.yaw_deg), float(self.horizon_deg), body.fov_deg, size_px, size_px)
 
 
@@ -58,7 +57,7 @@ def facing_poses(
 ) -> Iterator[AgentPose]:
     """Poses at some cells that look towards a point: nearest cells first, then the heading and horizon nearest to it."""
     x, y, z = (float(v) for v in point)
-    height = grid.body.camera_height_m if is_standing else grid.body.crouched_camera_height_m
+    height = grid.body.eye_height_m(is_standing)
     for cell in sorted(cells, key=lambda c: (math.dist(grid.position(c), (x, y)), c)):
         px, py = grid.position(cell)
         yaw = math.degrees(arithmetic.arctan2(y - py, x - px)) % 360

@@ -78,8 +78,7 @@ def riders(world: Room, bodies: Bodies, object_id: str, link: int | None = None,
 
 
 def _can_ride(world: Room, object_id: str) -> bool:
-    kind = object_type(world.type_of(object_id))
-    return kind.pickupable or kind.moveable or not world.state(object_id).is_fixed
+    return object_type(world.type_of(object_id)).is_loose or not world.state(object_id).is_fixed
 
 
 def _moves(part: Part, object_id: str, link: int | None, found: set[str]) -> bool:

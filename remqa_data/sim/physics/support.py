@@ -11,17 +11,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib import resources
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
-import yaml
 from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
+from remqa_data.template_files import template_rules
 
 if TYPE_CHECKING:
     from remqa_data.assets.core.model import Space
@@ -56,8 +55,7 @@ class SupportRules(BaseModel):
 @lru_cache(maxsize=1)
 def support_rules() -> SupportRules:
     """The rules of `templates/support.yaml`, read once."""
-    text = (resources.files("remqa_data.templates") / SOURCE).read_text(encoding="utf-8")
-    return SupportRules.model_validate(yaml.safe_load(text))
+    return template_rules(SupportRules, SOURCE)
 
 
 @dataclass(frozen=True)
@@ -93,7 +91,7 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
         return held_by
     low, high = np.moveaxis(np.array([boxes[object_id] for object_id in names]), 1, 0)
     kinds = [object_type(world.type_of(object_id)) for object_id in names]
-    is_loose = np.array([kind.pickupable or kind.moveable for kind in kinds])[:, None]
+    is_loose = np.array([kind.is_loose for kind in kinds])[:, None]
     centre, bottom = (low + high) / 2, low[:, 2, None]
     local = arithmetic.moved_back(centre[:, None], spaces.poses)
     beside = np.abs(local[..., :2] - spaces.middle[:, :2]) <= spaces.half[:, :2] + rules.side_margin_m

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from remqa_data.catalog import object_type
+from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, rotation_of
 from remqa_data.sim.agent.agent import ActionResult
@@ -18,8 +18,6 @@ from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
 
-SHUT_WHEN_ON = frozenset({"Microwave"})
-"""Must be off to be opened, and closed to be switched on."""
 NO_OBJECT = "not a sim object, a structure was touched"
 """AI2-THOR's words for a wall or the floor."""
 NO_PLACE = "No valid positions to place object found"
@@ -46,7 +44,7 @@ def open_object(
     if isinstance(target, ActionResult):
         return target
     world, conditions = simulator.room.world, simulator.room.conditions
-    if world.type_of(target) in SHUT_WHEN_ON and conditions.is_on(target):
+    if world.type_of(target) in types_with("shut_when_on") and conditions.is_on(target):
         return ActionResult(False, "Target must be OFF to open!")
     share = openness if moveMagnitude is None else moveMagnitude or 1.0
     return _plain(simulator.agent.open(target, share, forceAction))
@@ -188,8 +186,7 @@ def set_mass_properties(
     target = target_of(simulator, "SetMassProperties", objectId, None, None)
     if isinstance(target, ActionResult):
         return target
-    kind = object_type(simulator.room.world.type_of(target))
-    if not (kind.pickupable or kind.moveable):
+    if not object_type(simulator.room.world.type_of(target)).is_loose:
         return ActionResult(False, f"{target} is neither pickupable nor moveable")
     if mass < 0.0:
         return ActionResult(False, f"mass {mass:g} is negative: give kilograms")
@@ -281,7 +278,7 @@ def _toggle(simulator: SimulatorState, target: str | ActionResult, on: bool, for
         return ActionResult(False, f"{target} is not toggleable")
     if conditions.is_on(target) == on:
         return ActionResult(False, f"{target} is already {'on' if on else 'off'}")
-    if on and world.type_of(target) in SHUT_WHEN_ON and world.state(target).openness > 0:
+    if on and world.type_of(target) in types_with("shut_when_on") and world.state(target).openness > 0:
         return ActionResult(False, "Target must be closed to Toggle On!")
     agent = simulator.agent
     refusal = None if force else agent.refusal(target) or agent.reach(target)

@@ -90,7 +90,7 @@ def set_object_poses(
     for pose in objectPoses:
         name = pose.get("objectId") or pose.get("objectName") or ""
         object_id = room.records.id_of(name)
-        if object_id is None or not _is_loose(world, object_id):
+        if object_id is None or not object_type(world.type_of(object_id)).is_loose:
             return ActionResult(False, f"No Pickupable or Moveable object of name {name} found in scene.")
         if object_id in poses:
             return ActionResult(False, f"{name} is given two poses: objects cannot be copied here")
@@ -104,7 +104,9 @@ def set_object_poses(
             world.put_back(object_id, state)
             moved.append(object_id)
     gone = {
-        name: away.get(name, before.states[name]) for name in world.ids if name not in poses and _is_loose(world, name)
+        name: away.get(name, before.states[name])
+        for name in world.ids
+        if name not in poses and object_type(world.type_of(name)).is_loose
     }
     for name in gone:
         world.put_away(name)
@@ -231,14 +233,9 @@ def _stays(room: LoadedFloorPlan, object_id: str) -> ActionResult | None:
     """Why an object cannot be put elsewhere, if it cannot."""
     if _is_away(room, object_id):
         return ActionResult(False, f"{object_id} is not in the scene")
-    if not _is_loose(room.world, object_id):
+    if not object_type(room.world.type_of(object_id)).is_loose:
         return ActionResult(False, f"{object_id} is neither pickupable nor moveable")
     return None
-
-
-def _is_loose(world: World, object_id: str) -> bool:
-    kind = object_type(world.type_of(object_id))
-    return kind.pickupable or kind.moveable
 
 
 def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectState:

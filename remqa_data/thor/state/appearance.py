@@ -18,12 +18,13 @@ from remqa_data.assets.core.model import Asset, Material, Surface
 from remqa_data.assets.looks import materials
 from remqa_data.assets.looks.textures import repeats, texture
 from remqa_data.assets.mesh import primitives
+from remqa_data.catalog import types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import Shapes
-from remqa_data.thor.state.conditions import FILLED, WET, Conditions
+from remqa_data.thor.state.conditions import FILLED, Conditions
 
 STAINS_M = 0.25
 """Metres that one repeat of the stains covers."""
@@ -151,7 +152,7 @@ def _switched(own: Material, type_: str, is_on: bool) -> Material:
     """What glows goes out, what is dark glass lights up, and a burner without gas glows all over."""
     if not is_on:
         return materials.DARK_GLASS if own.glow and own.substance == "glass" and own.texture else replace(own, glow=0.0)
-    if type_ == "StoveBurner":
+    if type_ in types_with("burner"):
         return replace(HOT, gloss=own.gloss) if own.substance in ("metal", "glass") else own
     if type_ == "Toaster" and own == materials.SHADOW_GAP:
         return HOT
@@ -186,11 +187,11 @@ def _added(world: World, object_id: str, values: Mapping[str, Any]) -> tuple[Sur
     added: tuple[Surface | None, ...] = ()
     if values.get(FILLED):
         added += (liquid_in(asset, str(values.get("fillLiquid") or "water")),)
-    if values.get("isToggled") and type_ == "Candle":
+    if values.get("isToggled") and type_ in types_with("burns_with_flame"):
         added += (_flame_on(asset),)
     if values.get("isToggled") and _burns_gas(asset):
         added += (_gas_flames(asset),)
-    if values.get("isToggled") and type_ in WET:
+    if values.get("isToggled") and type_ in types_with("runs_water"):
         added += (_water_from(world, object_id),)
     return tuple(one for one in added if one is not None)
 

@@ -6,20 +6,18 @@ passes here, so it has happened when the action is over, and stays.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from remqa_data.catalog import object_type
+from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry.types import F64
 from remqa_data.sim.physics.world import World
 
-BASINS = frozenset({"BathtubBasin", "SinkBasin"})
+BASINS = types_with("basin")
 BASIN_REACH_M = 0.8
 """Water runs into the basin whose middle is nearest, and at most so far, from the faucet's."""
-
-HEATS_WHEN_ON = frozenset({"Microwave", "Toaster"})
 
 
 class Condition(NamedTuple):
@@ -49,9 +47,6 @@ CONDITIONS = {
 
 SEEN = (BROKEN, "isCooked", "isDirty", FILLED, "fillLiquid", "isToggled")
 """What one sees of what an object is in."""
-WET = frozenset({"Faucet", "ShowerHead"})
-"""Where water runs from while they are on."""
-
 UNCHANGED: Mapping[str, Any] = {}
 LIQUIDS = ("water", "coffee", "wine")
 
@@ -76,15 +71,11 @@ class Conditions:
         self._world = world
         self.changed: dict[str, dict[str, Any]] = {}
         self._has_spread_in: Mapping[str, Sequence[str]] | None = None
-        of_type: dict[str, list[str]] = {}
-        for object_id in world.ids:
-            of_type.setdefault(world.type_of(object_id), []).append(object_id)
-        basins = [object_id for name in sorted(BASINS) for object_id in of_type.get(name, [])]
-        self.controlled = _pairs(world, of_type.get("StoveKnob", []), of_type.get("StoveBurner", []))
-        self._runs_into = _nearest(world, of_type.get("Faucet", []), basins)
-        self._heats = self.controlled | {o: o for name in sorted(HEATS_WHEN_ON) for o in of_type.get(name, [])}
-        self._brews = of_type.get("CoffeeMachine", [])
-        self._cools = of_type.get("Fridge", [])
+        self.controlled = _pairs(world, _all(world, types_with("burner_knob")), _all(world, types_with("burner")))
+        self._runs_into = _nearest(world, _all(world, types_with("fills_basin")), _all(world, BASINS))
+        self._heats = self.controlled | {o: o for o in _all(world, types_with("heats_contents"))}
+        self._brews = _all(world, types_with("brews_coffee"))
+        self._cools = _all(world, types_with("cools_contents"))
 
     def take_over(self, before: Conditions) -> None:
         """Let all that `before` knows of be in what it is in there."""
@@ -144,7 +135,7 @@ class Conditions:
                     self.change(thing, isCooked=True)
         for machine in self._brews:
             for thing in contents.get(machine, ()) if self.is_on(machine) else ():
-                if self._world.type_of(thing) == "Mug" and not self.of(thing).get(FILLED):
+                if self._world.type_of(thing) in types_with("takes_coffee") and not self.of(thing).get(FILLED):
                     self.put(thing, FILLED, True, "coffee")
         for faucet, basin in self._runs_into.items():
             for thing in _within(contents, basin) if self.is_on(faucet) else ():
@@ -156,11 +147,16 @@ class Conditions:
             self.change(thing, isDirty=False)
         if self._kind_can(thing, "fillable") and not self.of(thing).get(FILLED):
             self.put(thing, FILLED, True)
-        if self._world.type_of(thing) == "Candle":
+        if self._world.type_of(thing) in types_with("burns_with_flame"):
             self.change(thing, isToggled=False)
 
     def _kind_can(self, thing: str, what: str) -> bool:
         return what in object_type(self._world.type_of(thing)).can
+
+
+def _all(world: World, types: Collection[str]) -> list[str]:
+    """Ids of the objects of some types, type by type."""
+    return [object_id for name in sorted(types) for object_id in world.ids if world.type_of(object_id) == name]
 
 
 def _within(contents: Mapping[str, Sequence[str]], place: str) -> Iterator[str]:

@@ -213,7 +213,7 @@ class ObjectRecords:
     def _pose_and_boxes(self, object_id: str) -> Metadata:
         state, kind = self._world.state(object_id), object_type(self._world.type_of(object_id))
         oriented = None
-        if kind.pickupable or kind.moveable:
+        if kind.is_loose:
             oriented = {"cornerPoints": corners_to_thor(_oriented_corners(self._world.assets[object_id], state))}
         return {
             "position": to_thor(self.position(object_id)),
@@ -250,7 +250,6 @@ def _static(world: World, object_id: str, controlled: str | None) -> Metadata:
     """What does not change, and the conditions that all begin in."""
     type_name = world.type_of(object_id)
     kind, asset = object_type(type_name), world.assets[object_id]
-    is_loose = kind.pickupable or kind.moveable
     return {
         "name": f"{type_name}_{zlib.crc32(object_id.encode()):08x}",
         "position": {},
@@ -282,8 +281,8 @@ def _static(world: World, object_id: str, controlled: str | None) -> Metadata:
         "pickupable": kind.pickupable,
         "isPickedUp": False,
         "moveable": kind.moveable,
-        "mass": kind.mass_kg if is_loose and kind.mass_kg else 0.0,
-        "salientMaterials": list(kind.materials) if is_loose else None,
+        "mass": kind.mass_kg if kind.is_loose and kind.mass_kg else 0.0,
+        "salientMaterials": list(kind.materials) if kind.is_loose else None,
         "receptacleObjectIds": None,
         "distance": 0.0,
         "objectType": type_name,

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from remqa_data.catalog import types_with
 from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.boxes import corners
@@ -26,7 +27,7 @@ from remqa_data.sim.render.view import Figure, Observation, WorldView
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.appearance import shapes_of
 from remqa_data.thor.state.cameras import ThirdPartyCamera
-from remqa_data.thor.state.conditions import WET, Conditions
+from remqa_data.thor.state.conditions import Conditions
 from remqa_data.thor.state.frames import to_thor
 from remqa_data.thor.state.images import Palette
 from remqa_data.thor.state.looks import Look, Looks
@@ -42,7 +43,7 @@ BELOW_CEILING_M = 0.05
 HOVERS_M = {"FloorPlan12": 0.079}
 """In this room it was recorded above the floor on which everything else stands."""
 PICTURE_BYTES = 128 << 20
-"""Pictures that are remembered take no more: some 100 of 300 x 300."""
+"""Pictures that are remembered take no more: some 75 of 300 x 300."""
 SCENE_SUFFIX = "_physics"
 SEEDS = 1 << 32
 """A seed is a 32-bit number there."""
@@ -180,7 +181,9 @@ class LoadedFloorPlan:
         """Let pictures show what objects are in: stains, liquids, what glows, ..."""
         self.records.update()
         seen = self.conditions.shown()
-        is_wet = any(seen[name].get("isToggled") for name in seen if self.world.type_of(name) in WET)
+        is_wet = any(
+            seen[name].get("isToggled") for name in seen if self.world.type_of(name) in types_with("runs_water")
+        )
         key = (seen, self.world.revision if is_wet else None)  # water falls onto what is below
         if key != self._conditions_shown:
             self._conditions_shown = key
