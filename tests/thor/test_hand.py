@@ -234,3 +234,50 @@ def test_what_takes_something_in_the_hand(kitchen) -> None:
 
 def test_an_arm_moves_what_it_holds_itself(armed) -> None:
     assert "MoveArm" in armed.step("MoveHeldObjectAhead").metadata["errorMessage"]
+
+
+@pytest.mark.parametrize(("holder", "thing"), [("Plate", "Egg"), ("Pot", "Potato")])
+def test_what_lies_in_it_comes_along(kitchen, holder, thing) -> None:
+    ids = {o["objectType"]: o["objectId"] for o in kitchen.last_event.metadata["objects"]}
+    holder, thing, counter = ids[holder], ids[thing], ids["CounterTop"]
+    assert kitchen.step("PickupObject", objectId=thing, forceAction=True)
+    assert kitchen.step("PutObject", objectId=holder, forceAction=True)
+    start = kitchen.step("PickupObject", objectId=holder, forceAction=True, renderInstanceSegmentation=True)
+    assert [o["objectId"] for o in start.metadata["inventoryObjects"]] == [holder]
+    for action in ("Pass", "RotateRight", "LookDown"):
+        event = kitchen.step(action, renderInstanceSegmentation=True)
+        one, other = event.get_object(holder), event.get_object(thing)
+        assert (one["isPickedUp"], other["isPickedUp"]) == (True, False)
+        assert one["receptacleObjectIds"] == [thing]
+        assert other["parentReceptacles"] == [holder]
+        assert one["visible"]
+        assert other["visible"]
+        assert from_middle(event, holder, thing) == pytest.approx(from_middle(start, holder, thing), abs=2e-3)
+        assert event.instance_masks[thing].sum() > 20
+    assert not kitchen.step("PickupObject", objectId=thing, forceAction=True)
+    event = kitchen.step("PutObject", objectId=counter, forceAction=True)
+    assert event, event.metadata["errorMessage"]
+    assert event.get_object(holder)["parentReceptacles"] == [counter]
+    assert event.get_object(thing)["parentReceptacles"] == [holder]
+    assert kitchen.step("PickupObject", objectId=thing, forceAction=True)
+    assert kitchen.last_event.get_object(holder)["receptacleObjectIds"] == []
+
+
+def test_a_thing_on_a_plate_in_the_hand_leaves_the_scene_with_it(kitchen) -> None:
+    ids = {o["objectType"]: o["objectId"] for o in kitchen.last_event.metadata["objects"]}
+    for action, name in (("PickupObject", "Egg"), ("PutObject", "Plate"), ("PickupObject", "Plate")):
+        assert kitchen.step(action, objectId=ids[name], forceAction=True)
+    event = kitchen.step("RemoveFromScene", objectId=ids["Plate"])
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["inventoryObjects"] == []
+    assert not {ids["Plate"], ids["Egg"]} & {o["objectId"] for o in event.metadata["objects"]}
+    assert kitchen.reset().get_object(ids["Egg"])["parentReceptacles"] != [ids["Plate"]]
+
+
+def from_middle(event, one, other) -> tuple[float, float]:
+    """How far one thing is beside and above another one."""
+    a, b = (
+        np.array(list(event.get_object(name)["axisAlignedBoundingBox"]["center"].values())) for name in (one, other)
+    )
+    x, y, z = b - a
+    return float(np.hypot(x, z)), float(y)

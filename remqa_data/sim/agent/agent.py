@@ -137,7 +137,7 @@ class Agent(Body):
         return self.open(object_id, 0.0, force)
 
     def pick_up(self, object_id: str, force: bool = False) -> ActionResult:
-        """Take an object into the hand; what lay on it falls."""
+        """Take an object into the hand; what lay on it falls, but for what `load` says."""
         if not object_type(self.world.type_of(object_id)).pickupable:
             return ActionResult(False, f"{object_id} is not pickupable")
         if self.held is not None:
@@ -147,10 +147,14 @@ class Agent(Body):
         refusal = None if force else self.refusal(object_id) or self.reach(object_id)
         if refusal is None:
             bears = self.world.bears_something(object_id)
-            self.world.pick_up(object_id, self.number)
+            self.world.pick_up(object_id, self.number, self.load(object_id))
             if bears:
                 handling.settle(self.world)
         return refusal or DONE
+
+    def load(self, object_id: str) -> list[str]:
+        """Ids of what comes along when an object is picked up."""
+        return []
 
     def put(self, receptacle_id: str, force: bool = False) -> ActionResult:
         """Put what is held into or onto a receptacle: at the nearest free place that the agent sees, or else at any."""

@@ -126,9 +126,10 @@ def slide(
 
 
 def is_free(world: World, object_id: str, spot: Vec3) -> bool:
-    """Whether an object, which is put there, touches nothing at a point."""
+    """Whether an object, which is put there with its load, touches nothing at a point."""
     world.move_alone(object_id, spot)
-    return not world.overlapping(object_id)
+    group = {object_id, *world.load_of(object_id)}
+    return not any(other not in group for name in group for other, _ in world.overlapping(name))
 
 
 def sunk_into(world: World, object_id: str) -> list[str]:

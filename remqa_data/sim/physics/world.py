@@ -234,8 +234,17 @@ class World:
         """Id of what is in the hand of an agent, by its number."""
         return next((object_id for object_id, number in self.held.items() if number == agent), None)
 
-    def pick_up(self, object_id: str, agent: int = 0) -> None:
+    def load_of(self, object_id: str) -> list[str]:
+        """Ids of what is held with an object because it lies in it or on it; none if that is in no hand."""
+        agent = self.held.get(object_id)
+        if agent is None or self.held_by(agent) != object_id:
+            return []
+        return [other for other, number in self.held.items() if number == agent and other != object_id]
+
+    def pick_up(self, object_id: str, agent: int = 0, load: Iterable[str] = ()) -> None:
         """Take an object out of the room into the hand of an agent; it stays out of physics until it is put back.
+
+        With it comes its load, which goes along with it until it is put down.
 
         Raises
         ------
@@ -249,13 +258,14 @@ class World:
             raise ActionError(f"cannot pick up {object_id}: agent {self.held[object_id]} holds it")
         if (held := self.held_by(agent)) is not None:
             raise ActionError(f"cannot pick up {object_id}: already holding {held}")
-        self.set_fixed(object_id, False)
-        self.held[object_id] = agent
-        self.revision += 1
-        self._bodies.set_collisions(object_id, False)
+        for name in (object_id, *load):
+            self.set_fixed(name, False)
+            self.held[name] = agent
+            self.revision += 1
+            self._bodies.set_collisions(name, False)
 
     def put(self, object_id: str, position: Vec3, quaternion: Quaternion | None = None) -> None:
-        """Put a held object back into the room at a pose, free to fall.
+        """Put a held object, with its load, back into the room at a pose, free to fall.
 
         Raises
         ------
@@ -263,12 +273,12 @@ class World:
             If nobody holds it.
         """
         self._check_known(object_id)
-        if object_id not in self.held:
+        if object_id not in self.held or self.held_by(self.held[object_id]) != object_id:
             raise ActionError(f"{object_id} is not held")
-        del self.held[object_id]
-        self._bodies.set_collisions(object_id, True)
-        state = self._states[object_id]
-        self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion))
+        load = self.load_of(object_id)
+        self.move_alone(object_id, position, quaternion)
+        for name in (object_id, *load):
+            self._let_go(name)
 
     def overlapping(self, object_id: str, margin_m: float = 0.0) -> list[tuple[str, float]]:
         """Other objects (and "structure") that an object's collision boxes come closer to than a margin.
@@ -281,9 +291,14 @@ class World:
         return sorted(found.items(), key=lambda pair: pair[1])
 
     def move_alone(self, object_id: str, position: Vec3, quaternion: Quaternion | None = None) -> None:
-        """Put an object somewhere else and leave what is in or on it where it is."""
+        """Put an object somewhere else and leave what is in or on it where it is; what is held takes its load along."""
         state = self.state(object_id)
-        self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion))
+        moved = replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion)
+        self._put_at(object_id, moved)
+        if load := self.load_of(object_id):
+            motion = arithmetic.product(moved.matrix(), arithmetic.inverse(state.matrix()))
+            for other in load:
+                self._move_by(other, motion)
 
     def set_fixed(self, object_id: str, is_fixed: bool) -> None:
         """Say whether physics leaves an object where it is."""
@@ -297,15 +312,13 @@ class World:
 
     def put_away(self, object_id: str) -> None:
         """Take an object, and not what is in or on it, out of the room: it lies far below, where nothing meets it."""
-        if object_id in self.held:
-            self.put(object_id, AWAY)
+        self._take_out_of_hand(object_id)
         self.set_fixed(object_id, True)
         self.move_alone(object_id, AWAY)
 
     def put_back(self, object_id: str, state: ObjectState) -> None:
         """Give an object a state that it had before; no check for obstacles."""
-        if object_id in self.held:
-            self.put(object_id, state.position)
+        self._take_out_of_hand(object_id)
         self.set_fixed(object_id, state.is_fixed)
         self._put_at(object_id, state)
 
@@ -383,6 +396,17 @@ class World:
         self._bodies.place(object_id, state)
         if object_id not in self.held:  # what is in a hand is nowhere in the room
             self.revision += 1
+
+    def _let_go(self, object_id: str) -> None:
+        del self.held[object_id]
+        self._bodies.set_collisions(object_id, True)
+        self.revision += 1
+
+    def _take_out_of_hand(self, object_id: str) -> None:
+        """Let an object be in no hand; nor is its load, which is where it was in the room."""
+        for name in (*self.load_of(object_id), object_id):
+            if name in self.held:
+                self._let_go(name)
 
     def _move_by(self, object_id: str, motion: F64) -> None:
         state = self._states[object_id]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -37,7 +37,7 @@ Body = Sequence[tuple[Surface, ...]]
 
 @dataclass(frozen=True)
 class Figure:
-    """Somebody who is in a picture of a world: a body, and what it holds.
+    """Somebody who is in a picture of a world: a body, and what is held.
 
     Attributes
     ----------
@@ -45,21 +45,20 @@ class Figure:
         Of all parts of its body in the room, metres; None if none of them is seen.
     parts : slice
         Which parts of it are seen.
-    held : str or None
-        Id of what it holds.
-    poses_of_held : (links, 4, 4) array or None
-        Where that is.
+    held : mapping of str to (links, 4, 4) array
+        Poses of the links of what is held, by its id.
     """
 
     poses: F64 | None
     parts: slice
-    held: str | None
-    poses_of_held: F64 | None
+    held: Mapping[str, F64]
 
     def key(self) -> bytes:
         """The same for figures that look the same."""
-        arrays = [b"" if poses is None else poses.tobytes() for poses in (self.poses, self.poses_of_held)]
-        return b"|".join([*arrays, f"{self.parts}{self.held}".encode()])
+        body = b"" if self.poses is None else self.poses.tobytes()
+        return b"|".join(
+            [body, f"{self.parts}{[*self.held]}".encode(), *(poses.tobytes() for poses in self.held.values())]
+        )
 
 
 @dataclass(frozen=True)
@@ -196,20 +195,19 @@ class WorldView:
     def showing(self, figures: Mapping[int, Figure]) -> Iterator[None]:
         """For the length of a block, let some figures be in pictures, by the numbers of their bodies."""
         self.sync()
-        self._put_in(figures)
+        for number, figure in figures.items():
+            if figure.poses is not None:
+                self.show_body(number, figure.poses, figure.parts)
+            for object_id, poses in figure.held.items():
+                self.show_held(object_id, poses)
         try:
             yield
         finally:
-            self._put_in(
-                {number: replace(figure, poses=None, poses_of_held=None) for number, figure in figures.items()}
-            )
-
-    def _put_in(self, figures: Mapping[int, Figure]) -> None:
-        for number, figure in figures.items():
-            if number < len(self.bodies):
-                self.show_body(number, figure.poses, figure.parts)
-            if figure.held is not None:
-                self.show_held(figure.held, figure.poses_of_held)
+            for number, figure in figures.items():
+                if figure.poses is not None:
+                    self.show_body(number, None)
+                for object_id in figure.held:
+                    self.show_held(object_id, None)
 
     def show_held(self, object_id: str, poses: F64 | None) -> None:
         """Let what is held be in pictures from now on, with its links at (n, 4, 4) poses, or, as usual, in none."""

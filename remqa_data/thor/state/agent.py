@@ -9,7 +9,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, I32, Flags, Vec3
@@ -102,10 +104,10 @@ class ThorAgent(Agent):
         ).tolist()
         return x, y, z
 
-    def offset_of(self, point: F64) -> Vec3:
+    def offset_of(self, point: ArrayLike) -> Vec3:
         """The hand's offset at which it is at a (3,) point of the room."""
         camera = self.camera()
-        right, up, ahead = arithmetic.turned(point - np.asarray(camera.position), camera.rotation()).tolist()
+        right, up, ahead = arithmetic.turned(np.subtract(point, camera.position), camera.rotation()).tolist()
         return right, up, ahead
 
     def can_walk(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
@@ -135,6 +137,12 @@ class ThorAgent(Agent):
             self.hand_offset = HAND
             self._grasp = middle - np.asarray(self.hand_at()) if self.hands == "arm" else np.zeros(3)
         return result
+
+    def load(self, object_id: str) -> list[str]:
+        """See `Agent`: what lies in or on a receptacle, if a hand can pick it up."""
+        if not object_type(self.world.type_of(object_id)).receptacle:
+            return []
+        return [o for o in self.world.contents(object_id) if object_type(self.world.type_of(o)).pickupable]
 
     def _face(self, yaw_deg: float) -> None:
         """See `Body`; what it holds turns with it, and stays upright when it looks up or down."""
@@ -174,22 +182,21 @@ class ThorAgent(Agent):
         if self.hands == "arm":
             self._grasp = arithmetic.turned(from_hand, rotation) - state.position + world.box(held).mean(axis=0)
 
-    @property
-    def sees_held(self) -> bool:
-        """Whether the middle of what it holds is in its frame."""
-        return self.held is not None and self.has_in_frame(self.offset_of(np.asarray(self.held_at())))
-
     def held_at(self) -> Vec3:
         """Where the middle of the box of what it holds is, metres in the room."""
         x, y, z = arithmetic.snapped(np.asarray(self.hand_at()) + self._grasp).tolist()
         return x, y, z
 
-    def state_of_held(self) -> ObjectState:
-        """How what it holds would be in the room, if it were in the room where it is held."""
-        held = str(self.held)
-        state = self.world.state(held)
-        x, y, z = (state.position + np.asarray(self.held_at()) - self.world.box(held).mean(axis=0)).tolist()
-        return replace(state, position=(x, y, z))
+    def states_of_held(self) -> dict[str, ObjectState]:
+        """How what it holds, and its load, would be in the room if they were in the room where they are held, by their ids."""
+        world, held = self.world, self.held
+        if held is None:
+            return {}
+        shift, states = np.asarray(self.held_at()) - world.box(held).mean(axis=0), {}
+        for name in (held, *world.load_of(held)):
+            x, y, z = (world.state(name).position + shift).tolist()
+            states[name] = replace(world.state(name), position=(x, y, z))
+        return states
 
     def drop_spots(self) -> list[Vec3]:
         """Where it lets go: where its hand is, if it has been moved, or where its arm holds the thing, or just above."""

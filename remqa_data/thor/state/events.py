@@ -147,8 +147,11 @@ def _listing(simulator: SimulatorState, visible: Callable[[], Collection[str]]) 
     """The objects as the agent that acts finds them."""
     room, only = simulator.room, simulator.shown_objects
     records, agent = room.records, room.agent_position()
-    holders = [who for who in room.agents if who.held is not None]
-    hands = {str(who.held): InHand(who.state_of_held(), who is room.agent and who.sees_held) for who in holders}
+    hands = {
+        name: InHand(state, name == who.held, who is room.agent and who.has_in_frame(who.offset_of(state.position)))
+        for who in room.agents
+        for name, state in who.states_of_held().items()
+    }
     return Listing(lambda: records.listing(agent, frozenset(visible()), hands, only))
 
 

@@ -39,9 +39,10 @@ Metadata = dict[str, Any]
 
 
 class InHand(NamedTuple):
-    """How an object is that is held, and whether the agent whose event it is sees it."""
+    """How an object is that is held, whether it is not only in or on what is, and whether the agent of the event sees it."""
 
     state: ObjectState
+    is_itself: bool
     is_seen: bool
 
 
@@ -228,7 +229,7 @@ class ObjectRecords:
         """A held object is nowhere in the world; its metadata say that it is in the hand, and turns with it."""
         object_id, state = record["objectId"], hand.state
         asset, position = self._world.assets[object_id], self._position_in(object_id, state)
-        record["isPickedUp"] = True
+        record["isPickedUp"] = hand.is_itself
         record["visible"] = record["isInteractable"] = hand.is_seen
         record["position"], record["rotation"] = to_thor(position), euler_to_thor(self._turn_in(object_id, state))
         record["distance"] = float(np.linalg.norm(np.asarray(position) - np.asarray(agent)))
@@ -308,6 +309,10 @@ def _parents_and_contents(world: World, boxes: Mapping[str, F64]) -> tuple[Lists
             continue
         parents[object_id].append(support.id)
         contents[support.id].append(object_id)
+    for held in world.held:
+        for object_id in world.load_of(held):
+            parents[object_id].append(held)
+            contents[held].append(object_id)
     return parents, contents
 
 

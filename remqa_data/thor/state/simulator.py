@@ -154,10 +154,11 @@ class LoadedFloorPlan:
         return self.records.conditions
 
     def take_away(self, object_id: str) -> None:
-        """Take an object out of the scene."""
-        state = self.world.state(object_id)
-        self.world.put_away(object_id)
-        self.show_all_but({**self.records.away, object_id: state})
+        """Take an object out of the scene, with what is held with it."""
+        gone = {name: self.world.state(name) for name in (object_id, *self.world.load_of(object_id))}
+        for name in gone:
+            self.world.put_away(name)
+        self.show_all_but({**self.records.away, **gone})
 
     def show_all_but(self, away: dict[str, ObjectState]) -> None:
         """Say which objects are out of the scene, with the state that they were in."""
@@ -278,12 +279,10 @@ class LoadedFloorPlan:
             is_in = self.shows_own_hand if is_own else has_bodies and _can_see(camera, agent)
             if is_in:
                 has_body = has_bodies and (agent.hands == "arm" or not is_own)
-                held = agent.held
                 figures[agent.number] = Figure(
                     poses=body_of(agent) if has_body else None,
                     parts=ARM if is_own else slice(None),
-                    held=held,
-                    poses_of_held=None if held is None else agent.state_of_held().link_poses(self.world.assets[held]),
+                    held={o: state.link_poses(self.world.assets[o]) for o, state in agent.states_of_held().items()},
                 )
         return figures
 

@@ -1,3 +1,4 @@
+import math
 import re
 import subprocess
 import sys
@@ -249,3 +250,36 @@ def test_each_door_of_a_wide_fridge_opens_and_leaves_what_stands_on_the_shelves(
             hits = [world.client.rayTest(start, end)[0][0] for start, end in ends]
             assert hits[0] == -1, f"{link.name} is still where it was"
             assert hits[1] >= 0, f"{link.name} is not where it went"
+
+
+def test_a_load_goes_along_in_the_hand_and_back() -> None:
+    scene = load_scene("FloorPlan1")
+    plate, egg = (next(o.id for o in scene.objects if o.type == name) for name in ("Plate", "Egg"))
+    with World(scene) as world:
+        x, y, z = world.state(plate).position
+        world.move_alone(egg, (x, y, z + 0.06))
+        world.settle()
+        before = world.save()
+        assert egg in world.contents(plate)
+        between = np.subtract(world.state(egg).position, world.state(plate).position)
+        world.pick_up(plate, 1, [egg])
+        assert (world.held_by(1), world.load_of(plate), world.load_of(egg)) == (plate, [egg], [])
+        revision = world.revision
+        quarter = (0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5))
+        world.move_alone(plate, (x, y, z), (0.0, 0.0, 0.0, 1.0))
+        world.move_alone(plate, (x, y, z), quarter)
+        assert world.revision == revision  # what is in a hand is nowhere in the room
+        with pytest.raises(ActionError, match="is not held"):
+            world.put(egg, (x, y, z))
+        held = world.save()
+        world.put(plate, (x + 0.1, y, z + 0.5))
+        assert not world.held
+        assert np.linalg.norm(np.subtract(world.state(egg).position, world.state(plate).position)) == pytest.approx(
+            np.linalg.norm(between)
+        )
+        world.restore(held)
+        assert world.is_as(held)
+        world.put_away(plate)
+        assert not world.held
+        world.restore(before)
+        assert world.is_as(before)
