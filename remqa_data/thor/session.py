@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 from weakref import WeakSet
 
@@ -26,6 +27,7 @@ from remqa_data.thor.state.dispatch import call, checked
 from remqa_data.thor.state.events import Listing, Outcome, Reply, reply
 from remqa_data.thor.state.settings import QUALITIES, FrameSize, Images
 from remqa_data.thor.state.simulator import SimulatorState
+from remqa_data.thor.state.wording import in_thors_words
 
 ACTIONS = checked(
     actions_scene.ACTIONS
@@ -81,6 +83,7 @@ class Session:
             result, code = ActionResult(False, str(error)), error.code
         except RemqaError as error:
             result = ActionResult(False, str(error))
+        result = replace(result, error=in_thors_words(result.error))
         number = self._simulator.room.active if self._simulator.has_room else 0
         self._outcomes[number] = Outcome(str(request.get("action")), result, code)
         replied = reply(self._simulator, self._outcomes, self._images(request))

@@ -74,4 +74,7 @@ def test_what_is_no_goal_is_said(kitchen) -> None:
     with pytest.raises(ValueError, match="missing the following arguments: objectId"):
         kitchen.step("ObjectNavExpertAction")
     assert "give an objectId" in kitchen.step("ObjectNavExpertAction", objectType="Cabinet").metadata["errorMessage"]
-    assert "unknown object" in kitchen.step("ObjectNavExpertAction", objectId="Fridge|9").metadata["errorMessage"]
+    assert (
+        "is not the objectId on any object"
+        in kitchen.step("ObjectNavExpertAction", objectId="Fridge|9").metadata["errorMessage"]
+    )

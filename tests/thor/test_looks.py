@@ -74,7 +74,7 @@ def test_an_emphasized_object_is_alone_in_the_picture(rooms) -> None:
 
 def test_masks_name_what_is_wrong(kitchen) -> None:
     for action in ("MaskObject", "UnmaskObject", "EmphasizeObject"):
-        assert "unknown object" in kitchen.step(action, objectId="Apple|0").metadata["errorMessage"]
+        assert "is not the objectId on any object" in kitchen.step(action, objectId="Apple|0").metadata["errorMessage"]
         with pytest.raises(ValueError, match="objectId"):
             kitchen.step(action)
     kitchen.step("RemoveFromScene", objectId=APPLE)

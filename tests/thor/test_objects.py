@@ -63,7 +63,10 @@ def test_opens_partly(kitchen, arguments, openness) -> None:
 
 
 def test_what_it_refuses_to_open(before_fridge) -> None:
-    for object_id, text in ((APPLE, "is not openable"), ("Fridge|+99.00|+00.00|+01.07", "unknown object")):
+    for object_id, text in (
+        (APPLE, "is not an Openable object"),
+        ("Fridge|+99.00|+00.00|+01.07", "is not the objectId on any object"),
+    ):
         event = before_fridge.step("OpenObject", objectId=object_id)
         assert text in event.metadata["errorMessage"]
         assert not event
@@ -74,7 +77,7 @@ def test_what_it_refuses_to_open(before_fridge) -> None:
     assert "Agent is blocking" in event.metadata["errorMessage"]  # it stands in the way of the door
     before_fridge.step("RotateRight", degrees=180)
     event = before_fridge.step("OpenObject", objectId=FRIDGE)
-    assert "is not visible" in event.metadata["errorMessage"]
+    assert event.metadata["errorMessage"] == "Target object not found within the specified visibility."
 
 
 def test_acts_on_what_a_point_of_the_frame_shows(before_fridge) -> None:
@@ -117,7 +120,7 @@ def test_picks_up_and_puts_down(before_apple) -> None:
     assert (apple["isPickedUp"], apple["parentReceptacles"]) == (False, [ISLAND])
     assert event.metadata["inventoryObjects"] == []
     assert not before_apple.step("PutObject", objectId=ISLAND)
-    assert "nothing is held" in before_apple.last_event.metadata["errorMessage"]
+    assert before_apple.last_event.metadata["errorMessage"] == "Can't place an object if Agent isn't holding anything"
 
 
 def test_says_what_clients_look_for_when_there_is_no_place(kitchen) -> None:

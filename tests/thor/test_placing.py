@@ -70,13 +70,29 @@ def test_poses_that_are_refused_change_nothing(kitchen) -> None:
         event = kitchen.step("SetObjectPoses", objectPoses=wrong)
         assert words in event.metadata["errorMessage"]
         assert event.metadata["objects"] == start.metadata["objects"]
-    with pytest.raises(ValueError, match=r"objectPoses\.0\.rotation"):
-        kitchen.step("SetObjectPoses", objectPoses=[{"objectId": APPLE, "position": {"x": 0, "y": 0, "z": 0}}])
+    with pytest.raises(ValueError, match=r"objectPoses\.0\.position"):
+        kitchen.step("SetObjectPoses", objectPoses=[{"objectId": APPLE, "rotation": {"x": 0, "y": 0, "z": 0}}])
+
+
+def test_a_pose_without_a_rotation_is_that_of_0_and_other_arguments_mean_nothing(kitchen) -> None:
+    whole = [
+        {**pose, "rotation": {"x": 0, "y": 0, "z": 0}} if "Apple" in pose["objectName"] else pose
+        for pose in poses(kitchen.last_event)
+    ]
+    event = kitchen.step("SetObjectPoses", objectPoses=whole)
+    assert event, event.metadata["errorMessage"]
+    kitchen.reset()
+    short = [{k: v for k, v in pose.items() if k != "rotation" or "Apple" not in pose["objectName"]} for pose in whole]
+    again = kitchen.step("SetObjectPoses", objectPoses=short, forceRigidbodySleep=True, skipMoveable=True)
+    assert again.metadata["objects"] == event.metadata["objects"]
 
 
 def test_an_object_is_placed_where_there_is_room(kitchen) -> None:
-    points = kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=ISLAND).metadata["actionReturn"]
+    points = kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=ISLAND, anywhere=True).metadata["actionReturn"]
     assert len(points) > 100
+    near = kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=ISLAND).metadata["actionReturn"]
+    assert 0 < len(near) < len(points)
+    assert all(point in points for point in near)
     for point in points[:: len(points) // 4]:
         event = kitchen.step("PlaceObjectAtPoint", objectId=APPLE, position=point)
         if event:
@@ -191,7 +207,7 @@ def test_what_is_held_is_teleported_only_if_that_is_asked_for(kitchen) -> None:
     event = kitchen.step("TeleportObject", objectId=APPLE, position=there, allowTeleportOutOfHand=True)
     assert event, event.metadata["errorMessage"]
     assert event.metadata["inventoryObjects"] == []
-    for wrong, text in ((FRIDGE, "neither pickupable nor moveable"), ("Apple|9", "unknown object")):
+    for wrong, text in ((FRIDGE, "neither pickupable nor moveable"), ("Apple|9", "is not the objectId on any object")):
         assert text in kitchen.step("TeleportObject", objectId=wrong, position=there).metadata["errorMessage"]
     with pytest.raises(ValueError, match="missing the following arguments: position"):
         kitchen.step("TeleportObject", objectId=APPLE)

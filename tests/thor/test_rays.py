@@ -41,10 +41,11 @@ def test_a_ray_meets_what_stands_in_its_way(kitchen) -> None:
     assert hit["objectId"] == FRIDGE
     box = kitchen.last_event.get_object(FRIDGE)["axisAlignedBoundingBox"]
     front = box["center"]["x"] + box["size"]["x"] / 2
-    assert hit["hit"]["x"] == pytest.approx(front, abs=0.1)
-    assert hit["distance"] == pytest.approx(-0.75 - hit["hit"]["x"], abs=1e-6)
+    assert hit["hitPoint"]["x"] == pytest.approx(front, abs=0.1)
+    assert hit["hitDistance"] == pytest.approx(-0.75 - hit["hitPoint"]["x"], abs=1e-6)
+    assert kitchen.step("GetObjectHitFromRaycast", origin=eye, destination=behind).metadata["actionReturn"] == FRIDGE
     wall = kitchen.step("PerformRaycast", origin={"x": 1.0, "y": 2.3, "z": 0.0}, destination={"x": 9, "y": 2.3, "z": 0})
-    assert wall.metadata["actionReturn"]["objectId"] is None
+    assert "a part of the building" in wall.metadata["errorMessage"]
     event = kitchen.step("PerformRaycast", origin=eye, destination={**eye, "x": -0.7})
     assert "nothing is hit between (-0.75, 1, 1.07) and (-0.7, 1, 1.07)" in event.metadata["errorMessage"]
 

@@ -114,7 +114,7 @@ def test_what_is_held_is_put_down_too(kitchen) -> None:
     [
         ({"numPlacementAttempts": 0}, "positive integer"),
         ({"numDuplicatesOfType": [{"objectType": "Apple", "count": 2}]}, "objects cannot be copied here"),
-        ({"excludedObjectIds": ["Apple|0"]}, "unknown object"),
+        ({"excludedObjectIds": ["Apple|0"]}, "is not the objectId on any object"),
         ({"excludedReceptacles": ["CounterTopp"]}, "did you mean"),
     ],
 )

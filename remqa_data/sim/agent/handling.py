@@ -42,20 +42,47 @@ class Slide:
     blocked_by: str = ""
 
 
-def drop_at(world: World, held: str, spots: Sequence[Vec3], velocity: Vec3 | None = None) -> Release:
+def drop_at(
+    world: World,
+    held: str,
+    spots: Sequence[Vec3],
+    velocity: Vec3 | None = None,
+    *,
+    is_clear: Callable[[str], bool] | None = None,
+    force: bool = False,
+) -> Release:
     """Let go of what is held at the first of some points where there is room for it, and let it fall.
 
-    With a velocity, m/s, it is thrown.
+    Parameters
+    ----------
+    world, held
+        The room, and what.
+    spots : sequence of tuple of float
+        The points, metres, the best first.
+    velocity : tuple of float, optional
+        m/s with which it is thrown.
+    is_clear : callable, optional
+        Says of an object whether it may stay where it has come to rest, if it can as well be dropped somewhere else.
+    force : bool
+        Whether it is let go where there is no room, too, if there is none anywhere; physics drives it out.
     """
     before = world.save()
-    for spot in spots:
-        if is_free(world, held, spot):
+    passes: list[tuple[bool, Callable[[str], bool] | None]] = [(True, None)]
+    if is_clear is not None:
+        passes.insert(0, (True, is_clear))
+    if force:
+        passes.append((False, None))
+    for needs_room, may_stay in passes:
+        for spot in spots:
+            if needs_room and not is_free(world, held, spot):
+                continue
             world.put(held, spot)
             if velocity is None:
                 settle(world)
             else:
                 settle(world, FLIGHT_STEPS, {held: velocity})
-            if world.state(held).position != spot:  # it fell, and not out of the room
+            fell = world.state(held).position != spot  # and not out of the room
+            if fell and (may_stay is None or may_stay(held)):
                 return Release(held)
             world.restore(before)
     return Release(None, f"no room to drop {held}")

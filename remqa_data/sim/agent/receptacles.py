@@ -21,8 +21,10 @@ from remqa_data.sim.physics.support import support_rules, surrounds
 from remqa_data.sim.physics.world import World
 
 LATTICE_M = 0.05
-TRIES = 3
-"""How many free places of a receptacle are tried with a thing turned one way: from some, things roll or tip off."""
+TRIES, MOST_TRIES = 3, 12
+"""How many free places of a receptacle are tried with a thing turned one way, and all ways: from some, things roll off."""
+NEAR_SPOTS, FAR_STRIDE = 800, 40
+"""So many of the nearest places are looked at, and of the others, which a floor has by ten thousands, one of so many."""
 CLOSED = "closed"
 OPEN_ENOUGH = 0.3
 """A thing can be put into a closed space that is open at least this much, or as far as it opens at all."""
@@ -99,6 +101,7 @@ def put_into(
             return Release(held)
         world.restore(before)
         return refused
+    tries = MOST_TRIES
     for way in _ways(world, held):
         spots = _spots(world, receptacle_id, spaces, way)
         if not spots:
@@ -108,11 +111,13 @@ def put_into(
         is_top_seen, is_seen = are_seen(np.concatenate([middles + up, middles])).reshape(2, -1)
         spots = [spots[i] for i in np.argsort(-1 * is_top_seen - 1 * is_seen, kind="stable").tolist()]
         world.move_alone(held, world.state(held).position, way.quaternion)
-        free = (spot for spot in _free(world, held, spots, way.lies_across) if is_clear(held))
-        for spot in islice(free, TRIES):
+        looked_at = spots[:NEAR_SPOTS] + spots[NEAR_SPOTS::FAR_STRIDE]
+        free = (spot for spot in _free(world, held, looked_at, way.lies_across) if is_clear(held))
+        for spot in islice(free, min(TRIES, tries)):
+            tries -= 1
             world.put(held, spot)
             settle(world)
-            if support_of(world, held) == receptacle_id:
+            if support_of(world, held) == receptacle_id and is_clear(held):
                 return Release(held)
             world.restore(before)
             world.move_alone(held, world.state(held).position, way.quaternion)
@@ -174,8 +179,20 @@ def _way(world: World, held: str, rotation: F64) -> _Way:
     quaternion = snapped_quaternion(quaternion_of(rotation))
     world.move_alone(held, was.position, quaternion)
     low, high = world.box(held) - np.array(was.position)
+    low[2] = min(low[2], _lowest(world, held) - was.position[2])
     world.move_alone(held, was.position, was.quaternion)
     return _Way(quaternion, low, high)
+
+
+def _lowest(world: World, object_id: str) -> float:
+    """Height of the lowest corner of an object's collision boxes, metres: below what is round and leans."""
+    heights = [np.inf]
+    for link, pose in zip(world.assets[object_id].links, world.link_poses(object_id), strict=True):
+        for box in link.boxes:
+            axes = arithmetic.product(pose[:3, :3], rotation_of(box.quaternion))
+            middle = float(arithmetic.moved(box.centre, pose)[2])
+            heights.append(middle - float(arithmetic.dot(np.abs(axes[2]), np.array(box.size) / 2)))
+    return float(min(heights))
 
 
 def _spots(world: World, receptacle_id: str, spaces: list[Space], way: _Way) -> list[Vec3]:

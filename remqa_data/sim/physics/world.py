@@ -174,7 +174,7 @@ class World:
             position, quaternion = self._bodies.pose(object_id)
             self._put_at(object_id, replace(state, position=position, quaternion=quaternion))
 
-    def open(self, object_id: str, openness: float = 1.0) -> list[str]:
+    def open(self, object_id: str, openness: float = 1.0, *, force: bool = False) -> list[str]:
         """Open or close an object; what lies in its moving parts is carried along, exactly.
 
         Parameters
@@ -183,6 +183,8 @@ class World:
             An openable object.
         openness : float
             0 (closed) to 1 (open); where it opens less far, see `most_open`, it opens as far as it can.
+        force : bool
+            Whether it opens all the same, through what is in its way.
 
         Returns
         -------
@@ -198,7 +200,8 @@ class World:
             raise ActionError(f"{object_id} is not openable")
         if not 0.0 <= openness <= 1.0:
             raise ActionError(f"openness {openness} is not between 0 and 1")
-        openness = min(openness, self.most_open(object_id))
+        if not force:
+            openness = min(openness, self.most_open(object_id))
         carried: dict[str, int] = {}
         for link in range(1, len(asset.links)):
             carried |= {other: link for other in self.contents(object_id, link) if other not in carried}

@@ -20,9 +20,9 @@ from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.actions import objects as actions_objects
 from remqa_data.thor.state.agent import ThorAgent
-from remqa_data.thor.state.arm_metadata import facing, hand_facing
+from remqa_data.thor.state.arm_metadata import hand_facing
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import SWAP, PartialVector, Vector, to_room, turn_of_euler, whole
+from remqa_data.thor.state.frames import SWAP, PartialVector, Vector, facing, to_room, turn_of_euler, whole
 from remqa_data.thor.state.simulator import SimulatorState
 
 Space = Literal["armBase", "world", "wrist"]

@@ -19,6 +19,7 @@ from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.objects import PUSH_S
 from remqa_data.thor.state.agent import ThorAgent
+from remqa_data.thor.state.conditions import FILLED
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, turn_of_euler, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
@@ -103,8 +104,11 @@ def rotate_held_object(
     roll: float | None = None,
     rotation: PartialVector | None = None,
 ) -> ActionResult:
-    """Turn what is held, degrees about the agent's axes: by pitch, yaw and roll, or to a rotation."""
-    by: Vector = {"x": pitch or 0.0, "y": yaw or 0.0, "z": roll or 0.0}
+    """Turn what is held, degrees about the agent's axes: by pitch, yaw and roll (to the right), or to a rotation.
+
+    A vessel that is turned over is empty.
+    """
+    by: Vector = {"x": pitch or 0.0, "y": yaw or 0.0, "z": -(roll or 0.0)}
     if rotation is not None and (pitch, yaw, roll) != (None, None, None):
         message = "Ambiguous action: a rotation was given twice, as a vector and as pitch, yaw, roll"
         raise MisuseError("AmbiguousAction", message)
@@ -124,6 +128,8 @@ def rotate_held_object(
     if blocker is not None:
         return ActionResult(False, f"{blocker} is blocking {held} from turning")
     world.move_alone(held, world.state(held).position, quaternion)
+    if records.turn(held)[1, 1] < 0.0 and records.conditions.of(held).get(FILLED):
+        records.conditions.put(held, FILLED, False)
     return ActionResult(True)
 
 

@@ -1,39 +1,64 @@
-"""Walking, turning and looking."""
+"""Walking, turning and looking.
+
+`forceAction` lets nobody through anything: in AI2-THOR it only ignores what the held object meets, which is nothing here.
+"""
 
 from __future__ import annotations
 
 from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import PartialVector, yaw_to_room
+from remqa_data.thor.state.frames import PartialVector, facing, yaw_to_room
 from remqa_data.thor.state.simulator import SimulatorState
 
+BLOCKED = " is blocking Agent from moving"
+"""What an agent says that meets something."""
 HEIGHT_TOLERANCE_M = 0.05
 """How far from the floor a teleport may aim; the agent stands on the floor afterwards."""
 
 
 def move_ahead(
-    simulator: SimulatorState, moveMagnitude: float | None = None, forceAction: bool = False
+    simulator: SimulatorState,
+    moveMagnitude: float | None = None,
+    forceAction: bool = False,
+    objectId: str = "",
+    maxAgentsDistance: float = -1.0,
 ) -> ActionResult:
     """Walk ahead by a number of metres, by default one cell of the grid."""
-    return _move(simulator, 1, 0, moveMagnitude, forceAction)
+    return _move(simulator, 1, 0, moveMagnitude)
 
 
-def move_back(simulator: SimulatorState, moveMagnitude: float | None = None, forceAction: bool = False) -> ActionResult:
+def move_back(
+    simulator: SimulatorState,
+    moveMagnitude: float | None = None,
+    forceAction: bool = False,
+    objectId: str = "",
+    maxAgentsDistance: float = -1.0,
+) -> ActionResult:
     """Walk backwards."""
-    return _move(simulator, -1, 0, moveMagnitude, forceAction)
+    return _move(simulator, -1, 0, moveMagnitude)
 
 
 def move_right(
-    simulator: SimulatorState, moveMagnitude: float | None = None, forceAction: bool = False
+    simulator: SimulatorState,
+    moveMagnitude: float | None = None,
+    forceAction: bool = False,
+    objectId: str = "",
+    maxAgentsDistance: float = -1.0,
 ) -> ActionResult:
     """Walk to the right, looking ahead."""
-    return _move(simulator, 0, 1, moveMagnitude, forceAction)
+    return _move(simulator, 0, 1, moveMagnitude)
 
 
-def move_left(simulator: SimulatorState, moveMagnitude: float | None = None, forceAction: bool = False) -> ActionResult:
+def move_left(
+    simulator: SimulatorState,
+    moveMagnitude: float | None = None,
+    forceAction: bool = False,
+    objectId: str = "",
+    maxAgentsDistance: float = -1.0,
+) -> ActionResult:
     """Walk to the left, looking ahead."""
-    return _move(simulator, 0, -1, moveMagnitude, forceAction)
+    return _move(simulator, 0, -1, moveMagnitude)
 
 
 def rotate_right(simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False) -> ActionResult:
@@ -46,14 +71,14 @@ def rotate_left(simulator: SimulatorState, degrees: float | None = None, forceAc
     return _rotate(simulator, 1, degrees)
 
 
-def look_up(simulator: SimulatorState, degrees: float | None = None) -> ActionResult:
-    """Tilt the camera up."""
-    return simulator.agent.look(-(simulator.agent.embodiment.look_deg if degrees is None else degrees))
+def look_up(simulator: SimulatorState, degrees: float = 0.0) -> ActionResult:
+    """Tilt the camera up, by default by 30 degrees."""
+    return _look(simulator, -1, degrees)
 
 
-def look_down(simulator: SimulatorState, degrees: float | None = None) -> ActionResult:
-    """Tilt the camera down."""
-    return simulator.agent.look(simulator.agent.embodiment.look_deg if degrees is None else degrees)
+def look_down(simulator: SimulatorState, degrees: float = 0.0) -> ActionResult:
+    """Tilt the camera down, by default by 30 degrees."""
+    return _look(simulator, 1, degrees)
 
 
 def teleport(
@@ -117,15 +142,32 @@ ACTIONS: dict[str, Action] = {
 }
 
 
-def _move(simulator: SimulatorState, ahead: int, right: int, metres: float | None, force: bool) -> ActionResult:
+def _move(simulator: SimulatorState, ahead: int, right: int, metres: float | None) -> ActionResult:
     distance = simulator.settings.grid_size if metres is None else metres
-    if distance < 0:
-        return ActionResult(False, f"moveMagnitude {distance:g} is negative: name the direction in the action")
-    return simulator.agent.move(ahead * distance, right * distance, force)
+    if distance <= 0:
+        return ActionResult(
+            False, f"moveMagnitude must be positive, not {distance:g}: name the direction in the action"
+        )
+    agent = simulator.agent
+    before = agent.move(ahead * distance, right * distance)
+    if before.success or not before.error.endswith(BLOCKED):
+        return before
+    right_of, ahead_of = facing(agent.yaw_deg)[:, :2].T
+    x, y, _ = (ahead * distance * ahead_of + right * distance * right_of).tolist()
+    by = f"({x:.4f}, {0.0:.4f}, {y:.4f})"
+    return ActionResult(
+        False, f"{before.error.removesuffix(BLOCKED)} is blocking Agent {agent.number} from moving by {by}."
+    )
 
 
 def _rotate(simulator: SimulatorState, counter_clockwise: int, degrees: float | None) -> ActionResult:
     angle = simulator.settings.rotate_step_degrees if degrees is None else degrees
-    if angle < 0:
-        return ActionResult(False, f"degrees {angle:g} is negative: name the direction in the action")
+    if angle == 0:
+        return ActionResult(False, "degrees must be non-zero")
     return simulator.agent.rotate(counter_clockwise * angle)
+
+
+def _look(simulator: SimulatorState, down: int, degrees: float) -> ActionResult:
+    if degrees < 0:
+        return ActionResult(False, f"degrees must be positive, not {degrees:g}: name the direction in the action")
+    return simulator.agent.look(down * (degrees or simulator.agent.embodiment.look_deg))

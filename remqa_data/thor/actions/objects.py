@@ -13,7 +13,7 @@ from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
 from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
-from remqa_data.thor.state.conditions import BASINS
+from remqa_data.thor.state.conditions import BASINS, BROKEN
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
@@ -22,6 +22,8 @@ NO_OBJECT = "not a sim object, a structure was touched"
 """AI2-THOR's words for a wall or the floor."""
 NO_PLACE = "No valid positions to place object found"
 """AI2-THOR's words, which its clients look for."""
+NOTHING_TO_PUT = "Can't place an object if Agent isn't holding anything"
+"""The same."""
 NOT_OPEN = "Target openable Receptacle is CLOSED, can't place if target is not open!"
 """The same."""
 UPRIGHT = 0.999
@@ -81,7 +83,7 @@ def pick_up_object(
         agent.hand_offset = agent.offset_of(where)
     elif result.success:
         agent.turn_held(about_z(room.records.rotation(target)["y"] - yaw_to_thor(agent.yaw_deg)))
-    return result
+    return ActionResult(True, value=target) if result.success else result
 
 
 def put_object(
@@ -98,12 +100,14 @@ def put_object(
     if isinstance(target, ActionResult):
         return target
     world, held = simulator.room.world, simulator.agent.held
+    if held is None:
+        return ActionResult(False, NOTHING_TO_PUT)
     basins = {f"{target}|{name}" for name in BASINS} & set(world.ids)
     target = basins.pop() if basins else target
-    turned = None if held is None else world.state(held).quaternion
+    turned = world.state(held).quaternion
     _stand_up(simulator)
     result = simulator.agent.put(target, forceAction)
-    if held is not None and turned is not None and not result.success:
+    if not result.success:
         world.move_alone(held, world.state(held).position, turned)
     if result.error == f"{target} is {CLOSED}":
         return ActionResult(False, NOT_OPEN)
@@ -112,7 +116,7 @@ def put_object(
 
 def drop_object(simulator: SimulatorState, forceAction: bool = False) -> ActionResult:
     """Let go of what is held."""
-    return _plain(simulator.agent.drop())
+    return _plain(simulator.agent.drop(forceAction))
 
 
 def push_object(
@@ -276,6 +280,8 @@ def _toggle(simulator: SimulatorState, target: str | ActionResult, on: bool, for
     conditions, world = simulator.room.conditions, simulator.room.world
     if not object_type(world.type_of(target)).toggleable:
         return ActionResult(False, f"{target} is not toggleable")
+    if on and conditions.of(target).get(BROKEN):
+        return ActionResult(False, "Target is broken and cannot be Toggled On!")
     if conditions.is_on(target) == on:
         return ActionResult(False, f"{target} is already {'on' if on else 'off'}")
     if on and world.type_of(target) in types_with("shut_when_on") and world.state(target).openness > 0:

@@ -40,7 +40,7 @@ class ObjectPose(TypedDict):
     objectName: NotRequired[str]
     objectId: NotRequired[str]
     position: PartialVector
-    rotation: PartialVector
+    rotation: NotRequired[PartialVector]
 
 
 def remove_from_scene(
@@ -121,11 +121,25 @@ def set_object_poses(
 def place_object_at_point(
     simulator: SimulatorState,
     objectId: str,
-    position: PartialVector,
+    position: PartialVector | None = None,
     rotation: PartialVector | None = None,
     forceKinematic: bool = False,
+    positions: list[PartialVector] | None = None,
 ) -> ActionResult:
-    """Put the bottom of an object's box at a point, with what is in or on it, and let it come to rest."""
+    """Put the bottom of an object's box at a point, or the first of some, with what is in or on it; it comes to rest."""
+    places = positions or ([] if position is None else [position])
+    if not places:
+        raise MisuseError("MissingArguments", "action: PlaceObjectAtPoint is missing the following arguments: position")
+    for place in places:
+        placed = _place_at(simulator, objectId, place, rotation)
+        if placed.success:
+            break
+    return placed
+
+
+def _place_at(
+    simulator: SimulatorState, objectId: str, position: PartialVector, rotation: PartialVector | None
+) -> ActionResult:
     room, world = simulator.room, simulator.room.world
     if (refusal := _stays(room, objectId)) is not None:
         return refusal
@@ -159,6 +173,9 @@ def teleport_object(
     allowTeleportOutOfHand: bool = False,
     forceKinematic: bool = False,
     makeUnbreakable: bool = False,
+    x: float | None = None,
+    y: float | None = None,
+    z: float | None = None,
 ) -> ActionResult:
     """Put an object to a position, or to the first of some where there is room, with what is in or on it.
 
@@ -170,6 +187,8 @@ def teleport_object(
         return refusal
     if objectId in world.held and not allowTeleportOutOfHand:
         return ActionResult(False, f"{objectId} is in the hand, and allowTeleportOutOfHand is not set")
+    if position is None and None not in (x, y, z):
+        position = {"x": x or 0.0, "y": y or 0.0, "z": z or 0.0}
     places = positions or ([] if position is None else [position])
     if not places:
         raise MisuseError("MissingArguments", "action: TeleportObject is missing the following arguments: position")
@@ -188,9 +207,9 @@ def teleport_object(
 
 
 def get_spawn_coordinates_above_receptacle(
-    simulator: SimulatorState, objectId: str, anywhere: bool = True
+    simulator: SimulatorState, objectId: str, anywhere: bool = False
 ) -> ActionResult:
-    """Points of a receptacle on which nothing lies; only those in the frame and within reach if not `anywhere`."""
+    """Points of a receptacle on which nothing lies; with `anywhere` those, too, that are out of the frame or of reach."""
     agent, world = simulator.agent, simulator.room.world
     if not object_type(world.type_of(objectId)).receptacle:
         return ActionResult(False, f"{objectId} is not a receptacle")
@@ -242,7 +261,7 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
     """The state that a pose asks for: the one that the object has, or had when the room was loaded, if that is it."""
     loaded, now = room.at_rest.states[object_id], room.world.state(object_id)
     position, quaternion = room.records.pose_of(
-        object_id, to_room(whole(pose["position"])), turn_of_euler(whole(pose["rotation"]))
+        object_id, to_room(whole(pose["position"])), turn_of_euler(whole(pose.get("rotation", {})))
     )
     wanted = replace(now, position=position, quaternion=quaternion, is_fixed=loaded.is_fixed)
     for known in (now, replace(loaded, openness=now.openness) if now.openness != loaded.openness else loaded):

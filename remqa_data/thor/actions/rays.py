@@ -8,7 +8,7 @@ from typing import NamedTuple
 from remqa_data.geometry.types import F64
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import PartialVector, to_room, to_thor, whole
+from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole
 from remqa_data.thor.state.simulator import SimulatorState
 
 
@@ -55,26 +55,39 @@ def get_coordinate_from_raycast(simulator: SimulatorState, x: float, y: float) -
 
 
 def perform_raycast(simulator: SimulatorState, origin: PartialVector, destination: PartialVector) -> ActionResult:
-    """The first thing between two points; `objectId` is None for a part of the building.
+    """The first object between two points, and where it is met: `hitPoint`, `hitDistance`.
 
     Collision boxes are met, as in AI2-THOR, not the surfaces that the pictures show.
     """
     start, end = to_room(whole(origin)), to_room(whole(destination))
     hit = simulator.room.world.first_hit(start, end)
+    between = f"between {_words(origin)} and {_words(destination)}"
     if hit is None:
-        return ActionResult(False, f"nothing is hit between {_words(origin)} and {_words(destination)}")
+        return ActionResult(False, f"nothing is hit {between}")
     name, point = hit
-    is_object = name in simulator.room.world.ids
-    value = {"objectId": name if is_object else None, "hit": to_thor(point), "distance": math.dist(start, point)}
+    if name not in simulator.room.world.ids:
+        return ActionResult(
+            False, f"no object is hit {between}, but a part of the building at {_words(to_thor(point))}"
+        )
+    value = {"objectId": name, "hitPoint": to_thor(point), "hitDistance": math.dist(start, point)}
     return ActionResult(True, value=value)
+
+
+def get_object_hit_from_raycast(
+    simulator: SimulatorState, origin: PartialVector, destination: PartialVector
+) -> ActionResult:
+    """The id of the first object between two points."""
+    met = perform_raycast(simulator, origin, destination)
+    return ActionResult(True, value=met.value["objectId"]) if met.success else met
 
 
 ACTIONS: dict[str, Action] = {
     "GetCoordinateFromRaycast": get_coordinate_from_raycast,
+    "GetObjectHitFromRaycast": get_object_hit_from_raycast,
     "PerformRaycast": perform_raycast,
 }
 
 
-def _words(point: PartialVector) -> str:
-    x, y, z = whole(point).values()
+def _words(point: PartialVector | Vector) -> str:
+    x, y, z = (point.get(axis, 0.0) for axis in ("x", "y", "z"))
     return f"({x:g}, {y:g}, {z:g})"

@@ -9,6 +9,7 @@ from typing import Any
 from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import scene_names
 from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.state.cameras import ThirdPartyCamera
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, whole
@@ -30,13 +31,10 @@ NO_EFFECT = frozenset(
         "fastActionEmit",
         "headless",
         "massThreshold",
-        "maxDownwardLookAngle",
-        "maxUpwardLookAngle",
         "quality",
         "renderClassImage",
         "renderImage",
         "renderObjectImage",
-        "snapToGrid",
         "synchronizeTransforms",
         "useMassThreshold",
         "visibilityScheme",
@@ -70,9 +68,14 @@ def initialize(
     renderDepthImage: bool = False,
     renderInstanceSegmentation: bool = False,
     renderSemanticSegmentation: bool = False,
+    maxUpwardLookAngle: float = 0.0,
+    maxDownwardLookAngle: float = 0.0,
+    snapToGrid: bool = True,
     **others: Any,
 ) -> ActionResult:
-    """Set what holds until the next Initialize."""
+    """Set what holds until the next Initialize; as in AI2-THOR, 0 stands for the default of a number."""
+    gridSize, visibilityDistance, fieldOfView = gridSize or 0.25, visibilityDistance or 1.5, fieldOfView or 90.0
+    cameraNearPlane, cameraFarPlane, agentMode = cameraNearPlane or 0.1, cameraFarPlane or 20.0, agentMode.lower()
     if agentMode not in ("default", "arm"):
         raise MisuseError(
             "InvalidArgument", f"agentMode {agentMode!r} is not supported here: choose 'default' or 'arm'"
@@ -83,6 +86,10 @@ def initialize(
         return ActionResult(False, f"gridSize {gridSize:g} is not in (0, 5]")
     if not 0.0 < fieldOfView < 180.0:
         return ActionResult(False, f"fieldOfView {fieldOfView:g} is not in (0, 180)")
+    if rotateStepDegrees <= 0.0:
+        return ActionResult(False, f"rotateStepDegrees must be positive, not {rotateStepDegrees:g}")
+    if maxUpwardLookAngle < 0.0 or maxDownwardLookAngle < 0.0:
+        return ActionResult(False, "maxUpwardLookAngle and maxDownwardLookAngle must not be negative")
     if visibilityDistance <= 0.0 or not 0.0 < cameraNearPlane < cameraFarPlane:
         return ActionResult(
             False, "visibilityDistance, cameraNearPlane and cameraFarPlane must be positive and in order"
@@ -100,6 +107,8 @@ def initialize(
         agent_mode=agentMode,
         agent_count=agentCount,
         shows_agents=makeAgentsVisible,
+        look_up_deg=maxUpwardLookAngle or AGENT.look_deg,
+        look_down_deg=maxDownwardLookAngle or AGENT.most_horizon_deg,
         images=Images(
             depth=renderDepthImage,
             instances=renderInstanceSegmentation,
@@ -107,6 +116,8 @@ def initialize(
         ),
     )
     simulator.room.embody(simulator.settings)
+    if snapToGrid:
+        simulator.room.snap_to_grid()
     return ActionResult(True, value={"cameraNearPlane": cameraNearPlane, "cameraFarPlane": cameraFarPlane})
 
 

@@ -44,6 +44,7 @@ def initial_random_spawn(
     numDuplicatesOfType: list[ObjectTypeCount] | None = None,
     excludedReceptacles: list[str] | None = None,
     excludedObjectIds: list[str] | None = None,
+    allowFloor: bool = False,
 ) -> ActionResult:
     """Put what can be picked up somewhere else, at random; what finds no place stays where it is.
 
@@ -65,6 +66,8 @@ def initial_random_spawn(
         Types of receptacles on and into which nothing is put.
     excludedObjectIds : list of str
         Objects that stay where they are.
+    allowFloor : bool
+        Means nothing: nothing is put on the floor.
     """
     world, away = simulator.room.world, simulator.room.records.away
     if numPlacementAttempts < 1:

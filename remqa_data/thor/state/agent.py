@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,9 @@ from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, I32, Flags, Vec3
+from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
+from remqa_data.sim.agent.body import direction
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
@@ -29,6 +32,8 @@ from remqa_data.thor.state.sight import Sight, enough_pixels
 HAND: Vec3 = (0.0, -0.16, 0.38)
 """Where AI2-THOR's agent without an arm holds things: metres to the right of its camera, above and ahead of it."""
 
+ASIDE_DEG, ASIDE_M, ASIDE_HIGH_M = (0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0), (0.6, 0.8, 1.0), 0.5
+"""What would end where an agent stands is let go of in another direction, so far away and so high above the floor."""
 RISES_M = (0.0, 0.005, 0.015, 0.03, 0.06)
 """What an arm lets go of where it touches things is let go of so far above."""
 
@@ -76,6 +81,8 @@ class ThorAgent(Agent):
             step_m=settings.grid_size,
             rotate_deg=settings.rotate_step_degrees,
             visibility_m=settings.visibility_distance,
+            least_horizon_deg=-settings.look_up_deg,
+            most_horizon_deg=settings.look_down_deg,
         )
         hands: Hands = "arm" if settings.has_arm else "near"
         super().__init__(world, view, position, yaw_deg, embodiment=body, hands=hands, number=number, **pose)
@@ -197,6 +204,32 @@ class ThorAgent(Agent):
             x, y, z = (world.state(name).position + shift).tolist()
             states[name] = replace(world.state(name), position=(x, y, z))
         return states
+
+    def drop(self, force: bool = False) -> ActionResult:
+        """See `Agent`: what falls lies beside the agents, if it can; with `force` it is let go where there is no room, too."""
+        if self.held is None:
+            return ActionResult(False, "nothing is held")
+        spots, floor_z = self.drop_spots(), self.world.scene.floor_z
+        for angle, away in product(ASIDE_DEG, ASIDE_M):
+            cosine, sine = direction(self.yaw_deg + angle)
+            spots.append((self.x + away * cosine, self.y + away * sine, floor_z + ASIDE_HIGH_M))
+        stood_well = self._blocker_at(self.x, self.y) is None
+
+        def leaves_room(object_id: str) -> bool:
+            """It may also have pushed something else to where the agent stands."""
+            return self._is_beside(object_id) and not (stood_well and self._blocker_at(self.x, self.y))
+
+        dropped = handling.drop_at(self.world, self.held, spots, is_clear=leaves_room, force=force)
+        return ActionResult(dropped.object_id is not None, dropped.error, dropped.object_id)
+
+    def open(self, object_id: str, openness: float = 1.0, force: bool = False) -> ActionResult:
+        """See `Agent`; with `force` it opens through what is in its way."""
+        is_openable = object_id in self.world.ids and self.world.assets[object_id].is_openable
+        if not force or not is_openable or not self.world.most_open(object_id) < openness <= 1.0:
+            return super().open(object_id, openness, force)
+        if self.world.state(object_id).openness == openness:
+            return ActionResult(False, f"{object_id} is already open")
+        return ActionResult(True, value=self.world.open(object_id, openness, force=True))
 
     def drop_spots(self) -> list[Vec3]:
         """Where it lets go: where its hand is, if it has been moved, or where its arm holds the thing, or just above."""

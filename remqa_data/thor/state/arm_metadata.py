@@ -5,23 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from remqa_data.catalog import object_type
-from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import quaternion_of
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm import jaco
-from remqa_data.thor.state.frames import SWAP, to_thor
+from remqa_data.thor.state.frames import SWAP, facing, to_thor
 from remqa_data.thor.state.objects import Metadata
 from remqa_data.thor.state.simulator import LoadedFloorPlan
 
 JOINTS = {"robot_arm_2_jnt": 3, "robot_arm_3_jnt": 5}
 """AI2-THOR's names of elbow and wrist, and the links of our six-joint arm that begin there. The first joint is the
 shoulder, which faces where the agent does, as in AI2-THOR; the fourth is the hand, which faces where the palm does."""
-
-
-def facing(yaw_deg: float) -> F64:
-    """(3, 3) rotation whose columns are an agent's right, ahead and up in the room."""
-    sine, cosine = arithmetic.sin_cos_deg(yaw_deg)
-    return np.array([[sine, cosine, 0.0], [-cosine, sine, 0.0], [0.0, 0.0, 1.0]])
 
 
 def hand_facing(pose: F64) -> F64:

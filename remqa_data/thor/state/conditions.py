@@ -96,10 +96,13 @@ class Conditions:
             for object_id, changed in self.changed.items()
             if (values := {name: changed[name] for name in SEEN if name in changed})
         }
-        for knob, burner in self.controlled.items():
-            if self.is_on(knob):
-                seen[burner] = {**seen.get(burner, {}), "isToggled": True}
+        for burner in self.lit_burners():
+            seen[burner] = {**seen.get(burner, {}), "isToggled": True}
         return seen
+
+    def lit_burners(self) -> set[str]:
+        """Ids of the burners of which the knob is turned on."""
+        return {burner for knob, burner in self.controlled.items() if self.is_on(knob)}
 
     def change(self, object_id: str, **values: Any) -> None:
         """Say what an object is in, by AI2-THOR's names."""

@@ -82,6 +82,21 @@ MEANS_NOTHING = frozenset(
 here. They are kept away from actions that have no such parameter, too."""
 
 
+HEEDS_NO_OTHERS = frozenset(
+    {
+        "CookObject",
+        "DirectionalPush",
+        "LookDown",
+        "LookUp",
+        "PullObject",
+        "PushObject",
+        "SetObjectPoses",
+        "SetObjectStates",
+    }
+)
+"""In AI2-THOR these take one record of all arguments that there are, and so anything: what they do not know means nothing."""
+
+
 @dataclass(frozen=True)
 class CheckedAction:
     """An action that checks the types of its arguments, and the names of its parameters."""
@@ -125,7 +140,9 @@ def call(actions: Mapping[str, CheckedAction], simulator: object, request: Mappi
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         raise MisuseError("InvalidAction", f"Invalid action: {name}{hint}")
     action = actions[name]
-    ignored = (WITH_EVERY_ACTION | MEANS_NOTHING) - action.parameters
+    ignored = (
+        WITH_EVERY_ACTION | MEANS_NOTHING | (request.keys() if name in HEEDS_NO_OTHERS else set())
+    ) - action.parameters
     try:
         return action.execute(simulator, **{key: value for key, value in request.items() if key not in ignored})
     except ValidationError as error:

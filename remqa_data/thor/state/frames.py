@@ -71,6 +71,12 @@ def yaw_to_room(rotation_y: float) -> float:
     return (90.0 - rotation_y) % 360.0
 
 
+def facing(yaw_deg: float) -> F64:
+    """(3, 3) rotation whose columns are an agent's right, ahead and up in the room."""
+    sine, cosine = arithmetic.sin_cos_deg(yaw_deg)
+    return np.array([[sine, cosine, 0.0], [-cosine, sine, 0.0], [0.0, 0.0, 1.0]])
+
+
 def turn_to_thor(quaternion: Quaternion) -> F64:
     """(3, 3) rotation in AI2-THOR's frame of an object whose front is +z there, and -y in its asset's frame.
 

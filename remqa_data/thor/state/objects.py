@@ -153,6 +153,7 @@ class ObjectRecords:
         only : collection of str, optional
             Ids of the objects to list, by default all.
         """
+        lit = self.conditions.lit_burners()
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
         listed, changed = [], self.conditions.changed
         for object_id, distance, lists in zip(self._world.ids, distances, marshal.loads(self._lists), strict=True):
@@ -164,6 +165,8 @@ class ObjectRecords:
             record["visible"] = record["isInteractable"] = object_id in visible
             if object_id in changed:
                 record.update(changed[object_id])
+            if object_id in lit:
+                record["isToggled"] = True
             record["distance"] = distance
             if object_id in hands:
                 self._put_into_hand(record, agent, hands[object_id])
@@ -290,7 +293,7 @@ def _static(world: World, object_id: str, controlled: str | None) -> Metadata:
         "objectId": object_id,
         "assetId": f"{type_name}_{asset.spec.variant}",
         "parentReceptacles": None,
-        "controlledObjects": [controlled] if controlled else None,
+        "controlledObjects": [controlled] if controlled else ([] if kind.toggleable else None),
         "isMoving": False,
         "axisAlignedBoundingBox": {},
         "objectOrientedBoundingBox": None,
@@ -317,14 +320,16 @@ def _parents_and_contents(world: World, boxes: Mapping[str, F64]) -> tuple[Lists
 
 
 def _holding(world: World, parents: Lists, contents: Lists) -> dict[str, Metadata]:
-    """The same in AI2-THOR's words."""
-    return {
-        object_id: {
+    """The same in AI2-THOR's words; what holds something is a receptacle, such as the sinks of some rooms."""
+    found = {}
+    for object_id in world.ids:
+        held, is_receptacle = contents[object_id], object_type(world.type_of(object_id)).receptacle
+        found[object_id] = {
             "parentReceptacles": parents[object_id] or None,
-            "receptacleObjectIds": contents[object_id] if object_type(world.type_of(object_id)).receptacle else None,
+            "receptacle": is_receptacle or bool(held),
+            "receptacleObjectIds": held if held or is_receptacle else None,
         }
-        for object_id in world.ids
-    }
+    return found
 
 
 class _Frame(NamedTuple):

@@ -80,6 +80,8 @@ class Settings:
     agent_mode: str = "default"
     agent_count: int = 1
     shows_agents: bool = True
+    look_up_deg: float = 30.0
+    look_down_deg: float = 60.0
     images: Images = field(default_factory=Images)
 
     @property

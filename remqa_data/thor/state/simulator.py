@@ -42,6 +42,10 @@ BELOW_CEILING_M = 0.05
 """Where the map camera is."""
 HOVERS_M = {"FloorPlan12": 0.079}
 """In this room it was recorded above the floor on which everything else stands."""
+OFF_GRID_M = 1e-4
+"""Who stands no farther beside the grid stands on it."""
+SNAPS_AWAY = 4
+"""Else it is put onto the grid, at most so many steps away."""
 PICTURE_BYTES = 128 << 20
 """Pictures that are remembered take no more: some 75 of 300 x 300."""
 SCENE_SUFFIX = "_physics"
@@ -209,6 +213,19 @@ class LoadedFloorPlan:
             new.take_over(old)
             self.agents[number] = new
         self._add_agents(settings, frame)
+
+    def snap_to_grid(self) -> None:
+        """Let each agent stand at a multiple of its steps, the nearest one to which it could walk straight."""
+        for agent in self.agents:
+            here, step = (agent.x, agent.y), agent.embodiment.step_m
+            nearest = [round(value / step) for value in here]
+            if math.dist(here, (nearest[0] * step, nearest[1] * step)) <= OFF_GRID_M:
+                continue
+            around = range(-SNAPS_AWAY, SNAPS_AWAY + 1)
+            places = [((nearest[0] + i) * step, (nearest[1] + j) * step) for i in around for j in around]
+            for x, y in sorted(places, key=lambda place: (math.dist(place, here), place)):
+                if agent.can_walk(here, (x, y)) and agent.teleport(x, y).success:
+                    break
 
     def agent_position(self) -> Vec3:
         """Where AI2-THOR says the agent is, metres in the room."""
