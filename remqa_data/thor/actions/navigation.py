@@ -149,14 +149,14 @@ def _move(simulator: SimulatorState, ahead: int, right: int, metres: float | Non
             False, f"moveMagnitude must be positive, not {distance:g}: name the direction in the action"
         )
     agent = simulator.agent
-    before = agent.move(ahead * distance, right * distance)
-    if before.success or not before.error.endswith(BLOCKED):
-        return before
+    moved = agent.move(ahead * distance, right * distance)
+    if not moved.error.endswith(BLOCKED):
+        return moved
     right_of, ahead_of = facing(agent.yaw_deg)[:, :2].T
     x, y, _ = (ahead * distance * ahead_of + right * distance * right_of).tolist()
     by = f"({x:.4f}, {0.0:.4f}, {y:.4f})"
     return ActionResult(
-        False, f"{before.error.removesuffix(BLOCKED)} is blocking Agent {agent.number} from moving by {by}."
+        False, f"{moved.error.removesuffix(BLOCKED)} is blocking Agent {agent.number} from moving by {by}."
     )
 
 

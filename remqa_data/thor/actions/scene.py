@@ -107,7 +107,7 @@ def initialize(
         agent_mode=agentMode,
         agent_count=agentCount,
         shows_agents=makeAgentsVisible,
-        look_up_deg=maxUpwardLookAngle or AGENT.look_deg,
+        look_up_deg=maxUpwardLookAngle or -AGENT.least_horizon_deg,
         look_down_deg=maxDownwardLookAngle or AGENT.most_horizon_deg,
         images=Images(
             depth=renderDepthImage,

@@ -140,9 +140,8 @@ def call(actions: Mapping[str, CheckedAction], simulator: object, request: Mappi
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         raise MisuseError("InvalidAction", f"Invalid action: {name}{hint}")
     action = actions[name]
-    ignored = (
-        WITH_EVERY_ACTION | MEANS_NOTHING | (request.keys() if name in HEEDS_NO_OTHERS else set())
-    ) - action.parameters
+    unheeded = request.keys() if name in HEEDS_NO_OTHERS else WITH_EVERY_ACTION | MEANS_NOTHING
+    ignored = unheeded - action.parameters
     try:
         return action.execute(simulator, **{key: value for key, value in request.items() if key not in ignored})
     except ValidationError as error:
