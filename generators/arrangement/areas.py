@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.boxes import corners
+from remqa_data.geometry.rotations import about_z
 from remqa_data.geometry.types import F64, Vec3
 
 
@@ -56,9 +57,7 @@ class Area:
     def to_room(self, points: npt.ArrayLike) -> F64:
         """(n, 3) points of the area's frame in the room."""
         local = np.asarray(points, dtype=np.float64).reshape(-1, 3)
-        sin, cos = arithmetic.sin_cos_deg(self.yaw_deg)
-        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        return np.asarray(arithmetic.turned(local, turn) + self.centre)
+        return np.asarray(arithmetic.turned(local, about_z(self.yaw_deg)) + self.centre)
 
     @property
     def corners(self) -> F64:

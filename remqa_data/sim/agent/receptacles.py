@@ -17,6 +17,7 @@ from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, s
 from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, sunk_into, support_of
+from remqa_data.sim.navigation.grid import collision_corners
 from remqa_data.sim.physics.support import support_rules, surrounds
 from remqa_data.sim.physics.world import World
 
@@ -186,13 +187,9 @@ def _way(world: World, held: str, rotation: F64) -> _Way:
 
 def _lowest(world: World, object_id: str) -> float:
     """Height of the lowest corner of an object's collision boxes, metres: below what is round and leans."""
-    heights = [np.inf]
-    for link, pose in zip(world.assets[object_id].links, world.link_poses(object_id), strict=True):
-        for box in link.boxes:
-            axes = arithmetic.product(pose[:3, :3], rotation_of(box.quaternion))
-            middle = float(arithmetic.moved(box.centre, pose)[2])
-            heights.append(middle - float(arithmetic.dot(np.abs(axes[2]), np.array(box.size) / 2)))
-    return float(min(heights))
+    links = zip(world.assets[object_id].links, world.link_poses(object_id), strict=True)
+    corners = (arithmetic.moved(collision_corners(link.boxes), pose) for link, pose in links)
+    return min(float(placed[..., 2].min(initial=np.inf)) for placed in corners)
 
 
 def _spots(world: World, receptacle_id: str, spaces: list[Space], way: _Way) -> list[Vec3]:

@@ -16,6 +16,7 @@ from remqa_data.assets.looks.materials import BLACK_PLASTIC, DARK_GLASS, RUBBER,
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.primitives import Mesh
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import about_z
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.postures import BASE_TOP_M, COLUMN_TOP_M, ArmBase, ArmState, foot_poses, link_poses
@@ -203,7 +204,6 @@ def _surfaces(drawing: Drawing) -> tuple[Surface, ...]:
 
 def _upright(x: float, y: float, z: float, yaw_deg: float) -> F64:
     pose = np.eye(4)
-    sine, cosine = arithmetic.sin_cos_deg(yaw_deg)
-    pose[:2, :2] = [[cosine, -sine], [sine, cosine]]
+    pose[:3, :3] = about_z(yaw_deg)
     pose[:3, 3] = x, y, z
     return pose

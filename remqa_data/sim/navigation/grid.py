@@ -139,7 +139,7 @@ def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int
     low, high = floor_z + AGENT.step_over_m, floor_z + AGENT.height_m
     outlines = []
     for link, pose in zip(asset.links[first_link:], link_poses[first_link:], strict=True):
-        placed = arithmetic.moved(_corners(link.boxes), pose)
+        placed = arithmetic.moved(collision_corners(link.boxes), pose)
         heights = placed[..., 2]
         in_the_way = (heights.max(axis=1) > low) & (heights.min(axis=1) < high)
         outlines += [_outline(corners[:, :2]) for corners in placed[in_the_way]]
@@ -147,7 +147,7 @@ def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int
 
 
 @lru_cache(maxsize=1 << 12)
-def _corners(boxes: tuple[CollisionBox, ...]) -> F64:
+def collision_corners(boxes: tuple[CollisionBox, ...]) -> F64:
     """(n, 8, 3) corners of some boxes of a link, in its frame."""
     found = [arithmetic.turned(_CORNERS * box.size, rotation_of(box.quaternion)) + box.centre for box in boxes]
     return np.array(found).reshape(-1, 8, 3)

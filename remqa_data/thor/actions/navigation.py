@@ -17,50 +17,6 @@ HEIGHT_TOLERANCE_M = 0.05
 """How far from the floor a teleport may aim; the agent stands on the floor afterwards."""
 
 
-def move_ahead(
-    simulator: SimulatorState,
-    moveMagnitude: float | None = None,
-    forceAction: bool = False,
-    objectId: str = "",
-    maxAgentsDistance: float = -1.0,
-) -> ActionResult:
-    """Walk ahead by a number of metres, by default one cell of the grid."""
-    return _move(simulator, 1, 0, moveMagnitude)
-
-
-def move_back(
-    simulator: SimulatorState,
-    moveMagnitude: float | None = None,
-    forceAction: bool = False,
-    objectId: str = "",
-    maxAgentsDistance: float = -1.0,
-) -> ActionResult:
-    """Walk backwards."""
-    return _move(simulator, -1, 0, moveMagnitude)
-
-
-def move_right(
-    simulator: SimulatorState,
-    moveMagnitude: float | None = None,
-    forceAction: bool = False,
-    objectId: str = "",
-    maxAgentsDistance: float = -1.0,
-) -> ActionResult:
-    """Walk to the right, looking ahead."""
-    return _move(simulator, 0, 1, moveMagnitude)
-
-
-def move_left(
-    simulator: SimulatorState,
-    moveMagnitude: float | None = None,
-    forceAction: bool = False,
-    objectId: str = "",
-    maxAgentsDistance: float = -1.0,
-) -> ActionResult:
-    """Walk to the left, looking ahead."""
-    return _move(simulator, 0, -1, moveMagnitude)
-
-
 def rotate_right(simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False) -> ActionResult:
     """Turn clockwise, by default as far as Initialize has set."""
     return _rotate(simulator, -1, degrees)
@@ -125,14 +81,29 @@ def stand(simulator: SimulatorState) -> ActionResult:
     return simulator.agent.stand()
 
 
+def _walk(ahead: int = 0, right: int = 0) -> Action:
+    """The action of walking one way, looking ahead; by default one cell of the grid."""
+
+    def walk(
+        simulator: SimulatorState,
+        moveMagnitude: float | None = None,
+        forceAction: bool = False,
+        objectId: str = "",
+        maxAgentsDistance: float = -1.0,
+    ) -> ActionResult:
+        return _move(simulator, ahead, right, moveMagnitude)
+
+    return walk
+
+
 ACTIONS: dict[str, Action] = {
     "Crouch": crouch,
     "LookDown": look_down,
     "LookUp": look_up,
-    "MoveAhead": move_ahead,
-    "MoveBack": move_back,
-    "MoveLeft": move_left,
-    "MoveRight": move_right,
+    "MoveAhead": _walk(ahead=1),
+    "MoveBack": _walk(ahead=-1),
+    "MoveLeft": _walk(right=-1),
+    "MoveRight": _walk(right=1),
     "RotateLeft": rotate_left,
     "RotateLook": rotate_look,
     "RotateRight": rotate_right,

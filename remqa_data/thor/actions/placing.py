@@ -127,10 +127,7 @@ def place_object_at_point(
     positions: list[PartialVector] | None = None,
 ) -> ActionResult:
     """Put the bottom of an object's box at a point, or the first of some, with what is in or on it; it comes to rest."""
-    places = positions or ([] if position is None else [position])
-    if not places:
-        raise MisuseError("MissingArguments", "action: PlaceObjectAtPoint is missing the following arguments: position")
-    for place in places:
+    for place in _places("PlaceObjectAtPoint", position, positions):
         placed = _place_at(simulator, objectId, place, rotation)
         if placed.success:
             break
@@ -189,9 +186,7 @@ def teleport_object(
         return ActionResult(False, f"{objectId} is in the hand, and allowTeleportOutOfHand is not set")
     if position is None and None not in (x, y, z):
         position = {"x": x or 0.0, "y": y or 0.0, "z": z or 0.0}
-    places = positions or ([] if position is None else [position])
-    if not places:
-        raise MisuseError("MissingArguments", "action: TeleportObject is missing the following arguments: position")
+    places = _places("TeleportObject", position, positions)
     turn = room.records.turn(objectId) if rotation is None else turn_of_euler(whole(rotation))
     before, blocker = world.save(), None
     for place in places:
@@ -240,6 +235,14 @@ ACTIONS: dict[str, Action] = {
     "SetObjectPoses": set_object_poses,
     "TeleportObject": teleport_object,
 }
+
+
+def _places(action: str, position: PartialVector | None, positions: list[PartialVector] | None) -> list[PartialVector]:
+    """Where an action is to put an object, the best place first."""
+    places = positions or ([] if position is None else [position])
+    if not places:
+        raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: position")
+    return places
 
 
 def _is_away(room: LoadedFloorPlan, object_id: str) -> bool:

@@ -26,8 +26,8 @@ def arm_metadata(room: LoadedFloorPlan) -> Metadata:
     """Joints, hand and what it touches."""
     agent = room.agent
     arm, base = agent.arm, agent.base
-    links, hand = arm.link_poses(base), np.asarray(arm.hand(base))
-    touched = arm.touched(arm.hand(base))
+    links, hand = arm.link_poses(base), arm.hand(base)
+    touched = arm.touched(hand)
     root = np.eye(4)
     root[:3, :3], root[:3, 3] = facing(agent.yaw_deg), arm.shoulder(base)
     palm = np.eye(4)
