@@ -273,6 +273,7 @@ def test_what_stands_on_a_microwave_is_not_in_it(kitchen) -> None:
     assert event.get_object(EGG)["temperature"] == "Cold"  # as in the fridge, from where it was taken
 
 
+@pytest.mark.slow
 def test_a_fork_of_few_pixels_is_taken_from_as_far_as_ai2thor_allows(kitchen) -> None:
     taken = []
     done(kitchen.step("PickupObject", objectId=FORK, forceAction=True))

@@ -85,6 +85,7 @@ def test_boxes_learn_to_end_where_their_objects_do_and_how_well_they_fit() -> No
     assert float(nothing.detach()) > 1  # all that is found is wrong then
 
 
+@pytest.mark.slow
 def test_questions_say_what_is_meant_in_the_view_before_the_manipulation(two_rooms: Path) -> None:
     rows = read_table(two_rooms, "questions", "train").to_pylist()
     views = list(views_with_expressions(two_rooms, "train"))

@@ -54,6 +54,7 @@ def test_where_no_process_can_be_forked_that_is_said(tmp_path: Path, monkeypatch
         train(Sums(), SCHEDULE, tmp_path, workers=1)
 
 
+@pytest.mark.slow
 def test_it_learns_in_bfloat16_with_weights_of_float32(tmp_path: Path) -> None:
     short = replace(SCHEDULE, epochs=40, precision="bfloat16")
     tasks = [Sums() for _ in range(3)]

@@ -114,6 +114,7 @@ def test_hidden_things_are_named_and_listed_like_all_others(room: str, number: i
         assert math.dist((x, y, z), made.scene.object(object_id).position) > 0.005  # it does not say where it is
 
 
+@pytest.mark.slow
 def test_the_generator_decides_everything() -> None:
     room, number = CASES[-1]
     again = arrange(load_scene(room), places_of(room), wishes_for(room, number), np.random.default_rng(number))
@@ -122,6 +123,7 @@ def test_the_generator_decides_everything() -> None:
     assert other.scene != again.scene
 
 
+@pytest.mark.slow
 def test_the_order_in_which_violated_places_are_packed_again_is_no_hash_order(monkeypatch: pytest.MonkeyPatch) -> None:
     room = "FloorPlan7"
     wishes = [*wishes_for(room, 0), *wishes_for(room, 1)]

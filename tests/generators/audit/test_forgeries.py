@@ -42,6 +42,7 @@ def test_a_forged_dataset_is_found(
     assert is_found(copy.root)
 
 
+@pytest.mark.slow
 def test_what_nobody_forged_is_whole(
     one_room: Path, remembered: RememberedRooms, monkeypatch: pytest.MonkeyPatch
 ) -> None:

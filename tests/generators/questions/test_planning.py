@@ -164,6 +164,7 @@ def test_where_nothing_can_lie_as_asked_other_spatial_questions_step_in() -> Non
     assert sum(len(g.asked) for g in groups if g.question.kind == "SPATIAL") == quota.total("SPATIAL")
 
 
+@pytest.mark.slow
 def test_the_same_generator_gives_the_same_plan_and_another_one_another() -> None:
     assert plan(quotas()[0]) == plan(quotas()[0])
     assert plan(quotas()[0]) != plan(quotas()[0], seed=1)
