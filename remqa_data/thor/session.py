@@ -27,7 +27,7 @@ from remqa_data.thor.state.dispatch import call, checked
 from remqa_data.thor.state.events import Listing, Outcome, Reply, reply
 from remqa_data.thor.state.settings import QUALITIES, FrameSize, Images
 from remqa_data.thor.state.simulator import SimulatorState
-from remqa_data.thor.state.wording import in_thors_words
+from remqa_data.thor.state.wording import error_code, in_thors_words
 
 ACTIONS = checked(
     actions_scene.ACTIONS
@@ -84,6 +84,7 @@ class Session:
         except RemqaError as error:
             result = ActionResult(False, str(error))
         result = replace(result, error=in_thors_words(result.error))
+        code = code or error_code(result.error)
         number = self._simulator.room.active if self._simulator.has_room else 0
         self._outcomes[number] = Outcome(str(request.get("action")), result, code)
         replied = reply(self._simulator, self._outcomes, self._images(request))

@@ -42,8 +42,30 @@ def test_positions_are_those_of_interactable_poses(kitchen) -> None:
     lists = kitchen.step("PositionsFromWhichItemIsInteractable", **few).metadata["actionReturn"]
     assert len(poses) > 10
     assert [dict(zip(lists, values, strict=True)) for values in zip(*lists.values(), strict=True)] == poses
-    message = kitchen.step("PositionsFromWhichItemIsInteractable", objectId=APPLE, maxPoses=0).metadata["errorMessage"]
-    assert "maxPoses 0" in message
+    assert {type(number) for values in lists.values() for number in values} == {float}
+    for wrong in ({"maxPoses": 0}, {"horizon": 0}):
+        message = kitchen.step("PositionsFromWhichItemIsInteractable", objectId=APPLE, **wrong).metadata["errorMessage"]
+        assert " must be " in message
+
+
+def test_tilts_to_look_from_are_as_far_apart_as_asked(kitchen) -> None:
+    seen = {}
+    for apart in (30, 45):
+        asked = {"objectId": APPLE, "standings": [True], "horizon": apart}
+        seen[apart] = set(
+            kitchen.step("PositionsFromWhichItemIsInteractable", **asked).metadata["actionReturn"]["horizon"]
+        )
+    assert {0.0, 30.0} <= seen[30] <= {-30.0, 0.0, 30.0, 60.0}
+    assert {15.0} <= seen[45] <= {-30.0, 15.0, 60.0}
+
+
+def test_a_hand_goes_up_whichever_way_the_camera_is_tilted(holding) -> None:
+    assert holding.step("RotateLook", horizon=30)
+    before = held(holding.last_event)["position"]
+    after = held(holding.step("MoveHand", y=0.05))["position"]
+    assert [after[axis] - before[axis] for axis in "xyz"] == pytest.approx([0.0, 0.05, 0.0], abs=1e-5)
+    lifted = held(holding.step("MoveHandDelta", y=0.05))["position"]
+    assert lifted["y"] - after["y"] == pytest.approx(0.05 * math.cos(math.radians(30)), abs=1e-5)
 
 
 def test_the_arm_takes_an_apple_and_lets_it_go(armed) -> None:

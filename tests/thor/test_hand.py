@@ -48,7 +48,7 @@ def test_moves_what_it_holds(holding, direction, expected) -> None:
 
 
 @settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(right=st.floats(-0.2, 0.2), up=st.floats(-0.2, 0.2), ahead=st.floats(-0.2, 0.2))
+@given(right=st.floats(-0.2, 0.2), up=st.floats(-0.2, 0.2), ahead=st.floats(0.0, 0.4))  # it stays in the frame
 def test_there_and_back_again(holding, right, up, ahead) -> None:
     before = place(holding.last_event)
     event = holding.step("MoveHeldObject", right=right, up=up, ahead=ahead)
@@ -59,20 +59,50 @@ def test_there_and_back_again(holding, right, up, ahead) -> None:
 
 def test_a_hand_goes_so_far_and_no_farther(holding) -> None:
     before = place(holding.last_event)
-    assert "visibilityDistance" in holding.step("MoveHeldObjectUp", moveMagnitude=2.0).metadata["errorMessage"]
-    event = holding.step("MoveHeldObjectUp", moveMagnitude=0.6, forceVisible=True)
-    assert "out of the frame" in event.metadata["errorMessage"]
+    assert "out of range" in holding.step("MoveHeldObjectAhead", moveMagnitude=2.0).metadata["errorMessage"]
+    event = holding.step("MoveHeldObjectUp", moveMagnitude=0.6)
+    assert "outside of the agent's viewport" in event.metadata["errorMessage"]
     assert place(event) == pytest.approx(before, abs=1e-6)
-    assert holding.step("MoveHeldObjectUp", moveMagnitude=0.6)
-    event = holding.step("MoveHeldObjectUp", moveMagnitude=0.4)  # the ceiling is higher than this
+    event = holding.step("MoveHeldObjectUp", moveMagnitude=0.5)
     assert event, event.metadata["errorMessage"]
+
+
+@pytest.mark.parametrize("way", ["MoveAhead", "MoveBack", "RotateRight", "LookDown", "Teleport"])
+def test_who_walks_turns_or_looks_has_the_hand_where_it_usually_is(holding, way) -> None:
+    usual = holding.last_event.metadata["heldObjectPose"]
+    for stays in (True, False):
+        assert holding.step("MoveHeldObject", ahead=0.1, up=0.05)
+        assert holding.step("RotateHeldObject", pitch=40)
+        moved = holding.last_event.metadata["heldObjectPose"]
+        assert moved["localPosition"] != usual["localPosition"]
+        event = holding.step(way, **({"manualInteract": True} if stays else {}))
+        assert event, event.metadata["errorMessage"]
+        pose = event.metadata["heldObjectPose"]
+        if stays and way != "Teleport":
+            assert pose["localPosition"] == moved["localPosition"]
+            assert holding.step("Teleport", position={"x": 1.5, "y": 0.9, "z": 0.0}, rotation=180, horizon=0)
+        elif way != "LookDown":  # what is held does not follow the camera's tilt
+            assert list(pose["localPosition"].values()) == pytest.approx(list(usual["localPosition"].values()))
+            now, then = pose["localRotation"], usual["localRotation"]
+            turned = [(now[axis] - then[axis] + 90) % 360 for axis in "xyz"]
+            assert turned == pytest.approx([90] * 3, abs=1e-3)
+    assert holding.step("Teleport", horizon=0).metadata["heldObjectPose"]["localPosition"] == usual["localPosition"]
+    assert degrees(holding.last_event)[0] == pytest.approx(0.0, abs=0.1)
+
+
+def test_who_lets_go_has_the_hand_where_it_usually_is(holding) -> None:
+    usual = holding.last_event.metadata["heldObjectPose"]["localPosition"]
+    assert holding.step("MoveHeldObject", ahead=0.1, up=0.05)
+    dropped = holding.step("DropHandObject")
+    assert dropped.metadata["heldObjectPose"]["localPosition"] == usual
+    assert dropped.metadata["actionReturn"] == dropped.get_object(APPLE)["position"]
 
 
 def test_what_is_in_the_way_is_named(kitchen) -> None:
     kitchen.step("TeleportFull", **BEFORE_APPLE)
     kitchen.step("PickupObject", objectId=APPLE)
     before = place(kitchen.step("RotateLook", horizon=0))
-    event = kitchen.step("MoveHeldObjectDown", moveMagnitude=0.6)
+    event = kitchen.step("MoveHeldObject", ahead=0.5, up=-0.6)
     assert not event
     assert f"is blocking {APPLE} from moving" in event.metadata["errorMessage"]
     assert place(event) == pytest.approx(before, abs=1e-6)
@@ -154,7 +184,9 @@ def test_what_is_held_is_in_the_picture_where_the_metadata_say(holding) -> None:
     assert np.nonzero(event.instance_masks[APPLE])[1].mean() == pytest.approx(
         columns.mean() + focal * 0.1 / 0.38, abs=8
     )
-    event = holding.step("MoveHeldObjectUp", moveMagnitude=0.8)
+    assert holding.step("DropHandObject")
+    event = holding.step("RotateRight", degrees=180)
+    event = holding.step("PickupObject", objectId=APPLE, forceAction=True, manualInteract=True)  # behind its back
     assert APPLE not in event.instance_detections2D
     assert not event.get_object(APPLE)["visible"]
 

@@ -49,9 +49,25 @@ def test_opens_and_closes(before_fridge) -> None:
     assert (opened["isOpen"], opened["openness"]) == (True, 1.0)
     assert event.metadata["actionReturn"] is None
     assert opened["axisAlignedBoundingBox"]["size"] != closed["axisAlignedBoundingBox"]["size"]
-    assert not before_fridge.step("OpenObject", objectId=FRIDGE)
+    again = before_fridge.step("OpenObject", objectId=FRIDGE)
+    assert again
+    assert again.get_object(FRIDGE) == opened
     shut = before_fridge.step("CloseObject", objectId=FRIDGE).get_object(FRIDGE)
     assert shut["axisAlignedBoundingBox"] == closed["axisAlignedBoundingBox"]
+    for action in ("CloseObject", "OpenObject"):
+        assert before_fridge.step(action, objectId=FRIDGE, **({"openness": 0.0} if action == "OpenObject" else {}))
+        assert not before_fridge.last_event.get_object(FRIDGE)["isOpen"]
+
+
+def test_what_is_open_already_is_opened_by_who_sees_it(before_fridge) -> None:
+    assert before_fridge.step("OpenObject", objectId=FRIDGE)
+    away = [
+        r for r in (0, 90, 180, 270) if not before_fridge.step("Teleport", rotation=r).get_object(FRIDGE)["visible"]
+    ]
+    assert before_fridge.step("Teleport", rotation=away[0])
+    assert not before_fridge.step("OpenObject", objectId=FRIDGE)
+    assert "within the specified visibility" in before_fridge.last_event.metadata["errorMessage"]
+    assert before_fridge.step("OpenObject", objectId=FRIDGE, forceAction=True)
 
 
 @pytest.mark.parametrize(
@@ -113,7 +129,10 @@ def test_picks_up_and_puts_down(before_apple) -> None:
     event = before_apple.step("PickupObject", objectId=APPLE)
     assert event
     assert event.get_object(APPLE)["isPickedUp"]
-    assert "already holding" in before_apple.step("PickupObject", objectId=APPLE).metadata["errorMessage"]
+    assert (
+        "Agent hand has something in it already!"
+        in before_apple.step("PickupObject", objectId=APPLE).metadata["errorMessage"]
+    )
     event = before_apple.step("PutObject", objectId=ISLAND)
     assert event
     apple = event.get_object(APPLE)

@@ -179,3 +179,115 @@ def test_what_is_let_go_by_force_is_out_of_the_hand_and_the_agent_can_walk_on(ki
                 kitchen.reset()
     assert dropped > 15
     assert shut_in <= 1
+
+
+def test_pushes_are_forced_and_say_what_was_touched(kitchen) -> None:
+    kitchen.step("Teleport", position={"x": 1.5, "y": 0.9, "z": 0.0}, rotation=0)
+    for action, more in (("PushObject", {}), ("PullObject", {}), ("DirectionalPush", {"pushAngle": 20})):
+        kitchen.reset()
+        mug = first(kitchen.last_event, "Mug")
+        assert not kitchen.last_event.get_object(mug)["visible"]
+        assert not kitchen.step(action, objectId=mug, moveMagnitude=10, **more)
+        event = kitchen.step(action, objectId=mug, moveMagnitude=10, forceAction=True, **more)
+        assert event, event.metadata["errorMessage"]
+        touched = {"didHandTouchSomething": True, "objectId": mug, "armsLength": 0.0}
+        assert event.metadata["actionReturn"] == touched
+    kitchen.step("PickupObject", objectId=mug, forceAction=True)
+    refused = kitchen.step("PushObject", objectId=mug, moveMagnitude=10, forceAction=True)
+    assert "use Throw" in refused.metadata["errorMessage"]
+
+
+@pytest.mark.parametrize(
+    ("action", "arguments"),
+    [
+        ("TouchThenApplyForce", {"x": 0.5, "y": 0.6, "direction": {"x": 0.1, "z": 0.4}, "moveMagnitude": 0.4}),
+        ("DirtyObject", {"objectId": "Mug", "forceAction": True}),
+        ("FillObjectWithLiquid", {"objectId": "Mug", "fillLiquid": "COFFEE", "forceAction": True}),
+        ("BreakObject", {"objectId": "Mug", "forceAction": True}),
+        ("SliceObject", {"objectId": "Bread", "forceAction": True}),
+        ("MaskObject", {"objectId": "Mug"}),
+        ("EmphasizeObject", {"objectId": "Mug"}),
+        ("GetSpawnCoordinatesAboveReceptacle", {"objectId": "Fridge", "anywhere": True}),
+        ("ChangeFOV", {"fieldOfView": 80}),
+        ("RotateLook", {"horizon": 30}),
+    ],
+)
+def test_what_takes_all_arguments_that_there_are_takes_any(kitchen, action, arguments) -> None:
+    if "objectId" in arguments:
+        arguments = {**arguments, "objectId": first(kitchen.last_event, arguments["objectId"])}
+    assert kitchen.step(action, force_magnitude=20, unheardOf={}, **arguments), kitchen.last_event.metadata
+
+
+def test_an_agent_looks_from_where_it_can_turn_to(kitchen) -> None:
+    apple = {"objectId": APPLE, "standings": [True], "horizons": [30]}
+    kitchen.reset(rotateStepDegrees=45)
+    kitchen.step("Teleport", rotation={"x": 0, "y": 30, "z": 0})
+    poses = kitchen.step("GetInteractablePoses", **apple).metadata["actionReturn"]
+    headings = {pose["rotation"] for pose in poses}
+    assert len(headings) > 4
+    assert headings <= {30.0 + 45 * k for k in range(7)} | {345.0}
+    few = kitchen.step("GetInteractablePoses", **apple, maxPoses=3).metadata["actionReturn"]
+    assert few == poses[:3]
+    for wrong in ({"horizons": [90]}, {"horizons": []}, {"positions": []}, {"maxDistance": -1}, {"maxPoses": 0}):
+        event = kitchen.step("GetInteractablePoses", **{**apple, **wrong})
+        assert not event
+        assert "must " in event.metadata["errorMessage"]
+
+
+@pytest.mark.parametrize(
+    ("action", "code", "words"),
+    [
+        ("LookDown", "LookDownCantExceedMin", "can't look down beyond 60 degrees below the forward horizon"),
+        ("LookUp", "LookUpCantExceedMax", "can't look up beyond 30 degrees above the forward horizon"),
+    ],
+)
+def test_the_end_of_how_far_one_looks_has_a_code(kitchen, action, code, words) -> None:
+    events = [kitchen.step(action) for _ in range(4)]
+    assert events[0].metadata["errorCode"] is None
+    assert events[-1].metadata["errorCode"] == code
+    assert events[-1].metadata["errorMessage"] == words
+
+
+@pytest.mark.parametrize("axis", ["x", "z"])
+def test_no_agent_is_pitched_or_rolled(kitchen, axis) -> None:
+    before = kitchen.last_event.metadata["agent"]
+    event = kitchen.step("Teleport", rotation={"x": 0, "y": 90, "z": 0, axis: 20})
+    assert "pitch or roll" in event.metadata["errorMessage"]
+    assert event.metadata["agent"] == before
+    assert kitchen.step("Teleport", rotation={"x": 0, "y": 90, "z": 0, axis: 20}, forceAction=True)
+
+
+def test_what_breaks_in_the_hand_falls(kitchen) -> None:
+    mug = first(kitchen.last_event, "Mug")
+    kitchen.step("PickupObject", objectId=mug, forceAction=True)
+    event = kitchen.step("BreakObject", objectId=mug)
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["inventoryObjects"] == []
+    assert event.get_object(mug)["isBroken"]
+    assert not event.get_object(mug)["isPickedUp"]
+
+
+def test_furniture_that_has_no_pose_may_be_left_alone(kitchen) -> None:
+    toaster, mug = (first(kitchen.last_event, name) for name in ("Toaster", "Mug"))
+    record = kitchen.last_event.get_object(mug)
+    poses = [{"objectName": record["name"], "position": record["position"], "rotation": record["rotation"]}]
+    assert kitchen.step("SetObjectPoses", objectPoses=poses, skipMoveable=True)
+    assert kitchen.last_event.get_object(toaster) is not None
+    assert kitchen.last_event.get_object(APPLE) is None
+    assert kitchen.step("SetObjectPoses", objectPoses=poses)
+    assert kitchen.last_event.get_object(toaster) is None
+    assert kitchen.last_event.get_object(mug) is not None
+
+
+def test_types_are_listed_and_taken_away(kitchen) -> None:
+    listed = kitchen.step("SetObjectFilterForType", objectTypes=["Mug", "Fridge"]).metadata["objects"]
+    assert {o["objectType"] for o in listed} == {"Mug", "Fridge"}
+    left = kitchen.step("ResetObjectFilter").metadata["objects"]
+    after = kitchen.step("DisableAllObjectsOfType", objectType="Cabinet").metadata["objects"]
+    assert {o["objectId"] for o in left} - {o["objectId"] for o in after} == {
+        o["objectId"] for o in left if o["objectType"] == "Cabinet"
+    }
+    assert len(after) < len(left)
+    assert kitchen.step("DisableAllObjectsOfType", objectType="Cabinet")  # there is none any more
+    for action in ("MakeObjectBreakable", "HideTranslucentObjects", "EnableTemperatureDecay", "NoOp"):
+        assert kitchen.step(action, **({"objectId": APPLE} if action == "MakeObjectBreakable" else {}))

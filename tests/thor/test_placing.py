@@ -203,7 +203,7 @@ def test_what_is_held_is_teleported_only_if_that_is_asked_for(kitchen) -> None:
     assert kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
     there = {"x": -0.35, "y": 1.25, "z": 0.2}
     refused = kitchen.step("TeleportObject", objectId=APPLE, position=there)
-    assert "allowTeleportOutOfHand" in refused.metadata["errorMessage"]
+    assert "Cannot teleport object in hand" in refused.metadata["errorMessage"]
     event = kitchen.step("TeleportObject", objectId=APPLE, position=there, allowTeleportOutOfHand=True)
     assert event, event.metadata["errorMessage"]
     assert event.metadata["inventoryObjects"] == []

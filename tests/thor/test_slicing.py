@@ -139,7 +139,7 @@ def test_an_egg_that_breaks_is_cracked_and_what_is_held_is_not_sliced(kitchen) -
     assert not kitchen.step("SliceObject", objectId=bread, forceAction=True)
     assert "put it down" in kitchen.last_event.metadata["errorMessage"]
     assert not kitchen.step("SliceObject", objectId=of_type(kitchen, "Fork")[0]["objectId"], forceAction=True)
-    assert "is not sliceable" in kitchen.last_event.metadata["errorMessage"]
+    assert "Does not have the CanBeSliced" in kitchen.last_event.metadata["errorMessage"]
 
 
 def test_slicing_gives_the_same_each_time(kitchen) -> None:

@@ -118,7 +118,7 @@ class Agent(Body):
         if openness > 0.0 and goal == 0.0:
             return ActionResult(False, f"{object_id} cannot be opened: there is no room for it")
         if abs(was - goal) < 1e-6:
-            return ActionResult(False, f"{object_id} is already {'closed' if openness == 0.0 else 'open'}")
+            return self._leave_as_it_is(object_id, openness, force)
         if force:
             return ActionResult(True, value=self.world.open(object_id, goal))
         reached = self._until_it_meets_an_agent(object_id, was, goal, (self.x, self.y))
@@ -127,6 +127,10 @@ class Agent(Body):
             refusal = ActionResult(False, f"Agent is blocking {object_id} from moving")
         refusal = refusal or self.reach(object_id)
         return refusal or ActionResult(True, value=self.world.open(object_id, reached))
+
+    def _leave_as_it_is(self, object_id: str, openness: float, force: bool) -> ActionResult:
+        """What comes of opening or closing what is so already."""
+        return ActionResult(False, f"{object_id} is already {'closed' if openness == 0.0 else 'open'}")
 
     def opens_to(self, object_id: str, position: tuple[float, float]) -> float:
         """How far a closed object opens before an agent that stands at a position, from 0 to 1."""

@@ -20,11 +20,12 @@ def fill_object_with_liquid(
     fillLiquid: str = "water",
     forceAction: bool = False,
 ) -> ActionResult:
-    """Fill an object with water, coffee or wine."""
-    if fillLiquid not in LIQUIDS:
+    """Fill an object with water, coffee or wine, in whatever case it is written."""
+    liquid = fillLiquid.lower()
+    if liquid not in LIQUIDS:
         return ActionResult(False, f"fillLiquid {fillLiquid!r} is none of {', '.join(LIQUIDS)}")
     target = target_of(simulator, "FillObjectWithLiquid", objectId, x, y)
-    return _put(simulator, target, forceAction, FILLED, True, fillLiquid)
+    return _put(simulator, target, forceAction, FILLED, True, liquid)
 
 
 def slice_object(
@@ -95,6 +96,9 @@ def _put(
     room.conditions.put(target, name, is_so, liquid)
     if name == BROKEN and object_type(room.world.type_of(target)).slices is not None:
         cut(simulator, target)  # an egg is broken by being cracked
+    elif name == BROKEN and target == agent.held:
+        agent.drop(force=True)
+        agent.rest_hand()
     return ActionResult(True)
 
 

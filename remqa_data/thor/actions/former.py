@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from functools import wraps
 from typing import Any
+
+import numpy as np
 
 from remqa_data.geometry import arithmetic
 from remqa_data.sim.agent.agent import ActionResult
@@ -12,15 +13,34 @@ from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector
 from remqa_data.thor.state.simulator import SimulatorState
 
+LEAST_TILT_DEG = 1.0
+"""Tilts of the camera that are looked from are at least so far apart."""
 
-@wraps(search.get_interactable_poses, assigned=("__annotations__",))
-def positions_from_which_item_is_interactable(simulator: SimulatorState, **asked: Any) -> ActionResult:
-    """What `GetInteractablePoses`, whose parameters it has, finds, as a list for each of x, y, z, rotation, ..."""
-    found = search.get_interactable_poses(simulator, **asked)
+
+def positions_from_which_item_is_interactable(
+    simulator: SimulatorState,
+    objectId: str,
+    positions: list[PartialVector] | None = None,
+    rotations: list[float] | None = None,
+    horizons: list[float] | None = None,
+    standings: list[bool] | None = None,
+    maxDistance: float | None = None,
+    maxPoses: int | None = None,
+    horizon: float = 30.0,
+) -> ActionResult:
+    """What `GetInteractablePoses` finds, as lists of numbers, one for each of x, y, z, ...; `horizon` lies between tilts."""
+    if horizon < LEAST_TILT_DEG:
+        return ActionResult(False, f"horizon must be at least {LEAST_TILT_DEG:g} degrees, not {horizon:g}")
+    if horizons is None:
+        body = simulator.agent.embodiment
+        horizons = np.arange(body.least_horizon_deg, body.most_horizon_deg + 1e-6, horizon).tolist()
+    found = search.get_interactable_poses(
+        simulator, objectId, positions, rotations, horizons, standings, maxDistance, maxPoses
+    )
     if not found.success:
         return found
     names = ("x", "y", "z", "rotation", "standing", "horizon")
-    return ActionResult(True, value={name: [pose[name] for pose in found.value] for name in names})
+    return ActionResult(True, value={name: [float(pose[name]) for pose in found.value] for name in names})
 
 
 def move(
@@ -49,8 +69,17 @@ def look(simulator: SimulatorState, horizon: float) -> ActionResult:
 def move_hand(
     simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z: float = 0.0, forceVisible: bool = False
 ) -> ActionResult:
-    """Move what is held, metres: x to the right, y up, z ahead."""
-    return hand.move_held_object(simulator, ahead=z, right=x, up=y, forceVisible=forceVisible)
+    """Move what is held, metres: x to the agent's right, y up, z ahead, however its camera is tilted."""
+    sine, cosine = arithmetic.sin_cos_deg(simulator.agent.horizon_deg)
+    ahead, up = float(z * cosine - y * sine), float(z * sine + y * cosine)
+    return hand.move_held_object(simulator, ahead=ahead, right=x, up=up)
+
+
+def move_hand_delta(
+    simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z: float = 0.0, forceVisible: bool = False
+) -> ActionResult:
+    """Move what is held, metres: x to the camera's right, y up, z ahead."""
+    return hand.move_held_object(simulator, ahead=z, right=x, up=y)
 
 
 def rotate_hand(simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> ActionResult:
@@ -109,7 +138,7 @@ ACTIONS: dict[str, Action] = {
     "MoveHand": move_hand,
     "MoveHandAhead": hand.move_held_object_ahead,
     "MoveHandBack": hand.move_held_object_back,
-    "MoveHandDelta": move_hand,
+    "MoveHandDelta": move_hand_delta,
     "MoveHandDown": hand.move_held_object_down,
     "MoveHandLeft": hand.move_held_object_left,
     "MoveHandRight": hand.move_held_object_right,

@@ -21,9 +21,13 @@ from remqa_data.thor.actions.objects import PUSH_S
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.conditions import FILLED
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import PartialVector, Vector, turn_of_euler, whole, yaw_to_thor
+from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, turn_of_euler, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
 
+OUT_OF_RANGE = "The target position is out of range: object cannot move outside of max visibility distance."
+OUT_OF_FRAME = (
+    "Target position is outside of the agent's viewport. The target position must be within the frustrum of it."
+)
 STEP_M = 0.025
 """On its way, what is held is looked at in such steps."""
 MOST_THROW_M_S = 5.0
@@ -33,22 +37,19 @@ MOST_THROW_M_S = 5.0
 def move_held_object(
     simulator: SimulatorState, ahead: float = 0.0, right: float = 0.0, up: float = 0.0, forceVisible: bool = False
 ) -> ActionResult:
-    """Move what is held, metres; with `forceVisible` its middle stays in the frame."""
+    """Move what is held, metres; its middle stays in the frame, and within the visibility distance in plan."""
     agent, world = simulator.agent, simulator.room.world
     refusal = _refusal(agent)
     if refusal is not None:
         return refusal
     held = str(agent.held)
     x, y, z = np.add(agent.hand_offset, (right, up, ahead)).tolist()
-    if math.hypot(x, y, z) > simulator.settings.visibility_distance:
-        return ActionResult(
-            False,
-            f"the hand would be {math.hypot(x, y, z):.3g} m from the camera: it reaches "
-            f"{simulator.settings.visibility_distance:g} m, the visibilityDistance",
-        )
-    if forceVisible and not agent.has_in_frame((x, y, z)):
-        return ActionResult(False, "the hand would be out of the frame, and forceVisible is set")
-    blocker = _blocker(world, held, np.asarray(agent.hand_at()), np.asarray(agent.hand_at((x, y, z))))
+    there = agent.hand_at((x, y, z))
+    if math.dist(there[:2], (agent.x, agent.y)) > simulator.settings.visibility_distance:
+        return ActionResult(False, OUT_OF_RANGE)
+    if not agent.has_in_frame((x, y, z)):
+        return ActionResult(False, OUT_OF_FRAME)
+    blocker = _blocker(world, held, np.asarray(agent.hand_at()), np.asarray(there))
     if blocker is not None:
         return ActionResult(False, f"{blocker} is blocking {held} from moving")
     agent.hand_offset = (x, y, z)
@@ -127,7 +128,7 @@ def rotate_held_object(
     blocker = _blocker_of_turn(world, held, np.asarray(agent.hand_at()), quaternion)
     if blocker is not None:
         return ActionResult(False, f"{blocker} is blocking {held} from turning")
-    world.move_alone(held, world.state(held).position, quaternion)
+    agent.tilt_held(quaternion)
     if records.turn(held)[1, 1] < 0.0 and records.conditions.of(held).get(FILLED):
         records.conditions.put(held, FILLED, False)
     return ActionResult(True)
@@ -144,7 +145,10 @@ def throw_object(simulator: SimulatorState, moveMagnitude: float, forceAction: b
     ahead = agent.camera().rotation()[2]
     x, y, z = arithmetic.snapped(min(moveMagnitude * PUSH_S / mass, MOST_THROW_M_S) * ahead).tolist()
     released = handling.drop_at(world, agent.held, [agent.hand_at(), *agent.drop_spots()], (x, y, z))
-    return ActionResult(released.object_id is not None, released.error)
+    if released.object_id is None:
+        return ActionResult(False, released.error)
+    agent.rest_hand()
+    return ActionResult(True, value=to_thor(simulator.room.records.position(released.object_id)))
 
 
 ACTIONS: dict[str, Action] = {

@@ -8,33 +8,41 @@ from __future__ import annotations
 from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import PartialVector, facing, yaw_to_room
+from remqa_data.thor.state.frames import PartialVector, facing, whole, yaw_to_room
 from remqa_data.thor.state.simulator import SimulatorState
 
 BLOCKED = " is blocking Agent from moving"
 """What an agent says that meets something."""
+NO_PITCH = "No agents currently can change in pitch or roll. So, you must set rotation(x=0, y=yaw, z=0)."
+"""AI2-THOR's words."""
+UPRIGHT_DEG = 0.01
+"""What a rotation tilts by less than that is upright."""
 HEIGHT_TOLERANCE_M = 0.05
 """How far from the floor a teleport may aim; the agent stands on the floor afterwards."""
 
 
-def rotate_right(simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False) -> ActionResult:
+def rotate_right(
+    simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False, manualInteract: bool = False
+) -> ActionResult:
     """Turn clockwise, by default as far as Initialize has set."""
-    return _rotate(simulator, -1, degrees)
+    return _then_rest(simulator, _rotate(simulator, -1, degrees), manualInteract)
 
 
-def rotate_left(simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False) -> ActionResult:
+def rotate_left(
+    simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False, manualInteract: bool = False
+) -> ActionResult:
     """Turn counter-clockwise."""
-    return _rotate(simulator, 1, degrees)
+    return _then_rest(simulator, _rotate(simulator, 1, degrees), manualInteract)
 
 
-def look_up(simulator: SimulatorState, degrees: float = 0.0) -> ActionResult:
+def look_up(simulator: SimulatorState, degrees: float = 0.0, manualInteract: bool = False) -> ActionResult:
     """Tilt the camera up, by default by 30 degrees."""
-    return _look(simulator, -1, degrees)
+    return _then_rest(simulator, _look(simulator, -1, degrees), manualInteract)
 
 
-def look_down(simulator: SimulatorState, degrees: float = 0.0) -> ActionResult:
+def look_down(simulator: SimulatorState, degrees: float = 0.0, manualInteract: bool = False) -> ActionResult:
     """Tilt the camera down, by default by 30 degrees."""
-    return _look(simulator, 1, degrees)
+    return _then_rest(simulator, _look(simulator, 1, degrees), manualInteract)
 
 
 def teleport(
@@ -60,8 +68,11 @@ def teleport(
         return ActionResult(
             False, f"y {y:g} is more than {HEIGHT_TOLERANCE_M} m from {stands_at:g}, where the agent stands"
         )
-    yaw = None if rotation is None else yaw_to_room(rotation.get("y", 0.0))
-    return simulator.agent.teleport(x, z, yaw, horizon, standing, forceAction)
+    turned = whole(rotation or {})
+    if max(abs(turned["x"]), abs(turned["z"])) >= UPRIGHT_DEG and not forceAction:
+        return ActionResult(False, f"{NO_PITCH} You gave ({turned['x']:f}, {turned['y']:f}, {turned['z']:f}).")
+    yaw = None if rotation is None else yaw_to_room(turned["y"])
+    return _then_rest(simulator, simulator.agent.teleport(x, z, yaw, horizon, standing, forceAction))
 
 
 def rotate_look(
@@ -90,8 +101,9 @@ def _walk(ahead: int = 0, right: int = 0) -> Action:
         forceAction: bool = False,
         objectId: str = "",
         maxAgentsDistance: float = -1.0,
+        manualInteract: bool = False,
     ) -> ActionResult:
-        return _move(simulator, ahead, right, moveMagnitude)
+        return _then_rest(simulator, _move(simulator, ahead, right, moveMagnitude), manualInteract)
 
     return walk
 
@@ -111,6 +123,13 @@ ACTIONS: dict[str, Action] = {
     "Teleport": teleport,
     "TeleportFull": teleport,
 }
+
+
+def _then_rest(simulator: SimulatorState, result: ActionResult, stays: bool = False) -> ActionResult:
+    """A result of having moved, after which the hand is where it usually is, unless it stays."""
+    if result.success and not stays:
+        simulator.agent.rest_hand()
+    return result
 
 
 def _move(simulator: SimulatorState, ahead: int, right: int, metres: float | None) -> ActionResult:
@@ -141,4 +160,13 @@ def _rotate(simulator: SimulatorState, counter_clockwise: int, degrees: float | 
 def _look(simulator: SimulatorState, down: int, degrees: float) -> ActionResult:
     if degrees < 0:
         return ActionResult(False, f"degrees must be positive, not {degrees:g}: name the direction in the action")
-    return simulator.agent.look(down * (degrees or simulator.agent.embodiment.look_deg))
+    agent = simulator.agent
+    angle = down * (degrees or agent.embodiment.look_deg)
+    if not agent.can_look(angle):
+        return ActionResult(
+            False,
+            f"can't look down beyond {agent.embodiment.most_horizon_deg:g} degrees below the forward horizon"
+            if down > 0
+            else f"can't look up beyond {-agent.embodiment.least_horizon_deg:g} degrees above the forward horizon",
+        )
+    return agent.look(angle)

@@ -15,7 +15,7 @@ from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.state.conditions import BASINS, BROKEN
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import PartialVector, whole, yaw_to_thor
+from remqa_data.thor.state.frames import PartialVector, to_thor, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
 
 NO_OBJECT = "not a sim object, a structure was touched"
@@ -115,8 +115,13 @@ def put_object(
 
 
 def drop_object(simulator: SimulatorState, forceAction: bool = False) -> ActionResult:
-    """Let go of what is held."""
-    return _plain(simulator.agent.drop(forceAction))
+    """Let go of what is held; returns where it comes to rest."""
+    agent, held = simulator.agent, simulator.agent.held
+    dropped = agent.drop(forceAction)
+    if held is None or not dropped.success:
+        return dropped
+    agent.rest_hand()
+    return ActionResult(True, value=to_thor(simulator.room.records.position(held)))
 
 
 def push_object(
@@ -128,7 +133,7 @@ def push_object(
     forceAction: bool = False,
 ) -> ActionResult:
     """Push an object in the direction that the agent faces, with a force in newtons."""
-    return _push(simulator, target_of(simulator, "PushObject", objectId, x, y), moveMagnitude, 0.0)
+    return _push(simulator, target_of(simulator, "PushObject", objectId, x, y), moveMagnitude, 0.0, forceAction)
 
 
 def pull_object(
@@ -140,7 +145,7 @@ def pull_object(
     forceAction: bool = False,
 ) -> ActionResult:
     """Push an object against the direction that the agent faces."""
-    return _push(simulator, target_of(simulator, "PullObject", objectId, x, y), moveMagnitude, 180.0)
+    return _push(simulator, target_of(simulator, "PullObject", objectId, x, y), moveMagnitude, 180.0, forceAction)
 
 
 def directional_push(
@@ -153,7 +158,8 @@ def directional_push(
     forceAction: bool = False,
 ) -> ActionResult:
     """Push an object at an angle clockwise from the direction that the agent faces, degrees."""
-    return _push(simulator, target_of(simulator, "DirectionalPush", objectId, x, y), moveMagnitude, pushAngle)
+    target = target_of(simulator, "DirectionalPush", objectId, x, y)
+    return _push(simulator, target, moveMagnitude, pushAngle, forceAction)
 
 
 def touch_then_apply_force(
@@ -255,17 +261,22 @@ def _stand_up(simulator: SimulatorState) -> None:
 
 
 def _push(
-    simulator: SimulatorState, target: str | ActionResult, newtons: float, angle_deg: float, force: bool = False
+    simulator: SimulatorState, target: str | ActionResult, newtons: float, angle_deg: float, force: bool
 ) -> ActionResult:
     if isinstance(target, ActionResult):
         return target
+    if target in simulator.room.world.held:
+        return ActionResult(False, "Please use Throw for an item in the Agent's Hand")
     if newtons <= 0:
         return ActionResult(False, f"moveMagnitude {newtons:g} is not a force: give newtons")
     agent, room = simulator.agent, simulator.room
     distance = _slide_m(newtons, room.records.mass_kg(target))
     x, y, _ = room.world.state(target).position
     away_deg = math.degrees(math.atan2(y - agent.y, x - agent.x))
-    return _plain(agent.push(target, distance, agent.yaw_deg - angle_deg - away_deg, force))
+    pushed = agent.push(target, distance, agent.yaw_deg - angle_deg - away_deg, force)
+    if not pushed.success:
+        return pushed
+    return ActionResult(True, value={"didHandTouchSomething": True, "objectId": target, "armsLength": 0.0})
 
 
 def _slide_m(newtons: float, mass_kg: float) -> float:

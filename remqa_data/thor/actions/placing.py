@@ -63,6 +63,13 @@ def remove_from_scene(
     return ActionResult(True)
 
 
+def disable_all_objects_of_type(simulator: SimulatorState, objectType: str) -> ActionResult:
+    """Take all objects of a type out of the scene."""
+    room, name_of_type = simulator.room, object_type(objectType).name
+    names = [name for name in room.world.ids if room.world.type_of(name) == name_of_type and not _is_away(room, name)]
+    return remove_from_scene(simulator, objectIds=names)
+
+
 def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Put an object back to where it was when it was taken out of the scene."""
     room, world = simulator.room, simulator.room.world
@@ -79,11 +86,16 @@ def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
 
 
 def set_object_poses(
-    simulator: SimulatorState, objectPoses: list[ObjectPose], placeStationary: bool = True, forceAction: bool = False
+    simulator: SimulatorState,
+    objectPoses: list[ObjectPose],
+    placeStationary: bool = True,
+    forceAction: bool = False,
+    skipMoveable: bool = False,
 ) -> ActionResult:
     """Put all that is pickupable or moveable where it is said to be; what is not mentioned leaves the scene.
 
-    With `forceAction`, things may be put into each other, and physics drives them apart.
+    With `forceAction`, things may be put into each other, and physics drives them apart. With `skipMoveable`, what is only
+    moveable stays if it is not mentioned.
     """
     room, world = simulator.room, simulator.room.world
     poses: dict[str, ObjectPose] = {}
@@ -106,7 +118,7 @@ def set_object_poses(
     gone = {
         name: away.get(name, before.states[name])
         for name in world.ids
-        if name not in poses and object_type(world.type_of(name)).is_loose
+        if name not in poses and _leaves(world.type_of(name), skipMoveable)
     }
     for name in gone:
         world.put_away(name)
@@ -157,7 +169,8 @@ def _place_at(
     if blocker is not None:
         world.restore(before)
         return ActionResult(False, f"spawn area not clear ({blocker} is in the way), can't place object at that point")
-    return ActionResult(True)
+    simulator.agent.rest_hand()
+    return ActionResult(True, value=to_thor(room.records.position(objectId)))
 
 
 def teleport_object(
@@ -196,7 +209,8 @@ def teleport_object(
         moved = [objectId, *world.move(objectId, pivot, quaternion)]
         blocker = _put_down(room, moved, forceAction)
         if blocker is None:
-            return ActionResult(True)
+            simulator.agent.rest_hand()
+            return ActionResult(True, value=None if positions else to_thor(room.records.position(objectId)))
         world.restore(before)
     return ActionResult(False, f"{blocker} is in the way of {objectId}")
 
@@ -227,11 +241,13 @@ def get_spawn_coordinates_above_receptacle(
 
 
 ACTIONS: dict[str, Action] = {
+    "DisableAllObjectsOfType": disable_all_objects_of_type,
     "DisableObject": remove_from_scene,
     "EnableObject": enable_object,
     "GetSpawnCoordinatesAboveReceptacle": get_spawn_coordinates_above_receptacle,
     "PlaceObjectAtPoint": place_object_at_point,
     "RemoveFromScene": remove_from_scene,
+    "RemoveObjsFromScene": remove_from_scene,
     "SetObjectPoses": set_object_poses,
     "TeleportObject": teleport_object,
 }
@@ -258,6 +274,12 @@ def _stays(room: LoadedFloorPlan, object_id: str) -> ActionResult | None:
     if not object_type(room.world.type_of(object_id)).is_loose:
         return ActionResult(False, f"{object_id} is neither pickupable nor moveable")
     return None
+
+
+def _leaves(type_name: str, skips_moveable: bool) -> bool:
+    """Whether objects of a type leave the scene if no pose is given for them."""
+    kind = object_type(type_name)
+    return kind.pickupable if skips_moveable else kind.is_loose
 
 
 def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectState:

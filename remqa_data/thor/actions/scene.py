@@ -163,6 +163,12 @@ def set_object_filter(simulator: SimulatorState, objectIds: list[str]) -> Action
     return ActionResult(True)
 
 
+def set_object_filter_for_type(simulator: SimulatorState, objectTypes: list[str]) -> ActionResult:
+    """List only the objects of some types in the metadata."""
+    world = simulator.room.world
+    return set_object_filter(simulator, [name for name in world.ids if world.type_of(name) in objectTypes])
+
+
 def reset_object_filter(simulator: SimulatorState) -> ActionResult:
     """List all objects again."""
     simulator.shown_objects = None
@@ -246,11 +252,13 @@ ACTIONS: dict[str, Action] = {
     "GetSceneBounds": get_scene_bounds,
     "GetScenesInBuild": get_scenes_in_build,
     "Initialize": initialize,
+    "NoOp": do_nothing,
     "Pass": do_nothing,
     "PausePhysicsAutoSim": do_nothing,
     "Reset": reset,
     "ResetObjectFilter": reset_object_filter,
     "SetObjectFilter": set_object_filter,
+    "SetObjectFilterForType": set_object_filter_for_type,
     "ToggleMapView": toggle_map_view,
     "UnpausePhysicsAutoSim": do_nothing,
     "UpdateThirdPartyCamera": update_third_party_camera,

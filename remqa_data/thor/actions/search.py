@@ -20,13 +20,13 @@ from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.ground import Ground
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room
+from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
 
 Plan = tuple[float, float]
 """x and y in the room, metres."""
 
-ROTATIONS_DEG, HORIZONS_DEG, STANDINGS = (0.0, 90.0, 180.0, 270.0), (-30.0, 0.0, 30.0, 60.0), (True, False)
+HORIZONS_DEG, STANDINGS = (-30.0, 0.0, 30.0, 60.0), (False, True)
 MOST_STEPS = 10_000
 SURFACE_POINTS, APART_M = 30, 0.005
 """So many points stand for an object's surface, or fewer where they would be nearer to each other."""
@@ -60,11 +60,21 @@ def get_interactable_poses(
     maxDistance: float | None = None,
     maxPoses: int | None = None,
 ) -> ActionResult:
-    """Poses from which the agent sees an object within a distance, by default its visibility distance."""
+    """Poses from which the agent sees an object within a distance, by default its visibility distance.
+
+    By default the agent turns, from how it is turned now, in steps of rotateStepDegrees.
+    """
     agent = simulator.agent
     agent.world.type_of(objectId)  # names the nearest ids if there is no such object
     if maxPoses is not None and maxPoses < 1:
-        return ActionResult(False, f"maxPoses {maxPoses} is not positive")
+        return ActionResult(False, "maxPoses must be > 0.")
+    if maxDistance is not None and maxDistance < 0.0:
+        return ActionResult(False, "maxDistance must be >= 0 meters from the object.")
+    least, most = agent.embodiment.least_horizon_deg, agent.embodiment.most_horizon_deg
+    if not all(least - 1e-6 <= horizon <= most + 1e-6 for horizon in horizons or ()):
+        return ActionResult(False, f"Each horizon must be in [{least:g}:{most:g}]. You gave {horizons}.")
+    if [] in (positions, rotations, horizons, standings):
+        return ActionResult(False, "Every degree of freedom must have at least 1 valid value.")
     places = (
         _flood(agent.ground, (agent.x, agent.y), simulator.settings.grid_size, 0.0, MOST_STEPS) or []
         if positions is None
@@ -72,8 +82,8 @@ def get_interactable_poses(
     )
     pose = (agent.x, agent.y), agent.yaw_deg, agent.horizon_deg, agent.is_standing
     found = []
-    for (x, y), rotation, horizon, standing in product(
-        places, rotations or ROTATIONS_DEG, horizons or HORIZONS_DEG, standings or STANDINGS
+    for horizon, standing, rotation, (x, y) in product(
+        horizons or HORIZONS_DEG, standings or STANDINGS, rotations or _headings(simulator), places
     ):
         agent.place((x, y), yaw_to_room(rotation), horizon, standing)
         if agent.sees(objectId, maxDistance):
@@ -165,6 +175,13 @@ ACTIONS: dict[str, Action] = {
     "GetVisibleObjects": get_visible_objects,
     "ObjectTypeToObjectIds": object_type_to_object_ids,
 }
+
+
+def _headings(simulator: SimulatorState) -> list[float]:
+    """All headings to which the agent can turn step by step, degrees clockwise."""
+    step = simulator.settings.rotate_step_degrees
+    first = round(yaw_to_thor(simulator.agent.yaw_deg) % step)
+    return [float((first + k * step) % 360.0) for k in range(max(1, round(360.0 / step)))]
 
 
 def object_meant(

@@ -110,14 +110,22 @@ STATE_CHANGES = {
 WITHOUT_EFFECT = (
     "ChangeOpenSpeed",
     "ChangeTimeScale",
+    "DisableTemperatureDecay",
+    "EnableTemperatureDecay",
+    "HideTranslucentObjects",
+    "MakeAllObjectsBreakable",
     "MakeAllObjectsMoveable",
+    "MakeAllObjectsStationary",
     "MakeAllObjectsUnbreakable",
     "MakeAllPickupableObjectsMoveable",
+    "MakeObjectBreakable",
+    "MakeObjectUnbreakable",
     "MakeObjectsOfTypeUnbreakable",
     "MakeObjectsStaticKinematicMassThreshold",
     "SetDecayTemperatureBool",
     "SetGlobalRoomTempDecayTime",
     "SetRoomTempDecayTimeForType",
+    "SetTemperatureDecayTime",
 )
 
 ACTIONS: dict[str, Action] = {

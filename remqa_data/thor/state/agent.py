@@ -16,9 +16,11 @@ from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, I32, Flags, Vec3
+from remqa_data.scene import Quaternion
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
 from remqa_data.sim.agent.body import direction
+from remqa_data.sim.agent.results import DONE
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
@@ -87,13 +89,14 @@ class ThorAgent(Agent):
         hands: Hands = "arm" if settings.has_arm else "near"
         super().__init__(world, view, position, yaw_deg, embodiment=body, hands=hands, number=number, **pose)
         self._grasp: F64 = np.zeros(3)
+        self._usual_turn: F64 | None = None
         self._sight = Sight(world, view, body)
 
     def take_over(self, before: ThorAgent) -> None:
         """Hold the hand, and what is in it, as an agent did in whose place it comes, if that had the same kind of hand."""
         if self.hands != before.hands:
             return
-        self.hand_offset, self._grasp = before.hand_offset, before._grasp
+        self.hand_offset, self._grasp, self._usual_turn = before.hand_offset, before._grasp, before._usual_turn
         if "arm" in vars(before):  # it has been used
             self.arm.state = before.arm.state
 
@@ -143,7 +146,24 @@ class ThorAgent(Agent):
         if result.success:
             self.hand_offset = HAND
             self._grasp = middle - np.asarray(self.hand_at()) if self.hands == "arm" else np.zeros(3)
+            self._usual_turn = None
         return result
+
+    def tilt_held(self, quaternion: Quaternion) -> None:
+        """Turn what it holds to a rotation in the room, until the hand rests again."""
+        state = self.world.state(str(self.held))
+        if self._usual_turn is None:
+            self._usual_turn = arithmetic.product(about_z(-self.yaw_deg), rotation_of(state.quaternion))
+        self.world.move_alone(str(self.held), state.position, quaternion)
+
+    def rest_hand(self) -> None:
+        """Have the hand, if it is no arm's, where it usually is, and what it holds turned as before `tilt_held`."""
+        if self.hands == "arm":
+            return
+        self.hand_offset, turn, self._usual_turn = HAND, self._usual_turn, None
+        if self.held is not None and turn is not None:
+            quaternion = snapped_quaternion(quaternion_of(arithmetic.product(about_z(self.yaw_deg), turn)))
+            self.world.move_alone(self.held, self.world.state(self.held).position, quaternion)
 
     def load(self, object_id: str) -> list[str]:
         """See `Agent`: what lies in or on a receptacle, if a hand can pick it up."""
@@ -227,8 +247,12 @@ class ThorAgent(Agent):
         if not force or not is_openable or not self.world.most_open(object_id) < openness <= 1.0:
             return super().open(object_id, openness, force)
         if self.world.state(object_id).openness == openness:
-            return ActionResult(False, f"{object_id} is already open")
+            return DONE
         return ActionResult(True, value=self.world.open(object_id, openness, force=True))
+
+    def _leave_as_it_is(self, object_id: str, openness: float, force: bool) -> ActionResult:
+        """See `Agent`; AI2-THOR minds only whether it could have been done."""
+        return (None if force else self.refusal(object_id)) or DONE
 
     def drop_spots(self) -> list[Vec3]:
         """Where it lets go: where its hand is, if it has been moved, or where its arm holds the thing, or just above."""

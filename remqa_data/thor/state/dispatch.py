@@ -84,14 +84,28 @@ here. They are kept away from actions that have no such parameter, too."""
 
 HEEDS_NO_OTHERS = frozenset(
     {
+        "BreakObject",
+        "ChangeFOV",
+        "CleanObject",
         "CookObject",
         "DirectionalPush",
+        "DirtyObject",
+        "EmphasizeObject",
+        "EmptyLiquidFromObject",
+        "FillObjectWithLiquid",
+        "GetSpawnCoordinatesAboveReceptacle",
         "LookDown",
         "LookUp",
+        "MaskObject",
         "PullObject",
         "PushObject",
+        "RotateLook",
         "SetObjectPoses",
         "SetObjectStates",
+        "SliceObject",
+        "TouchThenApplyForce",
+        "UnmaskObject",
+        "UseUpObject",
     }
 )
 """In AI2-THOR these take one record of all arguments that there are, and so anything: what they do not know means nothing."""

@@ -75,7 +75,7 @@ class Outcome:
     result : ActionResult
         What came of it.
     code : str, optional
-        AI2-THOR's errorCode, of an action that could not be read.
+        AI2-THOR's errorCode, where it has one: of an action that could not be read, for instance.
     """
 
     action: str
