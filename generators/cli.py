@@ -80,6 +80,8 @@ def generate(
     from remqa_data.generators.pipeline import generate as run
     from remqa_data.processes.executors import LocalExecutor, make_executor
 
+    if overwrite and resume:
+        raise ConfigError("--resume goes on with what is in the folder, and --overwrite removes it: give one of them")
     settings = load_config(config)
     if layouts is not None:
         settings = settings.with_layouts(layouts)

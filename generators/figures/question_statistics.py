@@ -8,6 +8,7 @@ from typing import Any
 
 import pandas as pd
 
+from remqa_data.errors import DatasetError
 from remqa_data.published import MEAN_WORDS, QUESTIONS
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
@@ -31,11 +32,13 @@ def question_statistics(root: str | os.PathLike[str]) -> pd.DataFrame:
     Raises
     ------
     DatasetError
-        If there is no finished dataset.
+        If there is no finished dataset, or it has no questions.
     DamagedShardError
         If a file cannot be read.
     """
     splits = load_manifest(root).splits("questions")
+    if not splits:
+        raise DatasetError(f"{root} has no questions")
     return statistics_of(
         pd.concat([read_table(root, "questions", split, COLUMNS).to_pandas() for split in splits]), splits
     )

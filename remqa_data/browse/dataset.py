@@ -16,6 +16,7 @@ import pandas as pd
 import pyarrow as pa
 
 from remqa_data.datasets.random_access import SplitReader
+from remqa_data.errors import DatasetError
 from remqa_data.geometry.types import I16
 from remqa_data.mapping.semantic_map import UNKNOWN, SemanticPlan
 from remqa_data.scene_graph.relations import Edge
@@ -139,6 +140,8 @@ class BrowsedDataset:
     def index(self) -> pa.Table:
         """All questions without their pictures, split by split; the columns `INDEX`."""
         splits = self.manifest.splits("questions")
+        if not splits:
+            raise DatasetError(f"{self.root} has no questions")
         return pa.concat_tables([self._reader("questions", split).columns(INDEX) for split in splits]).combine_chunks()
 
     @cached_property

@@ -37,6 +37,9 @@ ANSWER = "Answer"
 ANSWERS = ("yes", "no", *map(str, range(10)))
 """The answers that the action spaces have; as text, any answer can be given."""
 
+MOST_ANSWER_CHARACTERS = 300
+"""What a submission holds."""
+
 _WALKING = tuple(name for name in NAVIGATION if name != TELEPORT)
 _AT_THE_CENTRE = ("OpenObject", "CloseObject", "PickupObject", "PutObject", "PushObject", "PullObject")
 
@@ -65,15 +68,39 @@ class Command:
     answer : str or None
         Ends the episode.
     box : tuple of float or None
-        Where the agent says that the question's target is in the present view.
+        Where the agent says that the question's target is in the present view: left, top, right, bottom, from 0 to 1.
+
+    Raises
+    ------
+    ActionError
+        If it is neither an action nor an answer, or what a submission cannot hold.
     """
 
     action: Action | None = None
     answer: str | None = None
     box: Shares | None = None
 
+    def __post_init__(self) -> None:
+        if self.action is None and self.answer is None:
+            raise ActionError("a Command has an action or an answer; action=Action(DONE) ends an episode without one")
+        if not isinstance(self.action, Action | None):
+            raise ActionError(f"Command(action={self.action!r}): give an Action, such as parse_action('MoveAhead')")
+        if not (self.answer is None or (isinstance(self.answer, str) and len(self.answer) <= MOST_ANSWER_CHARACTERS)):
+            raise ActionError(
+                f"Command(answer={self.answer!r}): give a text of at most {MOST_ANSWER_CHARACTERS} characters"
+            )
+        if self.box is not None and not _is_box(self.box):
+            raise ActionError(f"Command(box={self.box!r}): give left, top, right and bottom, shares from 0 to 1")
+
     def __str__(self) -> str:
         return f"{ANSWER} {self.answer}" if self.action is None else str(self.action)
+
+
+def _is_box(box: Shares) -> bool:
+    if np.shape(box) != (4,):
+        return False
+    left, top, right, bottom = box
+    return bool(0.0 <= left <= right <= 1.0 and 0.0 <= top <= bottom <= 1.0)
 
 
 def action_space(mode: ActionMode) -> spaces.Space[Any]:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import string
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import gymnasium
 import numpy as np
@@ -106,9 +106,16 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
             raise ActionError("give either the root of a dataset or scenes: one of them, not both")
         if render_mode not in (None, "rgb_array"):
             raise ActionError(f"render_mode {render_mode!r} is neither None nor 'rgb_array'")
+        if hands not in get_args(Hands):
+            raise ActionError(f"hands {hands!r} is none of {', '.join(get_args(Hands))}")
         for name, value in (("width", width), ("height", height), ("max_steps", max_steps)):
-            if value < 1:
-                raise ActionError(f"{name} is {value}: give a positive number")
+            if not isinstance(value, int | np.integer) or value < 1:
+                raise ActionError(f"{name} is {value!r}: give a positive whole number")
+        for name, chosen in (("question_ids", question_ids), ("scenes", scenes)):
+            if isinstance(chosen, str):
+                raise ActionError(f"{name} is a text: give a list, [{chosen!r}]")
+        if question_ids is not None and not len(question_ids):
+            raise ActionError("question_ids is empty: leave it out, or name at least one")
         self.episodes: Episodes
         self.split = None if root is None else split
         if root is not None:

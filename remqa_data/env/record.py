@@ -51,6 +51,8 @@ class EpisodeRecord:
         The question's target in the view just before it, pixels of a 300 x 300 frame; None where it is not visible.
     box : tuple of float or None
         Where the agent said that it is, in the same pixels.
+    is_in_reach : bool
+        Whether the thing to be manipulated was seen, and within the arm's length, just before: `remqa-eval` asks for that, too.
     """
 
     walk: list[Action] = field(default_factory=list)
@@ -60,6 +62,7 @@ class EpisodeRecord:
     before: Before | None = None
     target_box: Box2D | None = None
     box: tuple[float, float, float, float] | None = None
+    is_in_reach: bool = False
 
     def walked(self, action: Action, agent: Agent) -> None:
         """Note a navigation action, done or refused."""
@@ -71,6 +74,7 @@ class EpisodeRecord:
         """Note the view before the manipulation, or before the end of an episode without one."""
         if self.manipulation is None:
             self.before = look_before(agent, task.wanted)
+            self.is_in_reach = agent.out_of_reach(task.wanted.object_id) is None
             index = agent.world.ids.index(task.target_id)
             self.target_box = visible_box(agent.view.instances(agent.camera()), index)
             self.box = None if box is None else _in_pixels(box)
@@ -86,7 +90,7 @@ class EpisodeRecord:
         if self.before is not None:
             wanted = self.before.wanted
             is_meant = (KIND_OF[action.name], object_id) == (wanted.kind, wanted.object_id)
-            self.is_manipulated = is_meant and is_manipulated(agent.world, self.before)
+            self.is_manipulated = is_meant and self.is_in_reach and is_manipulated(agent.world, self.before)
 
     def measures(self, task: Task, answer: str | None) -> dict[str, Any]:
         """The measures of the episode at its end; names and definitions are in docs/METRICS.md."""

@@ -13,6 +13,9 @@ from remqa_data.errors import ActionError
 from remqa_data.files import atomic_path
 from remqa_data.sim.agent.actions import NAVIGATION
 
+MOST_WALKED = 500
+"""Steps before the manipulation; what `remqa-eval` accepts."""
+
 
 class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
     """Records each episode that ends, and writes all of them when it is closed.
@@ -34,7 +37,7 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
     Notes
     -----
     A question that is played again replaces what was recorded of it. A submission holds whole steps (`MoveAhead`, not
-    `MoveAhead 0.1`); other navigation before the manipulation is an `ActionError` when the episode ends.
+    `MoveAhead 0.1`), and at most 500 before the manipulation; anything else is an `ActionError` when the episode ends.
     """
 
     def __init__(self, env: gymnasium.Env[dict[str, Any], Any], path: str | Path, agent: str = "unnamed") -> None:
@@ -77,6 +80,10 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
     def _row(self, answer: str | None) -> dict[str, Any]:
         record, task = self._remqa.record, self._remqa.episode.task
         assert task is not None, "episodes of a dataset have a question"
+        if len(record.walk) > MOST_WALKED:
+            raise ActionError(
+                f"{task.question_id}: a submission holds at most {MOST_WALKED} steps, not {len(record.walk)}"
+            )
         for action in record.walk:
             if action.numbers or action.name not in NAVIGATION:
                 raise ActionError(f"{task.question_id}: a submission holds whole steps, not {str(action)!r}")

@@ -1,7 +1,9 @@
 """The Gymnasium environment: Gymnasium's own checker, and episodes of rooms and of a generated dataset."""
 
+import copy
 import gc
 import math
+import pickle
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -157,11 +159,73 @@ def test_misuse_is_an_exception_and_the_episode_goes_on(env: RemqaEnv, action: A
         ({"scenes": [ROOM], "action_mode": "continuous"}, ActionError),
         ({"scenes": [ROOM], "render_mode": "human"}, ActionError),
         ({"scenes": [ROOM], "width": 0}, ActionError),
+        ({"scenes": [ROOM], "width": 64.5}, ActionError),
+        ({"scenes": [ROOM], "max_steps": None}, ActionError),
+        ({"scenes": [ROOM], "hands": "x"}, ActionError),
+        ({"scenes": ROOM}, ActionError),
+        ({"root": "nowhere", "question_ids": []}, ActionError),
+        ({"root": "nowhere", "question_ids": "FloorPlan1-COUNTING-00-c0"}, ActionError),
     ],
 )
 def test_an_environment_that_cannot_be_made_says_why(arguments: dict[str, Any], error: type[Exception]) -> None:
     with pytest.raises(error):
         RemqaEnv(**arguments)
+
+
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        {},
+        {"action": "MoveAhead"},
+        {"answer": 3},
+        {"answer": "y" * 301},
+        {"answer": "yes", "box": (-0.1, 0.0, 1.0, 1.0)},
+        {"answer": "yes", "box": (0.5, 0.0, 0.2, 1.0)},
+        {"answer": "yes", "box": (math.nan, 0.0, 1.0, 1.0)},
+        {"answer": "yes", "box": (0.0, 1.0)},
+    ],
+)
+def test_a_command_that_no_submission_holds_is_refused(wanted: dict[str, Any]) -> None:
+    with pytest.raises(ActionError, match=r"(?i)a? ?command"):
+        Command(**wanted)
+
+
+def test_a_live_environment_is_neither_copied_nor_pickled(env: RemqaEnv) -> None:
+    env.reset(seed=0)
+    for copied in (copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="cannot be copied or pickled"):
+            copied(env)
+    assert env.step(LEFT)[-1]["success"]
+
+
+def test_a_walk_that_no_submission_holds_is_no_row(small_rooms: Path, tmp_path: Path) -> None:
+    path = tmp_path / "long.jsonl"
+    env = Recorder(gymnasium.make(ENV_ID, root=small_rooms, split="test", width=8, height=8, max_steps=600), path)
+    env.reset(seed=0)
+    for _ in range(501):
+        env.step("RotateLeft")
+    with pytest.raises(ActionError, match="at most 500 steps, not 501"):
+        env.step("Answer yes")
+    assert env.rows == {}
+    env.close()
+
+
+def test_what_the_arm_does_unseen_is_no_manipulation_of_the_evaluator_s(small_rooms: Path) -> None:
+    found = {}
+    for turned in (False, True):
+        env = RemqaEnv(small_rooms, "test", hands="arm", width=32, height=32)
+        env.reset(options={"episode": env.episode_ids[0]})
+        task = env.episode.task
+        assert task is not None
+        *walk, manipulation, answer = oracle_commands(task)
+        for step in walk:
+            env.step(step)
+        for _ in range(2 * turned):
+            env.step("RotateLeft")
+        info = env.step(manipulation)[-1]
+        found[turned] = info["success"], env.step(answer)[-1]["manipulated"]
+        env.close()
+    assert found == {False: (True, True), True: (True, False)}
 
 
 def test_reset_knows_its_episodes_and_its_option(env: RemqaEnv) -> None:

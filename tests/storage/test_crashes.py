@@ -148,6 +148,9 @@ def test_a_killed_run_is_not_gone_on_with_unasked(killed: Path) -> None:
     code, text = run_here(killed)
     assert code == 2
     assert "is not empty; use --resume" in last_line(text)
+    code, text = run_here(killed, "--resume", "--overwrite")
+    assert code == 2
+    assert "give one of them" in text
     code, text = run_here(killed, "--resume", "--seed", "1")
     assert code == 2
     assert "scenes of another run" in last_line(text)

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from remqa_data.catalog import object_type
+from remqa_data.errors import DatasetError
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 
@@ -35,6 +36,8 @@ def asked(root: str | os.PathLike[str]) -> pd.DataFrame:
         a box of tissues is a box).
     """
     splits = load_manifest(root).splits("questions")
+    if not splits:
+        raise DatasetError(f"{root} has no questions")
     rows: pd.DataFrame = pd.concat(
         [read_table(root, "questions", split, QUESTION_COLUMNS).to_pandas() for split in splits], ignore_index=True
     )

@@ -236,13 +236,15 @@ class Agent(Body):
         """Why the agent cannot act on an object from here, or None; whether an arm gets there is seen when it goes."""
         if object_id in self.world.held:
             return ActionResult(False, f"{object_id} is held")
-        if self.hands == "arm":
-            return None
+        return None if self.hands == "arm" else self.out_of_reach(object_id, self.hands)
+
+    def out_of_reach(self, object_id: str, hands: Hands = "reach") -> ActionResult | None:
+        """Why hands of a kind, but for an arm's, do not get to an object from here, or None."""
         if object_id not in self.visible_objects():
             return ActionResult(False, f"{object_id} is not visible")
         is_near = (
             self.plan_distance(object_id) <= self.embodiment.visibility_m
-            if self.hands == "near"
+            if hands == "near"
             else self.reach_distance(object_id) <= self.embodiment.reach_m
         )
         return None if is_near else ActionResult(False, f"{object_id} is not within reach")

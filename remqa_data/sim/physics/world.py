@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from types import TracebackType
+from typing import NoReturn
 
 import numpy as np
 
@@ -358,6 +359,10 @@ class World:
         self.revision += 1
         for object_id in self.held:
             self._bodies.set_collisions(object_id, False)
+
+    def __reduce__(self) -> NoReturn:
+        msg = "a World lives in a simulator of this process: it cannot be copied or pickled; use save() and restore()"
+        raise TypeError(msg)
 
     def close(self) -> None:
         """Give PyBullet's memory back; the world cannot be used afterwards."""

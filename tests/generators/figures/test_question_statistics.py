@@ -1,3 +1,6 @@
+import json
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -5,6 +8,7 @@ from typer.testing import CliRunner
 
 from remqa_data.cli import app
 from remqa_data.errors import DatasetError
+from remqa_data.generators.audit.recount.wording import asked
 from remqa_data.generators.figures.question_statistics import question_statistics
 from remqa_data.storage.shards import read_rows
 from remqa_data.tables.rows import QuestionRow
@@ -40,3 +44,13 @@ def test_the_command_prints_the_table_and_writes_it(finished, tmp_path) -> None:
 def test_a_folder_without_a_dataset_is_refused(tmp_path) -> None:
     with pytest.raises(DatasetError):
         question_statistics(tmp_path)
+
+
+def test_a_dataset_without_questions_is_told_so(dataset: Path) -> None:
+    path = dataset / "manifest.json"
+    manifest = json.loads(path.read_text())
+    manifest["files"] = [file for file in manifest["files"] if file["table"] != "questions"]
+    path.write_text(json.dumps(manifest))
+    for read in (question_statistics, asked):
+        with pytest.raises(DatasetError, match="has no questions"):
+            read(dataset)
