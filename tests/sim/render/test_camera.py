@@ -56,6 +56,7 @@ def test_look_at_puts_the_target_in_the_middle():
     st.sampled_from([150.0, 231.7]),
 )
 def test_windows_are_cameras_that_look_at_their_targets_to_the_last_bit(looks, focal_px):
+    looks = [(*(value + 0.0 for value in look[:6]), look[6]) for look in looks]  # of -0.0 the sign is not kept
     points = np.array([look[:6] for look in looks])
     side = np.array([2 * look[6] for look in looks])
     windows = Windows.looking_at(points[:, :3], points[:, 3:], side, focal_px)
