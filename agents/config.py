@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.agents.training.config import seeded_name
-from remqa_data.evaluation.submission.tracks import MAX_ACTIONS
 from remqa_data.generators.config_files import checked, config_text, preset_names, read_keys
 from remqa_data.limits import MOST_SEED
+from remqa_data.metrics import MAX_ACTIONS
 from remqa_data.storage.manifest import config_hash
 
 PRESETS = "remqa_data.configs.agents"

@@ -11,7 +11,8 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from remqa_data.errors import SubmissionError, one_line
-from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, MAX_ACTIONS, MAX_TEXT, arrow_schema
+from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, arrow_schema
+from remqa_data.metrics import MAX_ACTIONS, MAX_TEXT
 from remqa_data.tables.parquet_pages import Chunk, PageError, row_groups, unpacked
 
 METADATA_KEY = FORMAT.encode()

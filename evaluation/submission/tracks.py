@@ -12,15 +12,13 @@ from typing import Annotated, Any, Final, Literal
 import pyarrow as pa
 from annotated_types import MaxLen
 
+from remqa_data.metrics import MAX_ACTIONS, MAX_TEXT
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION
 
 Track = Literal["remqa", "nav", "rec", "qa"]
 
 FORMAT: Final = "remqa-submission"
 VERSION: Final = 1
-MAX_ACTIONS = 500
-MAX_TEXT = 300
-"""Characters of an id, an answer or a manipulation."""
 MAX_PX = 10_000
 MAX_COORDINATE = 10_000
 """Of a pose, in metres or degrees."""

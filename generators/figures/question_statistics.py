@@ -8,9 +8,8 @@ from typing import Any
 
 import pandas as pd
 
-from remqa_data.errors import DatasetError
 from remqa_data.published import MEAN_WORDS, QUESTIONS
-from remqa_data.storage.manifest import load_manifest
+from remqa_data.storage.manifest import question_splits
 from remqa_data.storage.shards import read_table
 
 COLUMNS = ["split", "kind", "question", "answer", "path_length_m", "path_steps"]
@@ -36,9 +35,7 @@ def question_statistics(root: str | os.PathLike[str]) -> pd.DataFrame:
     DamagedShardError
         If a file cannot be read.
     """
-    splits = load_manifest(root).splits("questions")
-    if not splits:
-        raise DatasetError(f"{root} has no questions")
+    splits = question_splits(root)
     return statistics_of(
         pd.concat([read_table(root, "questions", split, COLUMNS).to_pandas() for split in splits]), splits
     )

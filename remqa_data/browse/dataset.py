@@ -16,12 +16,11 @@ import pandas as pd
 import pyarrow as pa
 
 from remqa_data.datasets.random_access import SplitReader
-from remqa_data.errors import DatasetError
 from remqa_data.geometry.types import I16
 from remqa_data.mapping.semantic_map import UNKNOWN, SemanticPlan
 from remqa_data.scene_graph.relations import Edge
 from remqa_data.sim.metadata import ObjectMetadata
-from remqa_data.storage.manifest import Manifest, load_manifest
+from remqa_data.storage.manifest import Manifest, load_manifest, question_splits
 from remqa_data.tables.images import StoredImage
 from remqa_data.tables.map_columns import plan_labels
 from remqa_data.tables.schema import table_spec
@@ -139,9 +138,7 @@ class BrowsedDataset:
     @cached_property
     def index(self) -> pa.Table:
         """All questions without their pictures, split by split; the columns `INDEX`."""
-        splits = self.manifest.splits("questions")
-        if not splits:
-            raise DatasetError(f"{self.root} has no questions")
+        splits = question_splits(self.root)
         return pa.concat_tables([self._reader("questions", split).columns(INDEX) for split in splits]).combine_chunks()
 
     @cached_property

@@ -15,6 +15,7 @@ import numpy as np
 from gymnasium import spaces
 
 from remqa_data.errors import ActionError
+from remqa_data.metrics import MAX_TEXT
 from remqa_data.sim.agent.actions import (
     DONE,
     MANIPULATION,
@@ -36,9 +37,6 @@ Shares = tuple[float, float, float, float]
 ANSWER = "Answer"
 ANSWERS = ("yes", "no", *map(str, range(10)))
 """The answers that the action spaces have; as text, any answer can be given."""
-
-MOST_ANSWER_CHARACTERS = 300
-"""What a submission holds."""
 
 _WALKING = tuple(name for name in NAVIGATION if name != TELEPORT)
 _AT_THE_CENTRE = ("OpenObject", "CloseObject", "PickupObject", "PutObject", "PushObject", "PullObject")
@@ -85,10 +83,8 @@ class Command:
             raise ActionError("a Command has an action or an answer; action=Action(DONE) ends an episode without one")
         if not isinstance(self.action, Action | None):
             raise ActionError(f"Command(action={self.action!r}): give an Action, such as parse_action('MoveAhead')")
-        if not (self.answer is None or (isinstance(self.answer, str) and len(self.answer) <= MOST_ANSWER_CHARACTERS)):
-            raise ActionError(
-                f"Command(answer={self.answer!r}): give a text of at most {MOST_ANSWER_CHARACTERS} characters"
-            )
+        if not (self.answer is None or (isinstance(self.answer, str) and len(self.answer) <= MAX_TEXT)):
+            raise ActionError(f"Command(answer={self.answer!r}): give a text of at most {MAX_TEXT} characters")
         if self.box is not None and not _is_box(self.box):
             raise ActionError(f"Command(box={self.box!r}): give left, top, right and bottom, shares from 0 to 1")
 

@@ -11,10 +11,8 @@ import gymnasium
 from remqa_data.env import RemqaEnv
 from remqa_data.errors import ActionError
 from remqa_data.files import atomic_path
+from remqa_data.metrics import MAX_ACTIONS
 from remqa_data.sim.agent.actions import NAVIGATION
-
-MOST_WALKED = 500
-"""Steps before the manipulation; what `remqa-eval` accepts."""
 
 
 class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
@@ -80,9 +78,9 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
     def _row(self, answer: str | None) -> dict[str, Any]:
         record, task = self._remqa.record, self._remqa.episode.task
         assert task is not None, "episodes of a dataset have a question"
-        if len(record.walk) > MOST_WALKED:
+        if len(record.walk) > MAX_ACTIONS:
             raise ActionError(
-                f"{task.question_id}: a submission holds at most {MOST_WALKED} steps, not {len(record.walk)}"
+                f"{task.question_id}: a submission holds at most {MAX_ACTIONS} steps, not {len(record.walk)}"
             )
         for action in record.walk:
             if action.numbers or action.name not in NAVIGATION:

@@ -175,6 +175,14 @@ _PATH = re.compile(r"[A-Za-z0-9_]+/[A-Za-z0-9_][A-Za-z0-9_.-]*", re.ASCII)
 _SHA256 = re.compile(r"[0-9a-f]{64}", re.ASCII)
 
 
+def question_splits(root: str | os.PathLike[str]) -> list[str]:
+    """Splits that a dataset has questions of, in the order of its files; DatasetError if it has none."""
+    splits = load_manifest(root).splits("questions")
+    if not splits:
+        raise DatasetError(f"{root} has no questions")
+    return splits
+
+
 def _check_names(where: str, files: tuple[FileInfo, ...]) -> None:
     """A manifest may come from anywhere: what it names lies in the folder of a table, and names no other place."""
     for number, file in enumerate(files):

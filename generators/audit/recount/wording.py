@@ -12,8 +12,7 @@ import numpy as np
 import pandas as pd
 
 from remqa_data.catalog import object_type
-from remqa_data.errors import DatasetError
-from remqa_data.storage.manifest import load_manifest
+from remqa_data.storage.manifest import load_manifest, question_splits
 from remqa_data.storage.shards import read_table
 
 QUESTION_COLUMNS = [
@@ -35,9 +34,7 @@ def asked(root: str | os.PathLike[str]) -> pd.DataFrame:
         `same_type` (objects of the target's type in the room), `called_so` (those of types that may be called like it, too:
         a box of tissues is a box).
     """
-    splits = load_manifest(root).splits("questions")
-    if not splits:
-        raise DatasetError(f"{root} has no questions")
+    splits = question_splits(root)
     rows: pd.DataFrame = pd.concat(
         [read_table(root, "questions", split, QUESTION_COLUMNS).to_pandas() for split in splits], ignore_index=True
     )

@@ -98,7 +98,6 @@ def _put(
         cut(simulator, target)  # an egg is broken by being cracked
     elif name == BROKEN and target == agent.held:
         agent.drop(force=True)
-        agent.rest_hand()
     return ActionResult(True)
 
 

@@ -66,18 +66,14 @@ def look(simulator: SimulatorState, horizon: float) -> ActionResult:
     return navigation.rotate_look(simulator, horizon=horizon)
 
 
-def move_hand(
-    simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z: float = 0.0, forceVisible: bool = False
-) -> ActionResult:
+def move_hand(simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> ActionResult:
     """Move what is held, metres: x to the agent's right, y up, z ahead, however its camera is tilted."""
     sine, cosine = arithmetic.sin_cos_deg(simulator.agent.horizon_deg)
     ahead, up = float(z * cosine - y * sine), float(z * sine + y * cosine)
     return hand.move_held_object(simulator, ahead=ahead, right=x, up=up)
 
 
-def move_hand_delta(
-    simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z: float = 0.0, forceVisible: bool = False
-) -> ActionResult:
+def move_hand_delta(simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> ActionResult:
     """Move what is held, metres: x to the camera's right, y up, z ahead."""
     return hand.move_held_object(simulator, ahead=z, right=x, up=y)
 

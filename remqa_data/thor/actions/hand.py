@@ -35,7 +35,7 @@ MOST_THROW_M_S = 5.0
 
 
 def move_held_object(
-    simulator: SimulatorState, ahead: float = 0.0, right: float = 0.0, up: float = 0.0, forceVisible: bool = False
+    simulator: SimulatorState, ahead: float = 0.0, right: float = 0.0, up: float = 0.0
 ) -> ActionResult:
     """Move what is held, metres; its middle stays in the frame, and within the visibility distance in plan."""
     agent, world = simulator.agent, simulator.room.world
@@ -56,46 +56,34 @@ def move_held_object(
     return ActionResult(True)
 
 
-def move_held_object_ahead(
-    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
-) -> ActionResult:
+def move_held_object_ahead(simulator: SimulatorState, moveMagnitude: float | None = None) -> ActionResult:
     """Move what is held away, by default by one cell of the grid."""
-    return move_held_object(simulator, ahead=_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+    return move_held_object(simulator, ahead=_distance(simulator, moveMagnitude))
 
 
-def move_held_object_back(
-    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
-) -> ActionResult:
+def move_held_object_back(simulator: SimulatorState, moveMagnitude: float | None = None) -> ActionResult:
     """Draw what is held nearer."""
-    return move_held_object(simulator, ahead=-_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+    return move_held_object(simulator, ahead=-_distance(simulator, moveMagnitude))
 
 
-def move_held_object_right(
-    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
-) -> ActionResult:
+def move_held_object_right(simulator: SimulatorState, moveMagnitude: float | None = None) -> ActionResult:
     """Move what is held to the right."""
-    return move_held_object(simulator, right=_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+    return move_held_object(simulator, right=_distance(simulator, moveMagnitude))
 
 
-def move_held_object_left(
-    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
-) -> ActionResult:
+def move_held_object_left(simulator: SimulatorState, moveMagnitude: float | None = None) -> ActionResult:
     """Move what is held to the left."""
-    return move_held_object(simulator, right=-_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+    return move_held_object(simulator, right=-_distance(simulator, moveMagnitude))
 
 
-def move_held_object_up(
-    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
-) -> ActionResult:
+def move_held_object_up(simulator: SimulatorState, moveMagnitude: float | None = None) -> ActionResult:
     """Lift what is held."""
-    return move_held_object(simulator, up=_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+    return move_held_object(simulator, up=_distance(simulator, moveMagnitude))
 
 
-def move_held_object_down(
-    simulator: SimulatorState, moveMagnitude: float | None = None, forceVisible: bool = False
-) -> ActionResult:
+def move_held_object_down(simulator: SimulatorState, moveMagnitude: float | None = None) -> ActionResult:
     """Lower what is held."""
-    return move_held_object(simulator, up=-_distance(simulator, moveMagnitude), forceVisible=forceVisible)
+    return move_held_object(simulator, up=-_distance(simulator, moveMagnitude))
 
 
 def rotate_held_object(

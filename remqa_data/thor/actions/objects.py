@@ -120,7 +120,6 @@ def drop_object(simulator: SimulatorState, forceAction: bool = False) -> ActionR
     dropped = agent.drop(forceAction)
     if held is None or not dropped.success:
         return dropped
-    agent.rest_hand()
     return ActionResult(True, value=to_thor(simulator.room.records.position(held)))
 
 

@@ -22,6 +22,7 @@ from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import lattice, open_spaces
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
+from remqa_data.thor.actions.targets import of_type
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, to_room, to_thor, turn_of_euler, whole
 from remqa_data.thor.state.simulator import LoadedFloorPlan, SimulatorState
@@ -65,9 +66,7 @@ def remove_from_scene(
 
 def disable_all_objects_of_type(simulator: SimulatorState, objectType: str) -> ActionResult:
     """Take all objects of a type out of the scene."""
-    room, name_of_type = simulator.room, object_type(objectType).name
-    names = [name for name in room.world.ids if room.world.type_of(name) == name_of_type and not _is_away(room, name)]
-    return remove_from_scene(simulator, objectIds=names)
+    return remove_from_scene(simulator, objectIds=of_type(simulator, object_type(objectType).name))
 
 
 def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:

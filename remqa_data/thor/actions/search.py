@@ -18,6 +18,7 @@ from remqa_data.geometry.types import F64
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.ground import Ground
+from remqa_data.thor.actions.targets import of_type
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room, yaw_to_thor
@@ -70,8 +71,8 @@ def get_interactable_poses(
         return ActionResult(False, "maxPoses must be > 0.")
     if maxDistance is not None and maxDistance < 0.0:
         return ActionResult(False, "maxDistance must be >= 0 meters from the object.")
-    least, most = agent.embodiment.least_horizon_deg, agent.embodiment.most_horizon_deg
-    if not all(least - 1e-6 <= horizon <= most + 1e-6 for horizon in horizons or ()):
+    if not all(agent.can_look(horizon - agent.horizon_deg) for horizon in horizons or ()):
+        least, most = agent.embodiment.least_horizon_deg, agent.embodiment.most_horizon_deg
         return ActionResult(False, f"Each horizon must be in [{least:g}:{most:g}]. You gave {horizons}.")
     if [] in (positions, rotations, horizons, standings):
         return ActionResult(False, "Every degree of freedom must have at least 1 valid value.")
@@ -154,7 +155,7 @@ def get_visible_objects(simulator: SimulatorState, maxDistance: float | None = N
 
 def object_type_to_object_ids(simulator: SimulatorState, objectType: str) -> ActionResult:
     """The ids of all objects of a type that are in the scene."""
-    return ActionResult(True, value=_of_type(simulator, object_type(objectType).name))
+    return ActionResult(True, value=of_type(simulator, object_type(objectType).name))
 
 
 def get_visibility_points(simulator: SimulatorState, objectId: str) -> ActionResult:
@@ -191,7 +192,7 @@ def object_meant(
     if object_id is None:
         if type_name is None:
             raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
-        ids = _of_type(simulator, type_name)
+        ids = of_type(simulator, type_name)
         if len(ids) != 1:
             return ActionResult(False, f"there are {len(ids)} objects of type {type_name}: give an objectId")
         object_id = ids[0]
@@ -208,11 +209,6 @@ def nearest_cell(agent: ThorAgent, low: npt.ArrayLike, high: npt.ArrayLike) -> C
         return math.dist(place, np.clip(place, low, high)), math.dist(place, middle)
 
     return min(agent.grid.cells, key=distance)
-
-
-def _of_type(simulator: SimulatorState, type_name: str) -> list[str]:
-    world, away = simulator.room.world, simulator.room.records.away
-    return [name for name in world.ids if world.type_of(name) == type_name and name not in away]
 
 
 def _spread(points: F64, count: int) -> F64:

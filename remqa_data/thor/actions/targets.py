@@ -20,3 +20,9 @@ def target_of(
         raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
     seen = simulator.agent.object_at(x, y, simulator.room.frame_camera())
     return seen or ActionResult(False, f"no object at ({x:g}, {y:g})")
+
+
+def of_type(simulator: SimulatorState, type_name: str) -> list[str]:
+    """The ids of the objects of a type that are in the scene."""
+    world, away = simulator.room.world, simulator.room.records.away
+    return [name for name in world.ids if world.type_of(name) == type_name and name not in away]
