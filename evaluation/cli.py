@@ -11,6 +11,7 @@ import typer
 from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, output
 from remqa_data.errors import SubmissionError, nearest_names
 from remqa_data.evaluation.submission.tracks import TRACKS, Track
+from remqa_data.limits import MOST_SEED
 from remqa_data.processes.cores import worker_count
 from remqa_data.processes.interrupts import ends_the_process
 
@@ -82,7 +83,7 @@ def score(
     ] = False,
     report: Annotated[bool, typer.Option(help="Write report.html too.")] = True,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes; the scores do not depend on it.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the resampling.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, max=MOST_SEED, help="Of the resampling.")] = 0,
 ) -> None:
     """Score a submission (the word "score" may be left out)."""
     from rich.console import Console
@@ -136,7 +137,7 @@ def random(
     path: Out,
     track: OfTrack = "remqa",
     split: Split = "test",
-    seed: Annotated[int, typer.Option(min=0)] = 0,
+    seed: Annotated[int, typer.Option(min=0, max=MOST_SEED)] = 0,
 ) -> None:
     """Write what an agent that does anything submits."""
     _write_reference("random", data, path, track, split, seed)
@@ -152,7 +153,7 @@ def blind(data: Data, path: Out, track: OfTrack = "remqa", split: Split = "test"
 def compare(
     first: Annotated[Path, typer.Argument(metavar="A.json", help="A results.json.")],
     second: Annotated[Path, typer.Argument(metavar="B.json", help="Another, for the same questions.")],
-    seed: Annotated[int, typer.Option(min=0, help="Of the resampling.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, max=MOST_SEED, help="Of the resampling.")] = 0,
 ) -> None:
     """Say how much better the second submission is than the first, and whether that is luck."""
     from rich.console import Console

@@ -11,6 +11,7 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
+    field_validator,
     model_validator,
 )
 
@@ -79,6 +80,15 @@ class WalkConfig(_Section):
         min_length=1, max_length=MOST_POSES, strict=False
     )
     cells_per_frame: Annotated[float, Field(gt=0, le=MOST_FRAMES)]
+
+    @field_validator("headings_deg", "horizons_deg")
+    @classmethod
+    def _each_once(cls, angles: tuple[int, ...]) -> tuple[int, ...]:
+        turns = [angle % 360 for angle in angles]
+        for place, turn in enumerate(turns):
+            if turn in turns[:place]:
+                raise ValueError(f"{angles[place]} is there twice")
+        return angles
 
     def settings(self, size_px: int) -> WalkSettings:
         """What `walk.walk` takes."""
@@ -173,6 +183,10 @@ class Config(_Section):
         before = self.scene_names
         most = _most_rooms(self.layouts) if isinstance(self.scenes, int) else len(before)
         if not 1 <= count <= most:
+            if not isinstance(self.scenes, int):
+                raise ConfigError(
+                    f"scenes: {count} is not between 1 and {most}, the rooms that the configuration names"
+                )
             raise ConfigError(
                 f"scenes: {count} is not between 1 and {most}, the number of rooms of the layouts {self.layouts}"
                 f"{_for_more(self.layouts)}"

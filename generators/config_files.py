@@ -38,7 +38,7 @@ def config_text(path: str | os.PathLike[str], package: str) -> str:
     if name in presets and not Path(path).is_file():
         return (resources.files(package) / f"{name}.yaml").read_text(encoding="utf-8")
     try:
-        return Path(path).read_text(encoding="utf-8")
+        return Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
         near = nearest_names(name, presets, count=1)
@@ -57,7 +57,7 @@ def read_keys(text: str, where: str) -> Mapping[str, Any]:
     """
     try:
         _check_plain(text, where)
-        data: Any = yaml.safe_load(text)
+        data: Any = yaml.load(text, _EachKeyOnce)
     except (yaml.YAMLError, ValueError) as error:  # ValueError: a date such as 2020-99-99, a number of 5,000 digits
         raise ConfigError(f"{where}: not YAML: {one_line(error)[:300]}") from None
     if not isinstance(data, Mapping):
@@ -77,6 +77,19 @@ def checked(kind: type[M], data: Mapping[str, Any], where: str) -> M:
         return kind.model_validate(data)
     except ValidationError as error:
         raise ConfigError(f"{where}: {_first_problem(error)}") from None
+
+
+class _EachKeyOnce(yaml.SafeLoader):
+    """YAML whose mappings say nothing twice: the last one would win, and nobody would know."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """A mapping."""
+        found = super().construct_mapping(node, deep)
+        keys = [key for key, _ in node.value]
+        for place, key in enumerate(keys):
+            if key.value in (before.value for before in keys[:place]):
+                raise ValueError(f"line {key.start_mark.line + 1}: the key {key.value!r:.80} is there twice")
+        return found
 
 
 def _first_problem(error: ValidationError) -> str:

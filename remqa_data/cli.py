@@ -11,6 +11,7 @@ import typer
 
 from remqa_data.command_line import OneLineErrors, output
 from remqa_data.errors import ConfigError
+from remqa_data.limits import MOST_SEED
 from remqa_data.processes.interrupts import ends_the_process
 from remqa_data.views import LEAST_PX, MOST_PX, SIZE_PX, views_beside
 
@@ -319,7 +320,7 @@ def verify(
     rooms: Annotated[
         int, typer.Option(min=0, help="Make so many rooms again, drawn at random, and compare all their rows.")
     ] = SAMPLE_ROOMS,
-    seed: Annotated[int, typer.Option(min=0, help="Of the draws.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, max=MOST_SEED, help="Of the draws.")] = 0,
     workers: Annotated[int, typer.Option(min=1, help="Processes; what is found does not depend on it.")] = 1,
 ) -> None:
     """Check a dataset from its files: what it says of itself, answers, actions, pictures and words, all worked out anew."""

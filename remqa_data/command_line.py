@@ -1,6 +1,7 @@
 """What the commands share: --version, --quiet and --json, errors in one line, and word of what takes long.
 
-An error on purpose (`RemqaError`) or a file that cannot be read or written becomes one line on stderr and exit code 2.
+An error on purpose (`RemqaError`), an option that cannot be, or a file that cannot be read or written becomes one line on
+stderr and exit code 2.
 The library logs and never prints; what a command has to say goes through `output()`.
 """
 
@@ -9,7 +10,8 @@ from __future__ import annotations
 import json
 import logging
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
@@ -128,7 +130,8 @@ class OneLineErrors(TyperGroup):
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Read the command line, with no option given yet."""
         _OUTPUT.set(Output())
-        return super().make_context(*arguments, **options)
+        with self._usage_in_one_line():
+            return super().make_context(*arguments, **options)
 
     def main(self, args: Sequence[str] | None = None, *others: Any, **options: Any) -> Any:
         """Run the command line, unless nothing can come of it here."""
@@ -143,7 +146,11 @@ class OneLineErrors(TyperGroup):
         """Run the command that was named."""
         logging.getLogger("remqa_data").addHandler(_LOGGED)
         try:
-            with PromptInterrupts(f"{self.name}: {self.when_stopped}"), listening(_tell_compiling):
+            with (
+                PromptInterrupts(f"{self.name}: {self.when_stopped}"),
+                listening(_tell_compiling),
+                self._usage_in_one_line(),
+            ):
                 return super().invoke(ctx)
         except (RemqaError, OSError, RuntimeError) as error:
             if isinstance(error, RuntimeError) and _NO_THREAD not in str(error):
@@ -151,7 +158,21 @@ class OneLineErrors(TyperGroup):
             typer.echo(f"{self.name}: {one_line(_in_words(error))}", err=True)
             raise typer.Exit(2) from error
 
+    @contextmanager
+    def _usage_in_one_line(self) -> Iterator[None]:
+        """Say what is wrong with an option in one line, too; a command line without any words asks for help."""
+        try:
+            yield
+        except _UsageError as error:
+            if type(error).__name__ == "NoArgsIsHelpError":
+                raise
+            command = error.ctx.command_path if error.ctx else self.name
+            typer.echo(f"{command}: {one_line(error.format_message()).rstrip('.')}; see {command} --help", err=True)
+            raise typer.Exit(2) from error
 
+
+_UsageError: Any = typer.BadParameter.__base__
+"""Of the Click that typer uses: its own one, or in older versions the installed one."""
 _PLAIN = Output()
 _OUTPUT: ContextVar[Output] = ContextVar("output", default=_PLAIN)
 

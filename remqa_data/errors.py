@@ -31,14 +31,14 @@ class UnknownNameError(RemqaError, KeyError):
     kind : str
         What the name stands for, such as "scene" or "object type".
     name : str
-        The name that was given.
+        The name that was given; what is no text has no names near it.
     known : iterable of str
         All names that would have been right.
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.kind, self.name = kind, name
-        self.nearest = nearest_names(name, known)
+        self.nearest = nearest_names(name, known) if isinstance(name, str) else []
         msg = f"unknown {kind} {_SHORT.repr(name)}"
         if self.nearest:
             msg += f"; did you mean {' or '.join(repr(near) for near in self.nearest)}?"

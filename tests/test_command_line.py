@@ -94,6 +94,38 @@ def test_a_word_that_is_nearly_a_command_is_not_taken_for_a_file(name, word, hin
     assert hint in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("name", "words", "line"),
+    [
+        ("remqa-gen", ["--scenes", "abc"], "remqa-gen: Invalid value for '--scenes': Input should be a valid integer"),
+        ("remqa-gen", ["--out"], "remqa-gen: Option '--out' requires an argument"),
+        ("remqa-gen", ["--scens", "3"], "remqa-gen: No such option: --scens"),
+        ("remqa-data", ["preview"], "remqa-data preview: Missing argument 'scene'"),
+        ("remqa-data", ["preview", "FloorPlan1", "--size", "9"], "remqa-data preview: Invalid value for '--size'"),
+        ("remqa-data", ["assets"], "remqa-data assets: Invalid value: name a folder with --sheet DIR or --glb DIR"),
+        ("remqa-eval", ["random", "--seed", str(2**63)], "remqa-eval random: Invalid value for '--seed'"),
+    ],
+)
+def test_an_option_that_cannot_be_is_one_line_that_leads_to_help(name, words, line) -> None:
+    done = invoke(name, *words)
+    assert (done.exit_code, done.stdout) == (2, "")
+    (said,) = done.stderr.splitlines()
+    assert said.startswith(line)
+    assert said.endswith(f"; see {line.partition(':')[0]} --help")
+
+
+@pytest.mark.parametrize("name", ["remqa-data", "remqa-eval", "remqa-agent"])
+def test_without_words_there_is_help(name) -> None:
+    assert "--version" in invoke(name).output
+
+
+@pytest.mark.parametrize("words", [["preview", "FloorPlan1"], ["show", "nowhere", "Kitchen1-q0"]])
+def test_a_picture_has_the_name_of_one(words) -> None:
+    done = invoke("remqa-data", *words, "-o", "room.jpg")
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr == "remqa-data: room.jpg: the picture is a PNG: give a name that ends with .png\n"
+
+
 def test_a_file_whose_name_is_nearly_a_command_is_a_file_when_it_is_there(finished, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     written(tmp_path / "score.jsonl", "qa", [{"question_id": "Kitchen3-q0", "answer": "yes"}])

@@ -17,9 +17,8 @@ from remqa_data.agents.training.matching import FrameExpressions, frames_with_ex
 from remqa_data.agents.training.weights import load_network, trained_detector, weights_path
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import ConfigError, UnknownNameError
-from remqa_data.files import atomic_path
 from remqa_data.geometry.types import U8
-from remqa_data.opencv import cv2
+from remqa_data.opencv import check_png, cv2, write_png
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.tables.images import decode_rgb
 
@@ -63,14 +62,14 @@ def write_attention_picture(
     ConfigError
         If the network is none, or has learnt from another dataset.
     """
+    check_png(path)
     matcher, about = load_network(weights_path(network, weights), root, force=force)
     if not isinstance(matcher, ModularMatcher):
         raise ConfigError(f"{network} has no attention over words; language_attention has")
     detector = trained_detector(about.network.network, weights, root, force=force).eval()
     frames = _frames_of(root, expression_ids)
     rows = [attention_picture(frames[name], name, detector, matcher, about.vocabulary) for name in expression_ids]
-    with atomic_path(path) as temporary:
-        temporary.write_bytes(cv2.imencode(".png", np.vstack(rows)[..., ::-1])[1].tobytes())
+    write_png(path, np.vstack(rows))
 
 
 @torch.no_grad()

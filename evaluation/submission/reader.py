@@ -7,6 +7,7 @@ dataset's sha256 as `remqa-eval` prints it, and "agent", a name for reports.
 
 from __future__ import annotations
 
+import codecs
 import gc
 import hashlib
 import json
@@ -182,6 +183,8 @@ def _lines(path: Path, handle: BinaryIO) -> Iterator[bytes]:
     number = 0
     while line := handle.readline(MAX_LINE_BYTES + 1):
         number += 1
+        if number == 1:
+            line = line.removeprefix(codecs.BOM_UTF8)
         if len(line) > MAX_LINE_BYTES:
             raise SubmissionError(path, f"line {number}", f"longer than {MAX_LINE_BYTES:,} bytes")
         yield line

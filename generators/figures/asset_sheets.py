@@ -14,9 +14,8 @@ import numpy as np
 
 from remqa_data.assets import TYPES, Asset, AssetSpec, build, variant_count
 from remqa_data.assets.core.sizes import typical_size
-from remqa_data.files import atomic_path
 from remqa_data.geometry.types import U8, Vec3
-from remqa_data.opencv import cv2
+from remqa_data.opencv import cv2, write_png
 
 TILE_PX = 240
 FRONT_YAW_DEG, DOWN_DEG, FOV_DEG = 62.0, 24.0, 30.0
@@ -55,8 +54,7 @@ def write_sheets(
         if progress is not None:
             progress(type_)
         path = directory / f"{type_}.png"
-        with atomic_path(path) as temporary:
-            temporary.write_bytes(cv2.imencode(".png", sheet(type_, columns)[..., ::-1])[1].tobytes())
+        write_png(path, sheet(type_, columns))
         written.append(path)
     return written
 

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from remqa_data.files import atomic_path
 from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.types import U8
-from remqa_data.opencv import cv2
+from remqa_data.opencv import check_png, cv2, write_png
 from remqa_data.scene import Light, Scene
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
@@ -29,9 +28,8 @@ CELL_COLOR, START_COLOR, WALL_COLOR, TEXT_COLOR = (60, 160, 60), (220, 60, 40), 
 
 def write_preview(scene_name: str, path: Path, size_px: int = 300, light: Light = "baked") -> None:
     """Write the preview sheet of a floor plan or a sampled room as PNG; `size_px` is the side of each view."""
-    with atomic_path(path) as temporary:
-        image = preview(load_scene(scene_name, light), size_px)
-        temporary.write_bytes(cv2.imencode(".png", image[..., ::-1])[1].tobytes())
+    check_png(path)
+    write_png(path, preview(load_scene(scene_name, light), size_px))
 
 
 def preview(scene: Scene, size_px: int = 300) -> U8:

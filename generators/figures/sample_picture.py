@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from remqa_data.errors import DatasetError, UnknownNameError
-from remqa_data.files import atomic_path
 from remqa_data.generators.figures.preview import map_pixel, room_map
 from remqa_data.geometry.types import U8
-from remqa_data.opencv import cv2
+from remqa_data.opencv import check_png, cv2, write_png
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import parse_actions, walk_and_rest
 from remqa_data.sim.navigation.grid import reachable_grid
@@ -36,10 +35,11 @@ def write_sample_picture(root: Path, question_id: str, path: Path) -> None:
         If the dataset has no such question; names the nearest.
     DatasetError
         If the dataset has not the room that the question is about.
+    OutputError
+        If the name of the picture does not end with .png.
     """
-    question, scene = find_question(root, question_id)
-    with atomic_path(path) as temporary:
-        temporary.write_bytes(cv2.imencode(".png", sample_picture(question, scene)[..., ::-1])[1].tobytes())
+    check_png(path)
+    write_png(path, sample_picture(*find_question(root, question_id)))
 
 
 def find_question(root: Path, question_id: str) -> tuple[QuestionRow, SceneRow]:

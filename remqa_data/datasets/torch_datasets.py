@@ -5,6 +5,7 @@ They work with any number of DataLoader workers, forked or spawned. `remqa_data.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
@@ -60,7 +61,7 @@ class _TableDataset(Dataset[Sample], Generic[Sample]):
         return len(self._rows)
 
     def __getitem__(self, index: int) -> Sample:
-        row = self._rows[index]
+        row = self._row(index)
         if self._loaded is None:
             arrays = self._reader.columns(self.columns)
             self._loaded = {k: v for name in self.columns for k, v in _values(name, arrays[name].chunk(0)).items()}
@@ -81,6 +82,16 @@ class _TableDataset(Dataset[Sample], Generic[Sample]):
     def _image_place(self, row: int) -> tuple[SplitReader, int]:
         """Where the images of a row are."""
         return self._reader, row
+
+    def _row(self, index: int) -> int:
+        try:
+            return self._rows[operator.index(index)]
+        except TypeError:
+            name = type(self).__name__
+            msg = f"{name}[{index!r}]: give one whole number; torch.utils.data.Subset takes several"
+            raise TypeError(msg) from None
+        except IndexError:
+            raise IndexError(f"sample {index} of {len(self)}") from None
 
 
 class RemqaDataset(_TableDataset[QuestionSample]):
@@ -111,6 +122,8 @@ class RemqaDataset(_TableDataset[QuestionSample]):
         When a value that is read is none, not finite, or beyond `remqa_data.limits`: names the file, row and field.
     UnknownNameError
         For a kind, column or image that does not exist.
+    TypeError
+        If what should be a list of names is one text.
     """
 
     table = image_table = "questions"
@@ -215,6 +228,8 @@ _Values = Callable[[int], Any]
 
 
 def _known(names: Sequence[str] | None, known: Sequence[str], what: str) -> tuple[str, ...]:
+    if isinstance(names, str):
+        raise TypeError(f"{what}: give a list, [{names!r}]")
     for name in names or ():
         if name not in known:
             raise UnknownNameError(what, name, known)

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from remqa_data.errors import DatasetError, UnknownNameError
 from remqa_data.files import atomic_path
+from remqa_data.storage.manifest import question_splits
 from remqa_data.storage.shards import read_table
 
 PAD, UNKNOWN = "<pad>", "<unk>"
@@ -65,6 +66,10 @@ class Vocabulary:
         DatasetError
             If this is not a finished dataset, or has no train split.
         """
+        if "train" not in question_splits(root):
+            raise DatasetError(
+                f"{root} has no train questions to learn words from: give the vocabulary of another dataset"
+            )
         train = read_table(Path(root), "questions", "train", ["question", "answer"])
         return cls.build(train["question"].to_pylist(), train["answer"].to_pylist(), min_count)
 

@@ -29,6 +29,7 @@ from remqa_data.env.loaded_scene import LoadedRoom
 from remqa_data.env.question import QuestionText
 from remqa_data.env.record import EpisodeRecord
 from remqa_data.errors import ActionError
+from remqa_data.limits import MOST_IMAGE_PX
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION, TELEPORT, Action, perform
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
@@ -111,11 +112,10 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         for name, value in (("width", width), ("height", height), ("max_steps", max_steps)):
             if not isinstance(value, int | np.integer) or value < 1:
                 raise ActionError(f"{name} is {value!r}: give a positive whole number")
-        for name, chosen in (("question_ids", question_ids), ("scenes", scenes)):
-            if isinstance(chosen, str):
-                raise ActionError(f"{name} is a text: give a list, [{chosen!r}]")
-        if question_ids is not None and not len(question_ids):
-            raise ActionError("question_ids is empty: leave it out, or name at least one")
+        if max(width, height) > MOST_IMAGE_PX:
+            raise ActionError(f"a view of {width} x {height} pixels: give at most {MOST_IMAGE_PX} x {MOST_IMAGE_PX}")
+        if isinstance(scenes, str):
+            raise ActionError(f"scenes is a text: give a list, [{scenes!r}]")
         self.episodes: Episodes
         self.split = None if root is None else split
         if root is not None:
@@ -273,12 +273,16 @@ def wanted_episode(ids: Sequence[str], rng: np.random.Generator, options: Mappin
     Raises
     ------
     ActionError
-        For an option that there is not.
+        For an option that there is not, or an episode that is no name.
     """
+    if options is not None and not isinstance(options, Mapping):
+        raise ActionError(f"options is {options!r:.80}: give a dict, such as {{'episode': {ids[0]!r}}}")
     wanted = dict(options or {})
     name = wanted.pop("episode", None)
     if wanted:
         raise ActionError(f"reset takes the option 'episode', not {', '.join(map(repr, wanted))}")
+    if name is not None and not isinstance(name, str):
+        raise ActionError(f"episode is {name!r:.80}: give the name of one, such as {ids[0]!r}")
     return ids[int(rng.integers(len(ids)))] if name is None else name
 
 

@@ -110,6 +110,8 @@ class DatasetEpisodes:
         If this is not a finished dataset, or has no such split.
     UnknownNameError
         If it has no such question.
+    ActionError
+        As of `check_question_ids`.
     """
 
     def __init__(self, root: str | Path, split: str, question_ids: Sequence[str] | None = None) -> None:
@@ -120,6 +122,7 @@ class DatasetEpisodes:
         keys = scenes.select(["scene", "configuration"]).to_pylist()
         self._scene_rows = {(key["scene"], key["configuration"]): row for row, key in enumerate(keys)}
         self._rows = {name: row for row, name in enumerate(self._questions["question_id"].to_pylist())}
+        check_question_ids(question_ids)
         for name in question_ids or ():
             self._row(name)
         self.ids = tuple(self._rows if question_ids is None else question_ids)
@@ -195,6 +198,20 @@ class SceneEpisodes:
         if isinstance(scene, str):
             scene = self._scenes[name] = _floor_plan(scene)
         return Episode(name, scene, None, Embodiment(), None)
+
+
+def check_question_ids(question_ids: Sequence[str] | None) -> None:
+    """Refuse what is no choice of questions.
+
+    Raises
+    ------
+    ActionError
+        If it is one text, or empty.
+    """
+    if isinstance(question_ids, str):
+        raise ActionError(f"question_ids is a text: give a list, [{question_ids!r}]")
+    if question_ids is not None and not len(question_ids):
+        raise ActionError("question_ids is empty: leave it out, or name at least one")
 
 
 _QUESTION_COLUMNS = (

@@ -200,6 +200,8 @@ def _check_names(where: str, files: tuple[FileInfo, ...]) -> None:
 
 def _no_dataset(storage: Storage) -> DatasetError:
     where = storage.where()
+    if isinstance(storage, Folder) and storage.path.is_file():
+        return DatasetError(f"{where} is a file; give the folder of a dataset")
     if isinstance(storage, Folder) and not storage.path.is_dir():
         return DatasetError(f"{where}: no such folder; generate a dataset with remqa-gen --out {where}")
     return DatasetError(

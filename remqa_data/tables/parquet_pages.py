@@ -123,6 +123,8 @@ def pages(data: Any, column: Any) -> Iterator[Page]:
     PageError
         If that is not where pages are.
     """
+    if not (column.num_values or column.data_page_offset):
+        return  # Arrow's way to write a column without values: the dictionary's page is there, but none points to it
     place = column.data_page_offset
     if column.dictionary_page_offset is not None and 0 < column.dictionary_page_offset < place:
         place = column.dictionary_page_offset

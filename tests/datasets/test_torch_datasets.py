@@ -1,5 +1,6 @@
 import json
 import pickle
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from remqa_data.datasets.sample_types import ExpressionSample, FrameSample, Ques
 from remqa_data.datasets.torch_datasets import ExpressionDataset, FrameDataset, RemqaDataset, collate
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import DamagedShardError, DatasetError, UnknownNameError
+from remqa_data.storage.manifest import MANIFEST
 from remqa_data.tables.images import decode_rgb, encode_rgb
 from tests.helpers.dataset_rows import HEIGHT, MUG_BOX_2D, WIDTH, depth_array, objects_array, rgb_array, write_dataset
 
@@ -146,9 +148,16 @@ def test_images_that_another_writer_has_compressed_are_read_too(root, tmp_path) 
 def test_indices_are_those_of_a_sequence(root) -> None:
     dataset = RemqaDataset(root, "test", images=())
     assert dataset[-1]["question_id"] == "Kitchen3-q9"
-    with pytest.raises(IndexError):
+    assert dataset[np.int64(9)]["question_id"] == dataset[torch.tensor(9)]["question_id"] == "Kitchen3-q9"
+    with pytest.raises(IndexError, match="sample 10 of 10"):
         dataset[10]
     assert len(list(dataset)) == 10
+
+
+@pytest.mark.parametrize("index", [slice(2), [0, 1], "Kitchen3-q9", 1.0, None])
+def test_what_is_no_index_is_told_with_what_takes_several(root, index) -> None:
+    with pytest.raises(TypeError, match=r"give one whole number; torch\.utils\.data\.Subset takes several"):
+        RemqaDataset(root, "test", images=())[index]
 
 
 # ---- choosing
@@ -177,11 +186,19 @@ def test_only_the_columns_and_images_asked_for_are_yielded(root) -> None:
         (lambda root: RemqaDataset(root, "train", columns=["anwser"]), "did you mean 'answer'"),
         (lambda root: RemqaDataset(root, "train", images=["rgb"]), "unknown image of questions 'rgb'"),
         (lambda root: RemqaDataset(root, "train", columns=["start_rgb"]), "unknown column of questions"),
+        (lambda root: RemqaDataset(root, "train", columns=[3]), "unknown column of questions without an image 3"),
+        (lambda root: RemqaDataset(root, "train", ["COUNTING"]), r"unknown kind \['COUNTING'\]"),
     ],
 )
 def test_a_wrong_name_is_answered_with_the_right_one(root, make, message) -> None:
     with pytest.raises(UnknownNameError, match=message):
         make(root)
+
+
+@pytest.mark.parametrize("names", [{"images": "end_rgb"}, {"columns": "answer"}])
+def test_a_text_is_no_list_of_names(root, names) -> None:
+    with pytest.raises(TypeError, match="give a list, "):
+        RemqaDataset(root, "train", **names)
 
 
 def test_a_split_or_folder_that_is_not_there_is_told(root, tmp_path) -> None:
@@ -288,6 +305,15 @@ def test_the_vocabulary_is_learnt_from_the_train_split_alone(root) -> None:
     assert vocabulary.answers == ("2", "no", "yes")
     assert vocabulary.encode("Is there a zebra?")[-1] == 1
     assert vocabulary.decode(vocabulary.encode("Is there a mug?")) == "is there a mug"
+
+
+def test_without_train_questions_there_is_no_vocabulary(root, tmp_path) -> None:
+    copy = Path(shutil.copytree(root, tmp_path / "copy"))
+    manifest = json.loads((copy / MANIFEST).read_text())
+    manifest["files"] = [file for file in manifest["files"] if (file["table"], file["split"]) != ("questions", "train")]
+    (copy / MANIFEST).write_text(json.dumps(manifest))
+    with pytest.raises(DatasetError, match="has no train questions to learn words from: give the vocabulary"):
+        Vocabulary.from_dataset(copy)
 
 
 def test_the_vocabulary_counts_frequent_words_first_and_drops_rare_ones() -> None:

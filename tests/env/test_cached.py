@@ -195,6 +195,7 @@ def test_a_batch_is_what_gymnasium_makes_of_environments_one_by_one(
     one_by_one = gymnasium.vector.SyncVectorEnv([partial(CachedRemqaEnv, **options)] * 3)
     assert batch.observation_space == one_by_one.observation_space
     assert batch.action_space == one_by_one.action_space
+    assert batch.autoreset_mode == one_by_one.autoreset_mode  # type: ignore[attr-defined]
     assert batch.reset(seed=1)[0] in batch.observation_space
     given, expected = walked(batch, 60), walked(one_by_one, 60)
     assert sum(entry.any() for entry in given if isinstance(entry, np.ndarray)) > 10

@@ -16,6 +16,7 @@ from gymnasium.utils.env_checker import check_env
 
 from remqa_data.env import ENV_ID, RemqaEnv
 from remqa_data.env.actions import DISCRETE, PARAMETRISED, Command, command
+from remqa_data.env.cached import CachedRemqaEnv
 from remqa_data.env.oracle import oracle_commands
 from remqa_data.env.recorder import Recorder
 from remqa_data.env.video import write_film
@@ -160,11 +161,10 @@ def test_misuse_is_an_exception_and_the_episode_goes_on(env: RemqaEnv, action: A
         ({"scenes": [ROOM], "render_mode": "human"}, ActionError),
         ({"scenes": [ROOM], "width": 0}, ActionError),
         ({"scenes": [ROOM], "width": 64.5}, ActionError),
+        ({"scenes": [ROOM], "width": 100_000}, ActionError),
         ({"scenes": [ROOM], "max_steps": None}, ActionError),
         ({"scenes": [ROOM], "hands": "x"}, ActionError),
         ({"scenes": ROOM}, ActionError),
-        ({"root": "nowhere", "question_ids": []}, ActionError),
-        ({"root": "nowhere", "question_ids": "FloorPlan1-COUNTING-00-c0"}, ActionError),
     ],
 )
 def test_an_environment_that_cannot_be_made_says_why(arguments: dict[str, Any], error: type[Exception]) -> None:
@@ -235,6 +235,19 @@ def test_reset_knows_its_episodes_and_its_option(env: RemqaEnv) -> None:
         env.reset(options={"episode": ROOM[:-1]})
     with pytest.raises(ActionError, match="option 'episode'"):
         env.reset(options={"scene": ROOM})
+
+
+@pytest.mark.parametrize("options", [{"episode": 3}, {"episode": [ROOM]}, ROOM, [ROOM], 0])
+def test_options_that_are_none_are_told_with_some_that_are(env: RemqaEnv, options: Any) -> None:
+    with pytest.raises(ActionError, match=f"such as .*{ROOM}"):
+        env.reset(options=options)
+
+
+@pytest.mark.parametrize("chosen", [[], "Small1-q0"])
+def test_a_choice_of_questions_that_is_none_says_why(small_rooms: Path, small_views: Path, chosen: Any) -> None:
+    for make in (partial(RemqaEnv, small_rooms), partial(CachedRemqaEnv, small_rooms, small_views)):
+        with pytest.raises(ActionError, match="question_ids is "):
+            make("train", question_ids=chosen)
 
 
 def test_a_privileged_agent_is_marked_and_sees_instances() -> None:

@@ -64,6 +64,11 @@ def test_a_list_of_rooms_is_cut_short() -> None:
     assert set(config.totals["test"].values()) == {0}
 
 
+def test_a_list_of_rooms_is_not_made_longer() -> None:
+    with pytest.raises(ConfigError, match=r"scenes: 7 is not between 1 and 4, the rooms that the configuration names$"):
+        load_config(CONFIGS / "tiny.yaml").with_scenes(7)
+
+
 @given(st.integers().filter(lambda n: not 1 <= n <= 120))
 def test_numbers_of_rooms_that_there_are_not(count) -> None:
     with pytest.raises(ConfigError, match="between 1 and 120"):
@@ -86,6 +91,9 @@ def test_numbers_of_rooms_that_there_are_not(count) -> None:
         ("walk:", "wlk:", "walk: Field required"),
         ("cells_per_frame: 1.0", "cells_per_frame: 1.0\n  speed: 1", "walk.speed: Extra inputs"),
         ("horizons_deg: [0, 30]", "horizons_deg: []", "walk.horizons_deg: .*at least 1"),
+        ("horizons_deg: [0, 30]", "horizons_deg: [0, 30, 0]", "walk.horizons_deg: 0 is there twice"),
+        ("horizons_deg: [0, 30]", "horizons_deg: [0, 30]\n  headings_deg: [0]", ".*'headings_deg' is there twice"),
+        ("seed: 0", "seed: 0\nseed: 1", "not YAML: line 3: the key 'seed' is there twice"),
     ],
 )
 def test_mistakes_are_told_in_one_line_with_file_and_key(old, new, message) -> None:
@@ -101,6 +109,11 @@ def test_a_missing_file_and_a_file_of_something_else(tmp_path) -> None:
     (tmp_path / "list.yaml").write_text("[1, 2]")
     with pytest.raises(ConfigError, match=r"list\.yaml: expected keys"):
         load_config(tmp_path / "list.yaml")
+
+
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path) -> None:
+    (tmp_path / "my.yaml").write_text(PAPER, encoding="utf-8-sig")
+    assert load_config(tmp_path / "my.yaml") == load_config("paper")
 
 
 def test_the_hash_follows_what_is_said_not_how() -> None:

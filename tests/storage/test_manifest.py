@@ -51,6 +51,11 @@ def test_a_path_that_leads_elsewhere_is_refused_wherever_a_dataset_is_read(datas
         read_table(dataset, "questions", "train")
 
 
+def test_a_file_is_no_dataset(dataset: Path) -> None:
+    with pytest.raises(DatasetError, match=rf"{MANIFEST} is a file; give the folder of a dataset"):
+        load_manifest(dataset / MANIFEST)
+
+
 @pytest.mark.parametrize("sha256", ["", "0" * 63, "G" * 64, "../" * 21 + "x", "A" * 64])
 def test_a_checksum_that_is_none_is_refused(dataset: Path, sha256: str) -> None:
     """A shard of a bucket is kept under its checksum, so this is a name of a file too."""

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import math
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -184,6 +185,33 @@ def test_what_is_held_is_in_the_hand(kitchen) -> None:
     assert event.metadata["inventoryObjects"] == [{"objectId": apple, "objectType": "Apple"}]
     moved = kitchen.step("RotateLeft")
     assert moved.get_object(apple)["position"] != record["position"]
+
+
+def test_metadata_of_some_objects_are_those_of_the_event(kitchen) -> None:
+    event = kitchen.step("PickupObject", objectId="Mug|-01.76|+00.90|-00.62", forceAction=True)
+    some = [record["objectId"] for record in event.metadata["objects"]][40:20:-4]
+    some.append("Mug|-01.76|+00.90|-00.62")
+    wanted = [event.get_object(object_id) for object_id in some]
+    assert len(wanted) == 6
+    kitchen.step("SetObjectFilter", objectIds=[])
+    event = kitchen.step("GetObjectMetadata", objectIds=some)
+    assert event.metadata["actionReturn"] == wanted
+    assert event.metadata["objects"] == []
+    assert not kitchen.step("GetObjectMetadata", objectIds=[])
+    assert "Mugg" in kitchen.step("GetObjectMetadata", objectIds=["Mugg"]).metadata["errorMessage"]
+    kitchen.step("RemoveFromScene", objectId=some[0])
+    assert "not in the scene" in kitchen.step("GetObjectMetadata", objectIds=some[:1]).metadata["errorMessage"]
+
+
+def test_the_distance_of_an_object_is_to_its_box_in_plan(kitchen) -> None:
+    fridge = "Fridge|-02.10|+00.00|+01.07"
+    event = kitchen.step("Teleport", position={"x": -0.75, "y": 0.9, "z": 1.5}, rotation=0)
+    assert event
+    box = event.get_object(fridge)["axisAlignedBoundingBox"]
+    beside, before = (abs(at - box["center"][axis]) - box["size"][axis] / 2 for axis, at in (("z", 1.5), ("x", -0.75)))
+    assert before > 0.5
+    event = kitchen.step("DistanceToObject", objectId=fridge)
+    assert event.metadata["actionReturn"] == pytest.approx(math.hypot(max(beside, 0.0), before))
 
 
 def test_filter(kitchen) -> None:

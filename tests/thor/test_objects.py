@@ -3,6 +3,9 @@ import math
 import numpy as np
 import pytest
 
+from remqa_data.catalog import catalog
+from remqa_data.template_files import template_values
+
 FRIDGE = "Fridge|-02.10|+00.00|+01.07"
 APPLE = "Apple|-00.47|+01.15|+00.48"
 EGG = "Egg|-02.04|+00.81|+01.24"
@@ -140,6 +143,38 @@ def test_picks_up_and_puts_down(before_apple) -> None:
     assert event.metadata["inventoryObjects"] == []
     assert not before_apple.step("PutObject", objectId=ISLAND)
     assert before_apple.last_event.metadata["errorMessage"] == "Can't place an object if Agent isn't holding anything"
+
+
+def test_things_go_where_such_things_go_unless_they_must(before_apple) -> None:
+    stool = before_apple.last_event.get_object(STOOL)["axisAlignedBoundingBox"]["center"]
+    before_apple.step("PickupObject", objectId=APPLE)
+    done(before_apple.step("TeleportFull", **BEFORE_STOOL))
+    event = before_apple.step("PutObject", objectId=STOOL)
+    assert event.metadata["errorMessage"] == f"{APPLE} cannot be placed in {STOOL}"
+    assert event.get_object(APPLE)["isPickedUp"]
+    event = done(before_apple.step("PutObject", objectId=STOOL, forceAction=True))
+    assert event.get_object(APPLE)["parentReceptacles"] == [STOOL]
+    assert event.get_object(APPLE)["position"]["x"] == pytest.approx(stool["x"], abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("thing", "receptacle", "words"),
+    [(EGG, STOOL, "not found within"), (EGG, EGG, "NOT a receptacle"), (EGG, "Stool|9", "is not the objectId on any")],
+)
+def test_what_else_is_wrong_with_a_place_is_said_first(kitchen, thing, receptacle, words) -> None:
+    done(kitchen.step("TeleportFull", **BEFORE_FRIDGE))
+    done(kitchen.step("PickupObject", objectId=thing, forceAction=True))
+    assert words in kitchen.step("PutObject", objectId=receptacle).metadata["errorMessage"]
+
+
+def test_every_name_of_the_compatible_receptacles_is_a_type() -> None:
+    rules = template_values("thor_receptacles.yaml")
+    slices = {kind.slices.type for kind in catalog().values() if kind.slices is not None}
+    receptacles = {"Sink", *(name for name, kind in catalog().items() if kind.receptacle)}
+    assert len(rules["compatible"]) == 66
+    assert set(rules["compatible"]) <= {name for name, kind in catalog().items() if kind.pickupable} | slices
+    assert {name for names in rules["compatible"].values() for name in names} <= receptacles | {"tables"}
+    assert set(rules["tables"]) <= receptacles
 
 
 def test_says_what_clients_look_for_when_there_is_no_place(kitchen) -> None:

@@ -34,6 +34,23 @@ def test_the_middle_of_the_frame_shows_the_floor(kitchen) -> None:
     assert event.metadata["errorMessage"] == "x and y must be in [0:1] not (x=1.2, y=0.5)."
 
 
+@pytest.mark.parametrize(("x", "y"), [(0.5, 0.5), (0.1, 0.8), (0.93, 0.31)])
+def test_where_the_frame_shows_a_point_is_where_that_was_read(kitchen, x, y) -> None:
+    kitchen.step("Teleport", **BEFORE_FRIDGE)
+    point = kitchen.step("GetCoordinateFromRaycast", x=x, y=y).metadata["actionReturn"]
+    shown = kitchen.step("WorldToViewportPoint", position=point, renderDepthImage=True)
+    found = shown.metadata["actionReturn"]
+    assert (found["x"], found["y"]) == (pytest.approx(x, abs=1 / 300), pytest.approx(y, abs=1 / 300))
+    assert found["z"] == pytest.approx(shown.depth_frame[int(y * 300), int(x * 300)], rel=1e-4)
+
+
+@pytest.mark.parametrize("position", [{"x": 1.0, "y": 0.9, "z": 1.5}, {"x": -0.8, "y": 2.3, "z": 1.5}])
+def test_what_is_behind_or_above_the_frame_is_not_in_it(kitchen, position) -> None:
+    kitchen.step("Teleport", **BEFORE_FRIDGE)
+    event = kitchen.step("WorldToViewportPoint", position=position)
+    assert (event.metadata["errorMessage"], event.metadata["actionReturn"]) == ("Point not in viewport.", None)
+
+
 def test_a_ray_meets_what_stands_in_its_way(kitchen) -> None:
     kitchen.step("TeleportFull", **BEFORE_FRIDGE, standing=True)
     eye, behind = {"x": -0.75, "y": 1.0, "z": 1.07}, {"x": -2.1, "y": 1.0, "z": 1.07}

@@ -17,6 +17,21 @@ def test_toggles_all_objects_of_a_type(kitchen) -> None:
     assert [o["objectId"] for o in event.metadata["objects"] if o["isToggled"]] == [SWITCH]
 
 
+def test_what_is_seen_is_opened_and_closed(kitchen) -> None:
+    fridge = "Fridge|-02.10|+00.00|+01.07"
+    assert kitchen.step("Teleport", position={"x": -0.75, "y": 0.9, "z": 1.5}, rotation=270, horizon=30)
+    before = {r["objectId"]: r for r in kitchen.last_event.metadata["objects"] if r["openable"]}
+    seen = {name for name, record in before.items() if record["visible"]}
+    assert fridge in seen
+    assert len(seen) < len(before)
+    after = {r["objectId"]: r for r in kitchen.step("OpenVisibleObjects").metadata["objects"] if r["openable"]}
+    assert {name for name, record in after.items() if record["isOpen"]} == seen
+    hidden = {name for name in seen if not after[name]["visible"]}  # by what is open
+    event = kitchen.step("CloseVisibleObjects", simplifyPhysics=True)
+    assert {record["objectId"] for record in event.metadata["objects"] if record["isOpen"]} == hidden
+    assert fridge not in hidden
+
+
 def test_what_it_refuses_to_toggle(kitchen) -> None:
     toggles = [{"objectType": "LightSwitch", "isOn": True}, {"objectType": "Apple", "isOn": True}]
     event = kitchen.step("SetObjectToggles", objectToggles=toggles)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from remqa_data.catalog import catalog
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env.environment import MAX_QUESTION_CHARACTERS, question_tokens
+from remqa_data.env.episodes import check_question_ids
 from remqa_data.errors import DatasetError, UnknownNameError
 from remqa_data.views.reader import RoomViews, Views
 from remqa_data.views.tasks import NavigationTask, navigation_tasks
@@ -42,6 +43,8 @@ class CachedTasks:
         If it is a cache of another dataset, is not finished, or has none of these rooms.
     UnknownNameError
         If the split has no such question.
+    ActionError
+        As of `check_question_ids`.
     """
 
     def __init__(
@@ -52,6 +55,7 @@ class CachedTasks:
         question_ids: Sequence[str] | None = None,
         vocabulary: Vocabulary | None = None,
     ) -> None:
+        check_question_ids(question_ids)
         self.views = Views(views, root)
         self.vocabulary = vocabulary or Vocabulary.from_dataset(Path(root))
         self._tasks = {task.question_id: task for task in navigation_tasks(root, split)}

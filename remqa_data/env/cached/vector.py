@@ -53,7 +53,7 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         for name, value in (("num_envs", num_envs), ("max_steps", max_steps)):
             if value < 1:
                 raise ActionError(f"{name} is {value}: give a positive number")
-        self.num_envs = num_envs
+        self.num_envs, self.autoreset_mode = num_envs, AutoresetMode.NEXT_STEP
         self.tasks = CachedTasks(root, views, split, question_ids, vocabulary)
         self.walks = [Walk(self.tasks, max_steps) for _ in range(num_envs)]
         self._has_features = features

@@ -280,6 +280,8 @@ def _image_point(word: str, text: str) -> tuple[float, float]:
         x, y = (float(number) for number in word[1:].split(","))
     except ValueError:
         raise ActionError(f"{text!r}: an image point is written @x,y") from None
+    if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
+        raise ActionError(f"{text!r}: x and y are shares of the picture, 0 to 1")
     return x, y
 
 

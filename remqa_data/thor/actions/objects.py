@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 
 from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry import arithmetic
@@ -11,6 +12,7 @@ from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import CLOSED
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
+from remqa_data.thor.actions.compatible import is_compatible
 from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.state.conditions import BASINS, BROKEN
@@ -95,15 +97,24 @@ def put_object(
     placeStationary: bool = True,
     receptacleObjectId: str | None = None,
 ) -> ActionResult:
-    """Put what is held into or onto a receptacle, which `receptacleObjectId` names in old code; a sink means its basin."""
+    """Put what is held into or onto a receptacle, which `receptacleObjectId` names in old code; a sink means its basin.
+
+    Without `forceAction` it goes where such things go, see `compatible`.
+    """
     target = target_of(simulator, "PutObject", receptacleObjectId or objectId, x, y)
     if isinstance(target, ActionResult):
         return target
     world, held = simulator.room.world, simulator.agent.held
     if held is None:
         return ActionResult(False, NOTHING_TO_PUT)
-    basins = {f"{target}|{name}" for name in BASINS} & set(world.ids)
+    named, basins = target, {f"{target}|{name}" for name in BASINS} & set(world.ids)
     target = basins.pop() if basins else target
+    if (
+        not forceAction
+        and not _may_be_put(simulator, held, {named, target})
+        and simulator.agent.refusal(target) is None
+    ):
+        return ActionResult(False, f"{held} cannot be placed in {named}")
     turned = world.state(held).quaternion
     _stand_up(simulator)
     result = simulator.agent.put(target, forceAction)
@@ -276,6 +287,14 @@ def _push(
     if not pushed.success:
         return pushed
     return ActionResult(True, value={"didHandTouchSomething": True, "objectId": target, "armsLength": 0.0})
+
+
+def _may_be_put(simulator: SimulatorState, object_id: str, receptacles: Collection[str]) -> bool:
+    """Whether any of the names of a receptacle, if it is one, is of a type that takes an object."""
+    world = simulator.room.world
+    types = {world.type_of(name) for name in receptacles}
+    is_receptacle = any(object_type(name).receptacle for name in types)
+    return not is_receptacle or any(is_compatible(world.type_of(object_id), name) for name in types)
 
 
 def _slide_m(newtons: float, mass_kg: float) -> float:

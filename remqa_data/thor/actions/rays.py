@@ -1,4 +1,4 @@
-"""What a straight line through the room meets first."""
+"""What a straight line through the room meets first, and where the frame shows a point."""
 
 from __future__ import annotations
 
@@ -54,6 +54,16 @@ def get_coordinate_from_raycast(simulator: SimulatorState, x: float, y: float) -
     return ActionResult(True, value=to_thor(shown.point))
 
 
+def world_to_viewport_point(simulator: SimulatorState, position: PartialVector) -> ActionResult:
+    """Where the frame shows a point: x to the right and y down, both from 0 to 1, and z its depth in metres."""
+    camera = simulator.room.frame_camera()
+    (x, y, depth), view = camera.project([to_room(whole(position))])[0].tolist(), camera.view()
+    x, y = x / view.width, y / view.height
+    if depth <= 0.0 or not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
+        return ActionResult(False, "Point not in viewport.")
+    return ActionResult(True, value={"x": x, "y": y, "z": depth})
+
+
 def perform_raycast(simulator: SimulatorState, origin: PartialVector, destination: PartialVector) -> ActionResult:
     """The first object between two points, and where it is met: `hitPoint`, `hitDistance`.
 
@@ -85,6 +95,7 @@ ACTIONS: dict[str, Action] = {
     "GetCoordinateFromRaycast": get_coordinate_from_raycast,
     "GetObjectHitFromRaycast": get_object_hit_from_raycast,
     "PerformRaycast": perform_raycast,
+    "WorldToViewportPoint": world_to_viewport_point,
 }
 
 

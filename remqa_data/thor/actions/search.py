@@ -21,6 +21,7 @@ from remqa_data.sim.navigation.ground import Ground
 from remqa_data.thor.actions.targets import of_type
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.events import object_records
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -158,6 +159,24 @@ def object_type_to_object_ids(simulator: SimulatorState, objectType: str) -> Act
     return ActionResult(True, value=of_type(simulator, object_type(objectType).name))
 
 
+def distance_to_object(simulator: SimulatorState, objectId: str) -> ActionResult:
+    """Metres in plan from the agent's middle to the nearest point of an object."""
+    return ActionResult(True, value=simulator.agent.plan_distance(objectId))
+
+
+def get_object_metadata(simulator: SimulatorState, objectIds: list[str]) -> ActionResult:
+    """What the metadata say of some objects, whatever SetObjectFilter has chosen, in the order in which they are named."""
+    if not objectIds:
+        return ActionResult(False, "objectIds must not be empty")
+    for object_id in objectIds:
+        simulator.room.world.type_of(object_id)  # names the nearest ids if there is no such object
+    found = {record["objectId"]: record for record in object_records(simulator, frozenset(objectIds))}
+    missing = next((object_id for object_id in objectIds if object_id not in found), None)
+    if missing is not None:
+        return ActionResult(False, f"{missing} is not in the scene")
+    return ActionResult(True, value=[found[object_id] for object_id in objectIds])
+
+
 def get_visibility_points(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Some points of an object's surface, as far apart as can be; which of them are seen is not asked."""
     world = simulator.room.world
@@ -167,8 +186,10 @@ def get_visibility_points(simulator: SimulatorState, objectId: str) -> ActionRes
 
 
 ACTIONS: dict[str, Action] = {
+    "DistanceToObject": distance_to_object,
     "GetInteractablePoses": get_interactable_poses,
     "GetObjectInFrame": get_object_in_frame,
+    "GetObjectMetadata": get_object_metadata,
     "GetReachablePositions": get_reachable_positions,
     "GetShortestPath": get_shortest_path,
     "GetShortestPathToPoint": get_shortest_path_to_point,

@@ -90,6 +90,16 @@ def set_state_of_all_objects(
     return ActionResult(True)
 
 
+def open_visible_objects(simulator: SimulatorState) -> ActionResult:
+    """Open what the agent sees within its visibility distance, each as far as it can be opened beside the others."""
+    return _open_visible(simulator, True)
+
+
+def close_visible_objects(simulator: SimulatorState) -> ActionResult:
+    """Close what the agent sees within its visibility distance."""
+    return _open_visible(simulator, False)
+
+
 def accept(simulator: SimulatorState, **ignored: Any) -> ActionResult:
     """Do nothing: what this sets (how fast, how hot, how breakable) means nothing here."""
     return ActionResult(True)
@@ -129,11 +139,19 @@ WITHOUT_EFFECT = (
 )
 
 ACTIONS: dict[str, Action] = {
+    "CloseVisibleObjects": close_visible_objects,
+    "OpenVisibleObjects": open_visible_objects,
     "SetObjectStates": set_object_states,
     "SetObjectToggles": set_object_toggles,
     "SetStateOfAllObjects": set_state_of_all_objects,
     **dict.fromkeys(WITHOUT_EFFECT, accept),
 }
+
+
+def _open_visible(simulator: SimulatorState, is_open: bool) -> ActionResult:
+    world, seen = simulator.room.world, simulator.agent.visible_objects(simulator.settings.visibility_distance)
+    _set_openness(world, is_open, [name for name in seen if (world.state(name).openness > 0.0) != is_open])
+    return ActionResult(True)
 
 
 def _change(simulator: SimulatorState, flag: str, is_so: bool, chosen: Sequence[str]) -> None:

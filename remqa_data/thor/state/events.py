@@ -145,14 +145,26 @@ def _seen(simulator: SimulatorState, images: Images, files: Files) -> Callable[[
 
 def _listing(simulator: SimulatorState, visible: Callable[[], Collection[str]]) -> Listing:
     """The objects as the agent that acts finds them."""
-    room, only = simulator.room, simulator.shown_objects
+    return Listing(_recorded(simulator, visible, simulator.shown_objects))
+
+
+def object_records(simulator: SimulatorState, object_ids: Collection[str]) -> list[Metadata]:
+    """The metadata of some objects as the agent that acts finds them."""
+    seen = simulator.room.agent.look_around(simulator.settings.visibility_distance)
+    return _recorded(simulator, seen, object_ids)()
+
+
+def _recorded(
+    simulator: SimulatorState, visible: Callable[[], Collection[str]], only: Collection[str] | None
+) -> Callable[[], list[Metadata]]:
+    room = simulator.room
     records, agent = room.records, room.agent_position()
     hands = {
         name: InHand(state, name == who.held, who is room.agent and who.has_in_frame(who.offset_of(state.position)))
         for who in room.agents
         for name, state in who.states_of_held().items()
     }
-    return Listing(lambda: records.listing(agent, frozenset(visible()), hands, only))
+    return lambda: records.listing(agent, frozenset(visible()), hands, only)
 
 
 def _state(simulator: SimulatorState, images: Images) -> Metadata:

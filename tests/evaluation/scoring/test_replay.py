@@ -77,7 +77,7 @@ def test_manipulations_that_the_room_refuses_or_of_other_things_do_not_count(two
         "OpenObject Nothing|1",
         "PickupObject Floor|1",
         "MoveObject Wall 0 0 0",
-        "OpenObject @2,2",
+        "CloseObject @0.5,0.5",
         None,
     ):
         changed = [row | {"manipulation": manipulation} for row in rows]

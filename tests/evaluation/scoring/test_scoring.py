@@ -1,5 +1,6 @@
 """Scores without a simulator: on a dataset whose true answers and boxes are known by hand."""
 
+import codecs
 import json
 from pathlib import Path
 
@@ -31,6 +32,18 @@ def test_answers_are_counted_and_missing_ones_fail(data: Path, tmp_path: Path) -
     assert (counts.asked, counts.answered, counts.missing, counts.scored) == (10, 8, 2, 10)
     assert results.replayed is None
     assert results.samples["submitted_answer"] == [*ANSWERS[:6], None, "no", None, None]
+
+
+@pytest.mark.parametrize("name", ["none.jsonl", "none.parquet"])
+def test_a_submission_may_answer_nothing(data: Path, tmp_path: Path, name: str) -> None:
+    counts = results_of(data, written(tmp_path / name, "qa", [])).counts
+    assert (counts.asked, counts.answered, counts.missing) == (10, 0, 10)
+
+
+def test_a_submission_may_begin_with_a_byte_order_mark(data: Path, tmp_path: Path) -> None:
+    path = written(tmp_path / "a.jsonl", "qa", [{"question_id": question(0), "answer": ANSWERS[0]}])
+    path.write_bytes(codecs.BOM_UTF8 + path.read_bytes())
+    assert results_of(data, path).metric("answer_accuracy").value == 1 / 10
 
 
 def test_boxes_of_expressions(data: Path, tmp_path: Path) -> None:
