@@ -226,10 +226,13 @@ def _looks(type_: str, rng: np.random.Generator) -> Iterator[list[AssetSpec]]:
 
 def _unlike(specs: Sequence[AssetSpec], colors: Sequence[F64]) -> AssetSpec:
     """The first of some looks that stands out from some colours, or else the one that does most."""
-    apart = [min(float(arithmetic.length(_color(s.type, s.variant, s.seed) - c)) for c in colors) for s in specs]
-    return next(
-        (spec for spec, away in zip(specs, apart, strict=True) if away >= UNLIKE_DE), specs[int(np.argmax(apart))]
-    )
+    apart = []
+    for spec in specs:
+        color = _color(spec.type, spec.variant, spec.seed)  # what takes time: each look is built for it
+        apart.append(min(float(arithmetic.length(color - other)) for other in colors))
+        if apart[-1] >= UNLIKE_DE:
+            return spec
+    return specs[int(np.argmax(apart))]
 
 
 @lru_cache(maxsize=1 << 13)

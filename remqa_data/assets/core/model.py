@@ -186,7 +186,7 @@ class Asset:
 
     def bounds(self, openness: float = 0.0) -> F64:
         """(2, 3) least and greatest corner of the visible mesh in the asset frame at an openness."""
-        return self.box_at(self.link_poses(openness))
+        return self._closed_bounds.copy() if openness == 0.0 else self.box_at(self.link_poses(openness))
 
     def box_at(self, link_poses: F64) -> F64:
         """(2, 3) least and greatest corner of the visible mesh with the links at (links, 4, 4) poses."""
@@ -198,6 +198,10 @@ class Asset:
                 low[axis] = min(low[axis], along.min().item() + shift)
                 high[axis] = max(high[axis], along.max().item() + shift)
         return np.array([low, high])
+
+    @cached_property
+    def _closed_bounds(self) -> F64:
+        return self.box_at(self.link_poses(0.0))
 
     @cached_property
     def _link_vertices(self) -> list[F64]:

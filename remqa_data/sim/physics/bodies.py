@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from remqa_data.assets.core.model import Asset, Joint
+from remqa_data.assets.core.model import Asset, Joint, Link
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import snapped_quaternion
@@ -163,8 +163,10 @@ class Bodies:
         body = self._of[object_id]
         found = set()
         for other in self._around(box, REST_M, body):
-            for point in self.client.getClosestPoints(body, other, REST_M):
-                if arithmetic.snapped(point[7][2]) >= REST_SLOPE:
+            points = self.client.getClosestPoints(body, other, REST_M)
+            slopes = arithmetic.snapped([point[7][2] for point in points])
+            for point, slope in zip(points, slopes.tolist(), strict=True):
+                if slope >= REST_SLOPE:
                     name = self._names[other]
                     found.add(Part(name, 0 if name == STRUCTURE_NAME else self._link_of(name, int(point[4]))))
         return found
@@ -232,15 +234,10 @@ class Bodies:
 
     def _create(self, asset: Asset, state: ObjectState) -> int:
         mass = 0.0 if state.is_fixed else max(object_type(asset.spec.type).mass_kg or 0.0, MIN_MASS_KG)
-        origins = [np.zeros(3) if link.joint is None else np.asarray(link.joint.origin) for link in asset.links]
+        origins = [_origin(link) for link in asset.links]
         compounds, links = _compounds(asset), []
-        for i, start in compounds:
-            chunk, link = asset.links[i].boxes[start : start + MAX_COMPOUND], asset.links[i]
-            shape = -1
-            if chunk:
-                halves = np.array([box.size for box in chunk]) / 2
-                centres = np.array([box.centre for box in chunk]) - origins[i]
-                shape = self._compound(halves, centres, np.array([box.quaternion for box in chunk]))
+        for (i, start), boxes in zip(compounds, _boxes(asset), strict=True):
+            link, shape = asset.links[i], -1 if boxes is None else self._compound(*boxes)
             if start == 0:
                 parent = compounds.index(_Compound(link.parent, 0))
                 links.append(_BodyLink(shape, parent, origins[i] - origins[link.parent], link.joint))
@@ -310,10 +307,29 @@ def _compounds(asset: Asset) -> tuple[_Compound, ...]:
     return tuple(of(0))
 
 
-def _joints(asset: Asset) -> list[int]:
+@lru_cache(maxsize=1024)
+def _boxes(asset: Asset) -> list[tuple[F64, F64, F64] | None]:
+    """Half sizes, centres from the link's origin, and quaternions, of the boxes of each compound; None if it has none."""
+    found: list[tuple[F64, F64, F64] | None] = []
+    for number, start in _compounds(asset):
+        link = asset.links[number]
+        boxes = link.boxes[start : start + MAX_COMPOUND]
+        halves, quaternions = np.array([box.size for box in boxes]) / 2, np.array([box.quaternion for box in boxes])
+        centres = np.array([box.centre for box in boxes]) - _origin(link) if boxes else halves
+        found.append((halves, centres, quaternions) if boxes else None)
+    return found
+
+
+def _origin(link: Link) -> F64:
+    """(3,) where its joint is in the closed asset."""
+    return np.zeros(3) if link.joint is None else np.asarray(link.joint.origin)
+
+
+@lru_cache(maxsize=1024)
+def _joints(asset: Asset) -> tuple[int, ...]:
     """PyBullet's number of the joint of each link but the base."""
     compounds = _compounds(asset)
-    return [compounds.index(_Compound(link, 0)) - 1 for link in range(1, len(asset.links))]
+    return tuple(compounds.index(_Compound(link, 0)) - 1 for link in range(1, len(asset.links)))
 
 
 _JOINT_TYPES = {"revolute": pybullet.JOINT_REVOLUTE, "prismatic": pybullet.JOINT_PRISMATIC}
