@@ -15,7 +15,9 @@ from remqa_data.agents.networks.detection.detector_loss import LEAST_PIXELS
 from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.training.pictures import Picture, Pictures
 from remqa_data.agents.training.rooms import rooms_of
+from remqa_data.errors import DatasetError
 from remqa_data.extras import require
+from remqa_data.storage.manifest import load_manifest
 
 SECTIONS = ("bbox", "segm")
 AP, AP50 = 0, 1
@@ -38,13 +40,22 @@ def score_detector(
     every : int
         Only every so many frames.
 
+    Raises
+    ------
+    DatasetError
+        If the dataset has no such split.
+
     Returns
     -------
     "frames", and for "bbox" and "segm": "AP" (mean over types and IoU .5 to .95), "AP50", and "by_type" ("AP50", "objects").
     """
     coco, evaluator = (require(f"pycocotools.{name}", "agents") for name in ("coco", "cocoeval"))
     masks = require("pycocotools.mask", "agents")
-    pictures = Pictures(root, "test" if split == "test" else "train", "rgb", types, rooms_of(root, split))
+    rooms = rooms_of(root, split)
+    if not rooms:
+        known = ", ".join(load_manifest(root).splits("expressions"))
+        raise DatasetError(f"{root} has no rooms of a split {split!r}; it has: {known}")
+    pictures = Pictures(root, "test" if split == "test" else "train", "rgb", types, rooms)
     truth: dict[str, list[Any]] = {
         "images": [],
         "annotations": [],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -25,11 +26,11 @@ from remqa_data.agents.training.weights import (
     DETECTOR,
     About,
     load_committee,
-    load_network,
+    load_trained,
     trained,
     trained_detector,
-    weights_path,
 )
+from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.evaluation.submission.reader import Header, write_submission
 from remqa_data.evaluation.submission.tracks import Track
@@ -158,7 +159,10 @@ def predict_all(
     DatasetError
         If the dataset has no such split.
     """
-    loaded = [load_network(weights_path(name, weights), root, force=force) for name in names if not is_committee(name)]
+    loaded = [load_trained(name, weights, root, force=force) for name in names if not is_committee(name)]
+    titles = Counter(about.network.title for _, about in loaded)
+    if (title := next((title for title, count in titles.items() if count > 1), None)) is not None:
+        raise ConfigError(f"several networks are called {title!r}: let them predict to folders of their own (--out)")
     speakers = [
         Speaker(about.network.title, alone(network, about.vocabulary), about)
         for network, about in loaded

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import shutil
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -160,6 +161,11 @@ def play_all(
     ConfigError
         If what is to be gone on with is another run.
     """
+    for path, count in Counter(player.path for player in players).items():
+        if count > 1:
+            raise ConfigError(
+                f"{count} systems would write {path}: let them play one after the other, to folders of their own"
+            )
     dataset = dataset_sha256(load_manifest(root))
     asked = read_table(root, "questions", split, ["question_id", "scene", "configuration"]).to_pylist()
     if only is not None:

@@ -77,9 +77,9 @@ def _mapper(config: FrontierConfig | SemanticMapConfig, root: Path, weights: Pat
     from remqa_data.agents.networks.detection.detector import Detector
     from remqa_data.agents.parts.frontier_navigator import FrontierNavigator
     from remqa_data.agents.parts.predicted_navigator import PredictedMapNavigator
-    from remqa_data.agents.training.weights import DETECTOR, load_network, weights_path
+    from remqa_data.agents.training.weights import DETECTOR, load_trained
 
-    detector, about = load_network(weights_path(DETECTOR, weights), root, force=force)
+    detector, about = load_trained(DETECTOR, weights, root, force=force)
     if not isinstance(detector, Detector):
         raise ConfigError(f"navigator: {DETECTOR!r} is no detector")
     kind = FrontierNavigator if isinstance(config, FrontierConfig) else PredictedMapNavigator
@@ -91,10 +91,10 @@ def _policy(config: PolicyConfig, root: Path, weights: Path | None, force: bool)
     from remqa_data.agents.networks.actor_critic import ActorCritic
     from remqa_data.agents.networks.view_encoder import ViewEncoder
     from remqa_data.agents.parts.policy_navigator import PolicyNavigator
-    from remqa_data.agents.training.weights import load_network, weights_path
+    from remqa_data.agents.training.weights import load_trained
 
-    policy, about = load_network(weights_path(config.network, weights), root, force=force)
-    encoder, _ = load_network(weights_path("view_encoder", weights), root, force=force)
+    policy, about = load_trained(config.network, weights, root, force=force)
+    encoder, _ = load_trained("view_encoder", weights, root, force=force)
     if not isinstance(policy, ActorCritic) or not isinstance(encoder, ViewEncoder):
         raise ConfigError(f"navigator: {config.network!r} is no policy, or 'view_encoder' no view encoder")
     return PolicyNavigator(policy, encoder, about.types)
@@ -107,10 +107,10 @@ def _imitator(config: ImitatorConfig, root: Path, weights: Path | None, force: b
     from remqa_data.agents.networks.view_encoder import ViewEncoder
     from remqa_data.agents.networks.view_transformer import ViewTransformer
     from remqa_data.agents.parts.imitators import DoingAgent, EqaAgent
-    from remqa_data.agents.training.weights import load_network, weights_path
+    from remqa_data.agents.training.weights import load_trained
 
-    network, about = load_network(weights_path(config.network, weights), root, force=force)
-    encoder, _ = load_network(weights_path("view_encoder", weights), root, force=force)
+    network, about = load_trained(config.network, weights, root, force=force)
+    encoder, _ = load_trained("view_encoder", weights, root, force=force)
     if isinstance(encoder, ViewEncoder) and isinstance(network, PlannerController):
         return EqaAgent(network, encoder, about.vocabulary)
     if isinstance(encoder, ViewEncoder) and isinstance(network, ViewTransformer | MemoryPlanner):
@@ -136,12 +136,12 @@ def _localizer(config: LocalizerConfig, root: Path, weights: Path | None, force:
     from remqa_data.agents.networks.matcher import Matcher
     from remqa_data.agents.parts.network_localizer import GroundingLocalizer, NetworkLocalizer
     from remqa_data.agents.training.config import is_committee
-    from remqa_data.agents.training.weights import load_committee, load_network, trained_detector, weights_path
+    from remqa_data.agents.training.weights import load_committee, load_trained, trained_detector
 
     if is_committee(config.matcher):
         committee, about = load_committee(config.matcher, weights, root, force=force)
         return NetworkLocalizer(trained_detector(about.network.network, weights, root, force=force), committee)
-    matcher, about = load_network(weights_path(config.matcher, weights), root, force=force)
+    matcher, about = load_trained(config.matcher, weights, root, force=force)
     detector = trained_detector(about.network.network, weights, root, force=force)
     if isinstance(matcher, Matcher):
         return NetworkLocalizer(detector, alone(matcher, about.vocabulary))
@@ -165,16 +165,19 @@ def _answerer(
     require("torch", "agents")
     from remqa_data.agents.networks.answerer import ManipulationAnswerer
     from remqa_data.agents.parts.network_answerer import NetworkAnswerer
-    from remqa_data.agents.training.weights import load_network, weights_path
+    from remqa_data.agents.training.config import AnswererConfig
+    from remqa_data.agents.training.weights import load_trained
 
-    network, about = load_network(weights_path(config.network, weights), root, force=force)
+    network, about = load_trained(config.network, weights, root, force=force)
     if not isinstance(network, ManipulationAnswerer):
         raise ConfigError(f"answerer: {config.network!r} is no answerer")
     if system.looks and network.views != ("end",):
         raise ConfigError(
             f"looks: {config.network!r} compares two views from one place; take one that has the end alone"
         )
-    return NetworkAnswerer(network, about.vocabulary)
+    settings = about.network.network
+    assert isinstance(settings, AnswererConfig)
+    return NetworkAnswerer(network, about.vocabulary, settings.with_box)
 
 
 def _majority_answerer(root: Path) -> Answerer:

@@ -228,6 +228,11 @@ def means(runs: Sequence[Scored]) -> dict[str, Metric]:
     found |= {f"{metric.group} {metric.name}": metric for metric in _remqa(first) if metric.name in STAGES}
     if len(runs) == 1:
         return found
+    for run in runs[1:]:
+        if run.results.samples["id"] != first.results.samples["id"]:
+            raise ResultsError(
+                f"{first.title} and {run.title} have played other questions: let both play the same ones"
+            )
     kinds = np.array(first.results.samples["kind"])
     for name, metric in found.items():
         if name in first.walks:

@@ -14,7 +14,7 @@ import torch
 from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.networks.matcher import PARTS, Match, ModularMatcher
 from remqa_data.agents.training.matching import FrameExpressions, frames_with_expressions, referred
-from remqa_data.agents.training.weights import load_network, trained_detector, weights_path
+from remqa_data.agents.training.weights import load_trained, trained_detector
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import ConfigError, UnknownNameError
 from remqa_data.geometry.types import U8
@@ -63,7 +63,7 @@ def write_attention_picture(
         If the network is none, or has learnt from another dataset.
     """
     check_png(path)
-    matcher, about = load_network(weights_path(network, weights), root, force=force)
+    matcher, about = load_trained(network, weights, root, force=force)
     if not isinstance(matcher, ModularMatcher):
         raise ConfigError(f"{network} has no attention over words; language_attention has")
     detector = trained_detector(about.network.network, weights, root, force=force).eval()

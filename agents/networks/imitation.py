@@ -77,7 +77,7 @@ class Eye(nn.Module):
             Which steps of which walks have a view.
         """
         shown = features.new_zeros(*is_seen.shape, SEEN)
-        shown[is_seen] = self(features, names[is_seen.nonzero()[:, 1]])
+        shown[is_seen] = self(features, names[is_seen.nonzero()[:, 1]]).to(shown.dtype)
         return shown
 
 

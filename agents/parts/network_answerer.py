@@ -26,10 +26,13 @@ class NetworkAnswerer:
         Trained.
     vocabulary : Vocabulary
         Its words and answers.
+    with_box : bool
+        Whether it has learnt on views cut about the target, and not on whole ones.
     """
 
     network: ManipulationAnswerer
     vocabulary: Vocabulary
+    with_box: bool = True
 
     def answer(self, asked: Question, before: Percept, after: Percept, sighting: Sighting | None) -> str | None:
         """See `remqa_data.agents.parts.interfaces.Answerer`."""
@@ -42,7 +45,7 @@ class NetworkAnswerer:
     ) -> Mapping[str, float]:
         """See `remqa_data.agents.parts.interfaces.Weighing`."""
         height, width = before.depth.shape
-        box = None if sighting is None else np.array(sighting.box) * (width, height, width, height)
+        box = None if sighting is None or not self.with_box else np.array(sighting.box) * (width, height, width, height)
         place = window(box, (height, width))
         views = np.stack([cut(percept.rgb, place, self.network.side_px) for percept in (before, after)]).transpose(
             0, 3, 1, 2

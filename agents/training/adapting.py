@@ -17,6 +17,7 @@ from remqa_data.agents.networks.actor_critic import ActorCritic, Seen, Thought
 from remqa_data.agents.networks.adaptation import AT_ONCE, MOST_ADAPTED, AdaptiveWalk, adapted, adaptive_weights
 from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.reinforcing import ReinforcingTask, Rollout, actor_critic_losses
+from remqa_data.errors import ConfigError
 
 OF_STEPS = Thought._fields[:3]
 """What is thought at each step."""
@@ -40,6 +41,10 @@ class AdaptingTask(ReinforcingTask):
         walks: int,
         device: str = "cpu",
     ) -> None:
+        if before.form not in ("a3c", "savn"):
+            raise ConfigError(
+                f"begins_with: a network of the form {before.form!r} has other weights than one that adapts"
+            )
         super().__init__(roots, views, "savn", encoder, walks, device)
         self.model.load_state_dict(before.state_dict() | self._of_loss())
 

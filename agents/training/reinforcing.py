@@ -103,7 +103,7 @@ class ReinforcingTask:
         self.model = ActorCritic(len(detector_types()), form)
         self.model.know(encoder)
         if form == "scene_priors":
-            self.model.graph.learn_relations(torch.from_numpy(near_counts(roots[0], detector_types())))
+            self.model.graph.learn_relations(torch.from_numpy(near_counts(roots, detector_types())))
         self.device = device
 
     def __len__(self) -> int:

@@ -14,8 +14,10 @@ from remqa_data.geometry.types import F32
 from remqa_data.storage.shards import read_table
 
 
-def near_counts(root: Path, types: Sequence[str]) -> F32:
+def near_counts(roots: Sequence[Path], types: Sequence[str]) -> F32:
     """(types, types) how often an object of a type, first, has been seen in relation to one of another, second.
+
+    Of the first dataset; in rooms that all of them allow to learn from.
 
     Raises
     ------
@@ -23,8 +25,8 @@ def near_counts(root: Path, types: Sequence[str]) -> F32:
         If this is not a finished dataset.
     """
     numbers = {name: number for number, name in enumerate(types)}
-    rooms = pa.array(sorted(learning_rooms([root])))
-    frames = read_table(root, "frames", "train", ["scene", "added_edges"])
+    rooms = pa.array(sorted(learning_rooms(roots)))
+    frames = read_table(roots[0], "frames", "train", ["scene", "added_edges"])
     edges = pc.list_flatten(frames.filter(pc.is_in(frames["scene"], rooms))["added_edges"])
     counts = np.zeros((len(types), len(types)), dtype=np.float32)
     sources, targets = (pc.struct_field(edges, name).to_pylist() for name in ("source", "target"))

@@ -42,7 +42,7 @@ from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.extras import require
-from remqa_data.files import atomic_path
+from remqa_data.files import atomic_path, sha256_of
 from remqa_data.storage.manifest import load_manifest
 
 if TYPE_CHECKING:
@@ -146,7 +146,7 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
     root : path, optional
         The dataset that it is to be used on.
     force : bool
-        Use it on another dataset than that from which it has learnt.
+        Use it on another dataset than the first one from which it has learnt.
 
     Raises
     ------
@@ -166,24 +166,41 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
         raise ConfigError(f"{path} is no network that remqa-agent has trained: {type(error).__name__}") from None
     if root is not None and not force and (sha256 := dataset_sha256(load_manifest(root))) != about.datasets[0]:
         raise ConfigError(
-            f"{path} has learnt from the dataset {about.datasets[0][:12]}, and {root} is {sha256[:12]}: rooms of its test "
-            "split may be among those. Train on it, or use --force"
+            f"{path} has learnt from the dataset {about.datasets[0][:12]}, which scored it; {root} is {sha256[:12]}. Rooms "
+            "of its test split may be among those learnt from: train on it, or use --force"
         )
     return model.eval(), about
 
 
+def load_trained(
+    name: str, folder: Path | None = None, root: Path | None = None, *, force: bool = False
+) -> tuple[nn.Module, About]:
+    """Read the network of a name, which is to work with others of the same folder; see `weights_path` and `load_network`.
+
+    Raises
+    ------
+    ConfigError
+        If there are no such weights, they have learnt from another dataset, or with other networks than are there now.
+    """
+    path = weights_path(name, folder)
+    network, about = load_network(path, root, force=force)
+    for other, sha256 in about.needs.items():
+        if not force and sha256_of(there := weights_path(other, folder)) != sha256:
+            raise ConfigError(f"{path} has learnt with another {other} than {there}: train it anew, or use --force")
+    return network, about
+
+
 def trained(name: str, kind: type[N], folder: Path | None, root: Path | None, *, force: bool = False) -> N:
-    """A trained network of a kind, which another one is built upon; see `load_network`.
+    """A trained network of a kind, which another one is built upon; see `load_trained`.
 
     Raises
     ------
     ConfigError
         If there are no such weights, or they are of another kind or another dataset.
     """
-    path = weights_path(name, folder)
-    network, _ = load_network(path, root, force=force)
+    network, _ = load_trained(name, folder, root, force=force)
     if not isinstance(network, kind):
-        raise ConfigError(f"{path} is no {kind.__name__}")
+        raise ConfigError(f"{weights_path(name, folder)} is no {kind.__name__}")
     return network
 
 
@@ -211,7 +228,7 @@ def load_committee(
     members: list[Member] = []
     abouts: list[About] = []
     for member, weight in load_committee_config(name).members.items():
-        matcher, about = load_network(weights_path(member, folder), root, force=force)
+        matcher, about = load_trained(member, folder, root, force=force)
         if not isinstance(matcher, Matcher) or (abouts and about.needs != abouts[0].needs):
             raise ConfigError(f"{name}: {member!r} is no matcher, or sees through other networks than the first member")
         members.append(Member(matcher, about.vocabulary, weight))

@@ -107,6 +107,14 @@ def test_who_plays_beside_others_does_what_he_does_alone(
     assert all(pace_path(player.path).is_file() for player in players)
 
 
+def test_two_systems_do_not_write_one_file(two_rooms: Path, tmp_path: Path) -> None:
+    agent = make_agent(load_system("random"), two_rooms)
+    players = [Player(agent, tmp_path / "random.jsonl", title) for title in ("one", "another")]
+    with pytest.raises(ConfigError, match=r"2 systems would write .*random\.jsonl: let them play one after the other"):
+        play_all(players, two_rooms, "test")
+    assert not list(tmp_path.iterdir())
+
+
 def test_only_the_same_run_is_gone_on_with(two_rooms: Path, tmp_path: Path) -> None:
     path = tmp_path / "a.jsonl"
 

@@ -1,9 +1,15 @@
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from remqa_data.agents.config import AnswererConfig, load_system
+from remqa_data.agents.parts.interfaces import Sighting
+from remqa_data.agents.parts.network_answerer import NetworkAnswerer
 from remqa_data.agents.systems import make_agent
+from remqa_data.agents.training.weights import load_network, load_trained, save_network, weights_path
 from remqa_data.errors import ConfigError
 
 
@@ -16,3 +22,31 @@ def test_who_looks_from_elsewhere_answers_from_the_view_after_alone(tmp_path: Pa
     with pytest.raises(ConfigError, match="looks: 'answerer' compares two views from one place"):
         make_agent(both, tmp_path, force=True)
     assert make_agent(both.model_copy(update={"looks": 0}), tmp_path, force=True).looks == 0
+
+
+def test_a_network_is_not_used_with_another_one_than_it_has_learnt_with(tmp_path: Path) -> None:
+    detector, about = load_network(weights_path("detector"))
+    next(iter(detector.parameters())).data.add_(1.0)
+    save_network(tmp_path / "detector.safetensors", detector, about)
+    for name in ("language_attention", "refiner", "cgan"):
+        with pytest.raises(ConfigError, match=rf"{name}.* has learnt with another detector than .*: train it anew"):
+            load_trained(name, tmp_path)
+        load_trained(name, tmp_path, force=True)
+    load_trained("a3c", tmp_path)  # it sees through another one
+
+
+@pytest.mark.parametrize("with_box", [True, False])
+def test_an_answerer_sees_what_it_has_learnt_on(tmp_path: Path, with_box: bool) -> None:
+    network, about = load_network(weights_path("answerer"))
+    config = {**about.config, "network": {**about.config["network"], "with_box": with_box}}
+    save_network(tmp_path / "answerer.safetensors", network, replace(about, config=config))
+    answerer = make_agent(load_system("framework"), tmp_path, tmp_path, force=True).answerer
+    assert isinstance(answerer, NetworkAnswerer)
+    rng = np.random.default_rng(0)
+    before, after = (
+        SimpleNamespace(rgb=rng.integers(0, 256, (300, 300, 3), np.uint8), depth=np.ones((300, 300))) for _ in range(2)
+    )
+    asked = SimpleNamespace(text="Is there a mug in the cabinet?", kind="EXISTENCE")
+    sightings = [Sighting(box, box[:2]) for box in ((0.1, 0.1, 0.3, 0.3), (0.6, 0.5, 0.9, 0.8))]
+    said = [answerer.chances(asked, before, after, sighting) for sighting in sightings]
+    assert (said[0] == said[1]) is not with_box
