@@ -196,7 +196,8 @@ class Config(_Section):
         for split in SPLITS:
             had, has = (sum(split_of(name) == split for name in names) for names in (before, after))
             counts = {kind: _in_proportion(n, has, had) for kind, n in self.totals[split].items()}
-            totals[split] = KindCounts(**counts)
+            where = f"scenes: {count:,} rooms would be asked {max(counts.values()):,} questions of a kind"
+            totals[split] = checked(KindCounts, {str(kind): n for kind, n in counts.items()}, where)
         scenes = count if isinstance(self.scenes, int) else after
         return self.model_copy(update={"scenes": scenes, "questions": Totals(**totals)})
 

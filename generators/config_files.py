@@ -85,10 +85,12 @@ class _EachKeyOnce(yaml.SafeLoader):
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """A mapping."""
         found = super().construct_mapping(node, deep)
-        keys = [key for key, _ in node.value]
-        for place, key in enumerate(keys):
-            if key.value in (before.value for before in keys[:place]):
-                raise ValueError(f"line {key.start_mark.line + 1}: the key {key.value!r:.80} is there twice")
+        seen = set()
+        for key, _ in node.value:
+            said = str(key.value)
+            if said in seen:
+                raise ValueError(f"line {key.start_mark.line + 1}: the key {said!r:.80} is there twice")
+            seen.add(said)
         return found
 
 

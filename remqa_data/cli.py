@@ -1,4 +1,4 @@
-"""The command `remqa-data`: look at objects and rooms."""
+"""The command `remqa-data`: look at rooms, objects and datasets, check them, and write them for other programs."""
 
 from __future__ import annotations
 
@@ -331,7 +331,7 @@ def verify(
 
 
 def _numbers(text: str) -> tuple[int, ...]:
-    if not re.fullmatch(r"\d+(,\d+)*", text, re.ASCII):
+    if not re.fullmatch(r"\d{1,9}(,\d{1,9})*", text, re.ASCII):
         raise ConfigError(f"--configurations {text!r:.80}: give numbers, such as 0,1")
     return tuple(map(int, text.split(",")))
 

@@ -116,6 +116,9 @@ def folder_failures(root: str | os.PathLike[str], manifest: Manifest) -> Iterato
     for file in storage.files():
         if file.path not in listed and file.path.partition("/")[0] not in FOLDERS_BESIDES:
             yield Failure(file.path, "complete", "the manifest does not list this file")
+    for path in storage.oddities():  # a listed file may be a link, as Hugging Face's cache makes them
+        if path not in listed and not path.endswith("/") and path.partition("/")[0] not in FOLDERS_BESIDES:
+            yield Failure(path, "complete", "the manifest does not list this link")
     for info in manifest.files:
         shard, spec = Shard(local_shard(root, info), info.table), table_spec(info.table)
         if shard.file.metadata.num_rows != info.rows:

@@ -57,8 +57,10 @@ from remqa_data.tables.images import (
     encode_depth,
     encode_instances,
     encode_rgb,
+    image_size,
 )
 from remqa_data.tables.rows import GridCell, QuestionRow, SceneRow
+from remqa_data.tables.schema import table_spec
 
 CHANGED_FACTOR = 4
 """A manipulation changes so many times the pixels that an object needs to be visible."""
@@ -119,6 +121,10 @@ class CheckedRoom:
 
     def question_failures(self, question: QuestionRow) -> Iterator[Failure]:
         """What does not hold of a question about this configuration; it is replayed in a world of its own."""
+        sizes = {image_size(getattr(question, name).bytes) for name in table_spec("questions").image_columns}
+        if len(sizes) > 1:
+            yield Failure(question.question_id, "consistent", f"its pictures are of {len(sizes)} sizes")
+            return  # they cannot be compared
         for check in (self._is_consistent, self._words, self._pictures, self._seen_well, self._way, self._replayed):
             try:
                 for truth, reason in check(question):

@@ -185,5 +185,7 @@ def _unconfirmed(manifest: Manifest, found: Sequence[Found], notes: Sequence[str
 
 def _coverage(manifest: Manifest, compared: Mapping[str, int], rooms: int) -> dict[str, tuple[int, int]]:
     """What was looked into, and how much there is of it."""
-    covered = {"rooms": (rooms, manifest.rows("scenes") // max(1, manifest.config.get("configurations", 1)))}
+    each = manifest.config.get("configurations")
+    count = manifest.rows("scenes") // each if isinstance(each, int) and each > 0 else rooms
+    covered = {"rooms": (rooms, count)}
     return covered | {table: (compared.get(table, 0), manifest.rows(table)) for table in TABLES}

@@ -82,7 +82,7 @@ def read_audit(path: Path) -> tuple[Figure, ...]:
         If it is no such file.
     """
     try:
-        table = pd.read_csv(path, keep_default_na=False)
+        table = pd.read_csv(path, keep_default_na=False, compression=None)
         if tuple(table.columns) != Figure._fields:
             raise ValueError(f"its columns are not {', '.join(Figure._fields)}")
         rows = [

@@ -17,6 +17,7 @@ from remqa_data.catalog import catalog, object_type
 from remqa_data.errors import DatasetError, OutputError
 from remqa_data.export.rle import compressed, run_lengths
 from remqa_data.files import atomic_path
+from remqa_data.storage.backend import is_remote
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_rows
 from remqa_data.tables.images import PNG_SIGNATURE, decode_instances
@@ -56,14 +57,17 @@ def write_coco(root: Path, out: Path, with_images: bool = True) -> Written:
     UnknownNameError
         If an object's type is not in the catalog.
     OutputError
-        If the folder is the dataset's own.
+        If the folder is the dataset's own, or no folder of this machine.
     """
     if out.resolve() == root.resolve():
         raise OutputError(f"{out} is the dataset itself; give another folder")
-    known, writer = load_manifest(root).splits("frames"), _Writer(root, out, with_images)
-    for split in get_args(Split):
-        if split in known:
-            writer.write_split(split)
+    if is_remote(out):
+        raise OutputError(f"{out}: give a folder of this machine with --output")
+    manifest, writer = load_manifest(root), _Writer(root, out, with_images)
+    for table, write in (("frames", writer.write_instances), ("expressions", writer.write_refs)):
+        for split in get_args(Split):
+            if split in manifest.splits(table):
+                write(split)
     return Written(writer.images, writer.annotations, writer.refs, writer.sentences)
 
 
@@ -76,7 +80,10 @@ def categories() -> list[Entry]:
 
 
 class _Writer:
-    """Counts through the splits; holds of a split what its expressions need, and no pictures or masks."""
+    """Counts through the splits; holds what expressions need, and no pictures or masks.
+
+    The split "val" of expressions is about rooms whose frames are in the split "train".
+    """
 
     def __init__(self, root: Path, out: Path, with_images: bool) -> None:
         self.images = self.annotations = self.refs = self.sentences = 0
@@ -85,19 +92,21 @@ class _Writer:
         self._image_of: dict[str, Entry] = {}
         self._ids: dict[tuple[str, str], tuple[int, int]] = {}
 
-    def write_split(self, split: str) -> None:
-        """Write the pictures of a split, what they show, and what is said about it."""
-        self._image_of, self._ids = {}, {}
-        folder = self._out / "annotations"
-        with (
-            atomic_path(folder / f"instances_{split}.json") as temporary,
-            temporary.open("w", encoding="utf-8") as file,
-        ):
+    def write_instances(self, split: str) -> None:
+        """Write the pictures of a split, and what they show."""
+        before = len(self._image_of)
+        path = self._out / "annotations" / f"instances_{split}.json"
+        with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
             file.write('{"annotations": [\n')
             file.writelines(_separated(self._annotations(split)))
-            rest = {"images": list(self._image_of.values()), "categories": categories(), "licenses": []}
+            images = list(self._image_of.values())[before:]
+            rest = {"images": images, "categories": categories(), "licenses": []}
             file.write("],\n" + json.dumps({"info": _info(split), **rest})[1:] + "\n")
-        with atomic_path(folder / f"refs_{split}.json") as temporary, temporary.open("w", encoding="utf-8") as file:
+
+    def write_refs(self, split: str) -> None:
+        """Write what the expressions of a split say about the pictures, all of which have been written."""
+        path = self._out / "annotations" / f"refs_{split}.json"
+        with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
             file.write("[\n")
             file.writelines(_separated(self._refs(split)))
             file.write("]\n")
@@ -148,13 +157,12 @@ class _Writer:
     def _refs(self, split: str) -> Iterator[Entry]:
         """One for each object of a frame that something is said about, in the order of the annotations."""
         said: dict[tuple[str, str], list[ExpressionRow]] = {}
-        if split in load_manifest(self._root).splits("expressions"):
-            for row in read_rows(self._root, ExpressionRow, split):
-                if (row.frame_id, row.target_id) not in self._ids:
-                    raise DatasetError(
-                        f"{self._root}: expression {row.expression_id}: frame {row.frame_id} does not show its target"
-                    )
-                said.setdefault((row.frame_id, row.target_id), []).append(row)
+        for row in read_rows(self._root, ExpressionRow, split):
+            if (row.frame_id, row.target_id) not in self._ids:
+                raise DatasetError(
+                    f"{self._root}: expression {row.expression_id}: frame {row.frame_id} does not show its target"
+                )
+            said.setdefault((row.frame_id, row.target_id), []).append(row)
         for place in sorted(said, key=lambda key: self._ids[key][0]):
             annotation, category = self._ids[place]
             image = self._image_of[place[0]]

@@ -8,6 +8,7 @@ their `colors`; `configuration-K` says where those of each state begin.
 from __future__ import annotations
 
 import math
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -85,5 +86,5 @@ def _readable(path: Path) -> Iterator[None]:
         yield
     except FileNotFoundError:
         raise DatasetError(f"{path}: the file is missing; run remqa-data cache again") from None
-    except (OSError, ValueError, EOFError, BadZipFile) as error:
+    except (OSError, ValueError, EOFError, BadZipFile, NotImplementedError, zlib.error) as error:
         raise DatasetError(f"{path}: {one_line(error)}; run remqa-data cache again") from None

@@ -16,7 +16,7 @@ from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 from remqa_data.views import LEAST_PX, MOST_PX, SIZE_PX
 from remqa_data.views.features import load_function
-from remqa_data.views.manifest import Origin, Room, ViewsManifest, finished_rooms, load_views_manifest
+from remqa_data.views.manifest import Origin, Room, ViewsManifest, finished_rooms, is_plain, load_views_manifest
 from remqa_data.views.room import Configuration, RoomJob, make_room
 from remqa_data.views.tasks import NavigationTask, navigation_tasks
 
@@ -138,6 +138,10 @@ def _rooms(root: str | os.PathLike[str], wanted: Wanted) -> dict[str, list[Confi
         for row in table.to_pylist():
             tasks = tuple(asked.get((row["scene"], row["configuration"]), ()))
             one = Configuration(row["configuration"], row["scene_json"], row["embodiment"], tasks)
+            if not is_plain(row["scene"]):  # a folder is called so
+                raise DatasetError(
+                    f"{root}: {row['scene']!r:.60} is no name of a room; fetch or generate the dataset again"
+                )
             rooms.setdefault(row["scene"], []).append(one)
     if wanted.scenes is None:
         return rooms

@@ -39,7 +39,7 @@ def load_function(name: str) -> Features:
         raise ConfigError(f"--features {name!r}: name a function as module:function")
     try:
         found = getattr(importlib.import_module(module), function)
-    except (ImportError, AttributeError) as error:
+    except (ImportError, AttributeError, TypeError, ValueError) as error:  # the last two: of a name such as ".a"
         raise ConfigError(f"--features {name}: {one_line(error)}") from None
     if not callable(found):
         raise ConfigError(f"--features {name}: this is a {type(found).__name__}, no function")

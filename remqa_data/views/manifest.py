@@ -198,6 +198,11 @@ def _check_names(where: Path, room: Room) -> None:
             )
 
 
+def is_plain(name: str) -> bool:
+    """Whether a name is that of a file or folder, and leads nowhere else."""
+    return _NAME.fullmatch(name) is not None
+
+
 def _last(path: str) -> str:
     name = path.rpartition("/")[2]
     return name if _NAME.fullmatch(name) else ""

@@ -115,6 +115,21 @@ def test_an_expression_about_what_its_frame_does_not_show_is_refused_by_name(one
         write_coco(one_room, tmp_path)
 
 
+def test_expressions_of_val_are_about_pictures_of_train(finished, tmp_path) -> None:
+    written = write_coco(finished[0], tmp_path, with_images=False)
+    assert written.sentences == load_manifest(finished[0]).rows("expressions")
+    refs = json.loads((tmp_path / "annotations" / "refs_val.json").read_text())
+    train = json.loads((tmp_path / "annotations" / "instances_train.json").read_text())
+    annotations = {entry["id"]: entry for entry in train["annotations"]}
+    assert len(refs) > 0
+    assert all(annotations[ref["ann_id"]]["image_id"] == ref["image_id"] for ref in refs)
+
+
+def test_a_bucket_is_no_folder_to_write_into(finished) -> None:
+    with pytest.raises(OutputError, match="give a folder of this machine"):
+        write_coco(finished[0], Path("s3://bucket/coco"))
+
+
 def test_the_dataset_itself_is_not_written_into(finished) -> None:
     with pytest.raises(OutputError, match="another folder"):
         write_coco(finished[0], finished[0])

@@ -69,6 +69,13 @@ def test_a_list_of_rooms_is_not_made_longer() -> None:
         load_config(CONFIGS / "tiny.yaml").with_scenes(7)
 
 
+def test_more_questions_than_are_ever_asked_are_one_line() -> None:
+    with pytest.raises(
+        ConfigError, match=r"^scenes: 1,000,000 rooms would be asked 13,.* questions of a kind: EXISTENCE"
+    ):
+        load_config("paper").with_layouts("sampled").with_scenes(1_000_000)
+
+
 @given(st.integers().filter(lambda n: not 1 <= n <= 120))
 def test_numbers_of_rooms_that_there_are_not(count) -> None:
     with pytest.raises(ConfigError, match="between 1 and 120"):

@@ -400,6 +400,7 @@ MANIFEST_TEXT_LIES: dict[str, Edit] = {
     "manifest: a key less": lambda m: m.pop("refused"),
     "manifest: the seed as text": lambda m: m.update(seed="0"),
     "manifest: no configuration": lambda m: m.update(config=None),
+    "manifest: how many configurations as text": lambda m: m["config"].update(configurations="4"),
     "manifest: keys in another order": lambda m: [m.update({key: m.pop(key)}) for key in sorted(m)],
 }
 
@@ -485,6 +486,9 @@ FOLDER_LIES: dict[str, Callable[[Copy], None]] = {
         "questions/test-00001-of-00001.parquet", "questions/test-00000-of-00001.parquet"
     ),
     "folder: a shard of another split": _extra("frames/train-extra.parquet", "frames/test-00000-of-00001.parquet"),
+    "folder: a link to a shard": lambda copy: (copy.root / "questions" / "test-00001-of-00001.parquet").symlink_to(
+        "test-00000-of-00001.parquet"
+    ),
     "folder: a script": _extra("remqa.py"),
     "folder: a text among shards": _extra("scenes/notes.txt"),
     "folder: a table that nobody declared": _extra("answers/test-00000-of-00001.parquet"),

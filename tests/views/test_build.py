@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from typer.testing import CliRunner, Result
 
@@ -19,6 +20,7 @@ from remqa_data.errors import BusyDatasetError, ConfigError, DatasetError, Unkno
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.locks import exclusive
+from remqa_data.views import build
 from remqa_data.views.build import Wanted, cache_views
 from remqa_data.views.manifest import MANIFEST, NOTE, load_views_manifest
 from remqa_data.views.reader import Views
@@ -53,6 +55,22 @@ def command(*arguments: object) -> Result:
 def copy(small_views: Path, tmp_path: Path) -> Path:
     """A cache to change."""
     return Path(shutil.copytree(small_views, tmp_path / "copy"))
+
+
+@pytest.mark.parametrize("scene", ["../Small1", "/tmp/Small1", "", ".", "a/b", "Small1\n"])
+def test_a_room_that_is_called_like_another_place_is_refused(
+    small_rooms: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scene: str
+) -> None:
+    real = build.read_table
+
+    def renamed(root: Path, table: str, split: str, columns: list[str]) -> pa.Table:
+        rows = real(root, table, split, columns)
+        return rows.set_column(0, "scene", pa.array([scene] * len(rows)))
+
+    monkeypatch.setattr(build, "read_table", renamed)
+    with pytest.raises(DatasetError, match="is no name of a room"):
+        cache_views(small_rooms, tmp_path / "views", Wanted(size_px=32))
+    assert not list(tmp_path.rglob("*.np*"))
 
 
 def when_written(folder: Path) -> dict[str, int]:

@@ -24,6 +24,7 @@ from remqa_data.storage.shards import ShardWriter, file_info, read_rows
 from remqa_data.tables.images import StoredImage, decode_instances, encode_rgb
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, SceneRow
 from remqa_data.tables.schema import table_spec
+from tests.helpers.forgeries import black_jpeg, png
 
 pytestmark = pytest.mark.slow
 
@@ -181,6 +182,13 @@ def test_every_stored_image_is_compared(rooms, questions, when: str, image: str)
     one, *others = questions.values()
     other = next(q for q in others if getattr(q, name).bytes != getattr(one, name).bytes)
     assert "replayable" in broken_by(rooms, one, **{name: getattr(other, name)})
+
+
+@pytest.mark.parametrize("image", ["start_depth", "end_instances", "end_rgb"])
+def test_pictures_of_several_sizes_are_told_and_not_compared(rooms, questions, image: str) -> None:
+    question = next(iter(questions.values()))
+    other = black_jpeg(100) if image.endswith("rgb") else png(1, 100)
+    assert broken_by(rooms, question, **{image: replace(getattr(question, image), bytes=other)}) == {"consistent"}
 
 
 @pytest.mark.parametrize(
