@@ -25,10 +25,14 @@ def test_a_room_ends_at_its_walls_or_a_step_behind_its_last_things(name: str) ->
     assert np.all([x1, y1] - high <= 0.61)
 
 
-@pytest.mark.parametrize("name", [*scene_names()[::6], "FloorPlan311", "FloorPlan210", "FloorPlan324"])
+WITH_NOTCHES = ("FloorPlan311", "FloorPlan324")
+
+
+@pytest.mark.parametrize("name", [*scene_names()[::6], "FloorPlan210", *WITH_NOTCHES])
 def test_nothing_was_recorded_in_a_corner_that_is_missing(name: str) -> None:
     rows, (_, notches) = extent_of(name)
     assert rows
+    assert notches or name not in WITH_NOTCHES
     for x0, y0, x1, y1 in notches:
         inside = [
             o.id

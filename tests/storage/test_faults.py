@@ -174,10 +174,9 @@ def check(
         assert stored(behind, prefix) == expected
     else:
         assert "\n" not in str(error).strip()
-    monkey = pytest.MonkeyPatch()
-    monkey.setattr(locks, "LIFE_S", 0.0)  # of a claim that could not be deleted
-    pipeline.generate(f"s3://{BUCKET}/{prefix}", config)
-    monkey.undo()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(locks, "LIFE_S", 0.0)  # of a claim that could not be deleted
+        pipeline.generate(f"s3://{BUCKET}/{prefix}", config)
     left = {path: sha for path, sha in stored(behind, prefix).items() if not path.startswith(locks.LOCK)}
     assert left == expected
     assert not unsafe, f"deleted too early: {unsafe}"
@@ -200,14 +199,14 @@ def test_missing_credentials_are_called_so(
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY", "AWS_PROFILE"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("HOME", str(tmp_path))
-    proxy.faults = [Fault(request, "403") for request in ("initiate", "part", "put", "get", "head", "list")]
+    faults = [Fault(request, "403") for request in ("initiate", "part", "put", "get", "head", "list")]
+    monkeypatch.setattr(proxy, "faults", faults)
     with pytest.raises(StorageError, match=r"no credentials were found; set AWS_ACCESS_KEY_ID"):
         storage_at(f"s3://{BUCKET}/x").files()
     monkeypatch.setenv("AWS_ACCESS_KEY_ID", "wrong")
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "wrong")
     with pytest.raises(StorageError, match=r"check the bucket's name, and credentials"):
         storage_at(f"s3://{BUCKET}/x").files()
-    proxy.faults = []
 
 
 @pytest.mark.slow

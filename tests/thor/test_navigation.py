@@ -116,11 +116,14 @@ def test_reachable_positions_are_those_that_moves_lead_to(at_start) -> None:
     for position in positions[::10]:
         assert at_start.step("Teleport", position=position)
     cells = {(position["x"], position["z"]) for position in positions}
+    walked = 0
     for x, z in sorted(cells)[::12]:
         for rotation, (dx, dz) in ((0, (0, 0.25)), (90, (0.25, 0)), (180, (0, -0.25)), (270, (-0.25, 0))):
-            at_start.step("Teleport", x=x, y=0.9, z=z, rotation={"x": 0, "y": rotation, "z": 0})
+            assert at_start.step("Teleport", x=x, y=0.9, z=z, rotation={"x": 0, "y": rotation, "z": 0})
             if at_start.step("MoveAhead"):
                 assert (x + dx, z + dz) in cells
+                walked += 1
+    assert walked > 25
 
 
 def test_reachable_positions_with_other_steps(at_start) -> None:

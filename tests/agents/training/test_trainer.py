@@ -97,6 +97,7 @@ def test_a_killed_run_ends_with_the_same_weights(tmp_path: Path) -> None:
     patience = time.monotonic() + 60
     while not (tmp_path / "killed" / CHECKPOINT).is_file() and time.monotonic() < patience:
         time.sleep(0.05)
+    assert (tmp_path / "killed" / CHECKPOINT).is_file()
     killed.kill()
     assert killed.wait() == -9  # it was not at its end
     sums = [
