@@ -51,15 +51,16 @@ def submitted_commands(path: Path, root: Path, question_id: str) -> list[Command
 
 def _commands(row: Mapping[str, Any]) -> list[Command]:
     commands = [Command(action) for action in parse_actions(row["actions"]) if action.name != DONE]
+    box = _shares(row.get("box"))
     if row.get("manipulation") is not None:
-        commands.append(Command(parse_action(row["manipulation"]), box=_shares(row["box"])))
+        commands.append(Command(parse_action(row["manipulation"]), box=box))
     if row.get("answer") is not None:
-        commands.append(Command(answer=row["answer"]))
+        commands.append(Command(answer=row["answer"], box=None if row.get("manipulation") is not None else box))
     return commands
 
 
 def _shares(box: Sequence[float] | None) -> Shares | None:
     if box is None:
         return None
-    x1, y1, x2, y2 = (side / FRAME_PX for side in box)
+    x1, y1, x2, y2 = (min(side / FRAME_PX, 1.0) for side in box)  # a box may go beyond the view
     return x1, y1, x2, y2

@@ -10,7 +10,7 @@ import numpy as np
 
 from remqa_data.errors import ResultsError
 from remqa_data.evaluation.report.tables import Grid, in_words, rounded
-from remqa_data.evaluation.scoring.results import NOT_REPLAYED, Results, load_results
+from remqa_data.evaluation.scoring.results import NOT_REPLAYED, OVERALL, Results, load_results
 from remqa_data.evaluation.scoring.statistics import Difference, difference
 from remqa_data.evaluation.submission.tracks import TRACKS
 
@@ -69,7 +69,7 @@ def load_comparable(paths: Sequence[Path]) -> list[Results]:
             if of(other) != of(results[0]):
                 raise ResultsError(f"{paths[0]} and {path} cannot be compared: they are not of the same {what}")
         if not _has_columns(other):
-            raise ResultsError(f"{path} cannot be compared: a column of samples is missing or too short")
+            raise ResultsError(f"{path} cannot be compared: a column of samples, or a measure, is missing or no number")
     return results
 
 
@@ -132,4 +132,9 @@ def _verdict(compared: list[Comparison], main_measures: Sequence[str]) -> str:
 
 def _has_columns(results: Results) -> bool:
     count = len(results.samples.get("id", []))
-    return count > 0 and all(len(results.samples.get(name, [])) == count for name in ("scene", *results.measures))
+    names = ("scene", *results.measures)
+    if not count or any(len(results.samples.get(name, [])) != count for name in names):
+        return False
+    overall = {metric.name for metric in results.metrics if metric.breakdown == OVERALL}
+    numbers = all(not isinstance(value, str) for name in results.measures for value in results.samples[name])
+    return numbers and not overall.isdisjoint(TRACKS[results.track].main_measures)

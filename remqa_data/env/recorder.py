@@ -14,6 +14,9 @@ from remqa_data.files import atomic_path
 from remqa_data.metrics import MAX_ACTIONS
 from remqa_data.sim.agent.actions import NAVIGATION
 
+MOST_NAME = 200
+"""Characters of an agent's name in a submission."""
+
 
 class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
     """Records each episode that ends, and writes all of them when it is closed.
@@ -30,7 +33,7 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
     Raises
     ------
     ActionError
-        If the environment plays bare scenes, or the agent is privileged.
+        If the environment plays bare scenes, the agent is privileged, or no submission is called so or by such an agent.
 
     Notes
     -----
@@ -47,6 +50,10 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
             raise ActionError("a privileged agent cannot submit: make the environment without privileged=True")
         self._remqa = remqa
         self.path = Path(path)
+        if self.path.suffix != ".jsonl" or self.path.is_dir():
+            raise ActionError(f"{path}: the file of a submission is called something.jsonl")
+        if not 0 < len(agent) <= MOST_NAME:
+            raise ActionError(f"the agent's name has {len(agent)} characters: give 1 to {MOST_NAME}")
         self._header = {
             "format": "remqa-submission",
             "version": 1,
@@ -72,8 +79,10 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
 
     def close(self) -> None:
         """Write the submission and close the environment."""
-        self.save()
-        super().close()
+        try:
+            self.save()
+        finally:
+            super().close()
 
     def _row(self, answer: str | None) -> dict[str, Any]:
         record, task = self._remqa.record, self._remqa.episode.task

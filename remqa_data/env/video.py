@@ -106,11 +106,15 @@ def _readable_frames(path: Path) -> int:
 
 
 def film(root: Path, question_id: str, commands: Sequence[Command] | None = None) -> Iterator[U8]:
-    """The frames of an episode, (h, w, 3) RGB; their widths differ with the map's legend. See `write_film`."""
+    """The frames of an episode, (h, w, 3) RGB; their widths differ with the map's legend. See `write_film`.
+
+    What was submitted is done with the hands with which it is scored: those get to what is within the arm's reach.
+    """
     env = RemqaEnv(
         root,
         _split_of(root, question_id),
         question_ids=[question_id],
+        hands="arm" if commands is None else "reach",
         privileged=True,
         render_mode="rgb_array",
         width=SIZE_PX,
@@ -129,9 +133,13 @@ def film(root: Path, question_id: str, commands: Sequence[Command] | None = None
         for command in oracle_commands(task) if commands is None else commands:
             if command.action is not None and command.action.name in MANIPULATION:
                 yield from _reaching(env, observation, memory, command)
-            observation, *_, info = env.step(command)
+            try:
+                observation, *_, info = env.step(command)
+                error = str(info.get("error", ""))
+            except UnknownNameError as unknown:  # a refused action, when it is scored
+                error = str(unknown)
             memory.add(observation)
-            doing = _said(command, task.answer, str(info.get("error", "")))
+            doing = _said(command, task.answer, error)
             yield _frame(env, observation, memory, doing)
         for _ in range(LAST_FRAMES):
             yield _frame(env, observation, memory, doing)
@@ -171,7 +179,7 @@ def _reaching(env: RemqaEnv, observation: dict[str, Any], memory: _Memory, comma
     if command.box is not None:
         yield _frame(env, observation, memory, "points at the target", command.box)
     arm, target = env.agent.arm, command.action.target
-    if not isinstance(target, str):
+    if not isinstance(target, str) or target not in env.agent.world.ids:
         return
     first = arm.state
     last = arm.reach_object(env.agent.base, target).state

@@ -7,8 +7,10 @@ from typing import Any
 from ai2thor.controller import Controller as ThorController
 from ai2thor.server import Event
 
+from remqa_data.errors import ActionError, MisuseError
 from remqa_data.thor.server import Server
 from remqa_data.thor.session import Session
+from remqa_data.thor.state.settings import MOST_PIXELS
 
 
 class Controller(ThorController):  # type: ignore[misc]  # AI2-THOR has no types
@@ -79,9 +81,23 @@ class Controller(ThorController):  # type: ignore[misc]  # AI2-THOR has no types
             If there is no such scene, or a parameter is not supported.
         """
         assert self.server is not None
-        self.width, self.height = init_params.get("width", self.width), init_params.get("height", self.height)
-        self.server.session.resize(self.width, self.height)
-        return super().reset(scene, **init_params)
+        before = self.width, self.height
+        wanted = init_params.get("width", self.width), init_params.get("height", self.height)
+        try:
+            width, height = (int(size) for size in wanted)
+            self.server.session.resize(width, height)
+        except (ActionError, TypeError, ValueError):
+            message = (
+                f"a picture of {wanted[0]!r:.40} x {wanted[1]!r:.40} pixels: give whole numbers from 1 to {MOST_PIXELS}"
+            )
+            raise MisuseError("InvalidArgument", message) from None
+        self.width, self.height = width, height
+        try:
+            return super().reset(scene, **{**init_params, "width": width, "height": height})
+        except ValueError:
+            self.width, self.height = before
+            self.server.session.resize(*before)
+            raise
 
     def _build_server(self, host: str, port: int, width: int, height: int) -> None:
         if self.server is None:

@@ -202,6 +202,18 @@ def test_a_batch_is_what_gymnasium_makes_of_environments_one_by_one(
     assert all(same(a, b) for a, b in zip(given, expected, strict=True))
 
 
+def test_an_observation_of_a_batch_is_its_own(small_rooms: Path, small_views: Path) -> None:
+    envs = CachedRemqaVectorEnv(2, small_rooms, small_views)
+    with pytest.raises(ActionError, match="call reset"):
+        envs.step([LEFT, LEFT])
+    first, _ = envs.reset(seed=3)
+    target, tokens = first["target"].copy(), first["question_tokens"].copy()
+    first["target"][:], first["question_tokens"][:] = 0, 0
+    second = envs.step([LEFT, LEFT])[0]
+    assert np.array_equal(second["target"], target)
+    assert np.array_equal(second["question_tokens"], tokens)
+
+
 def test_a_batch_refuses_what_does_not_fit_it(small_rooms: Path, small_views: Path) -> None:
     envs = CachedRemqaVectorEnv(2, small_rooms, small_views)
     with pytest.raises(ActionError, match="3 seeds for 2"):

@@ -210,6 +210,18 @@ def test_a_walk_that_no_submission_holds_is_no_row(small_rooms: Path, tmp_path: 
     env.close()
 
 
+@pytest.mark.parametrize(
+    ("name", "agent"), [("a.parquet", "me"), ("a.txt", "me"), ("a.jsonl", "x" * 201), ("a.jsonl", "")]
+)
+def test_what_no_submission_can_be_called_is_told_at_once(
+    small_rooms: Path, tmp_path: Path, name: str, agent: str
+) -> None:
+    env = RemqaEnv(small_rooms, "test", width=8, height=8)
+    with pytest.raises(ActionError, match=r"is called something\.jsonl|give 1 to 200"):
+        Recorder(env, tmp_path / name, agent)
+    env.close()
+
+
 def test_what_the_arm_does_unseen_is_no_manipulation_of_the_evaluator_s(small_rooms: Path) -> None:
     found = {}
     for turned in (False, True):

@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 from remqa_data.cli import app
 from remqa_data.env import RemqaEnv
+from remqa_data.env.video import write_film
 from remqa_data.errors import SubmissionError, UnknownNameError
 from remqa_data.evaluation.episodes import submitted_commands
 from remqa_data.evaluation.submission.reader import Header, write_submission
@@ -51,6 +52,25 @@ def test_a_film_shows_what_was_submitted(two_rooms: Path, rows: list[dict], tmp_
     assert done.exit_code == 0, done.output
     assert '"frames": 12' in done.output
     assert (tmp_path / "film.webp").stat().st_size > 1000
+
+
+def test_what_is_refused_when_it_is_scored_is_filmed_as_refused(
+    two_rooms: Path, rows: list[dict], tmp_path: Path
+) -> None:
+    path = tmp_path / "odd.jsonl"
+    odd = {**rows[0], "actions": ["Done"], "manipulation": "OpenObject Nothing|1", "box": [0, 0, 400, 9000]}
+    write_submission(path, Header(track="remqa", split="test"), [odd])
+    commands = submitted_commands(path, two_rooms, odd["question_id"])
+    assert commands[-2].box == (0.0, 0.0, 1.0, 1.0)
+    assert write_film(two_rooms, odd["question_id"], tmp_path / "film.webp", commands) == 14
+
+
+def test_a_box_alone_is_pointed_at_with_the_answer(two_rooms: Path, rows: list[dict], tmp_path: Path) -> None:
+    path = tmp_path / "box.jsonl"
+    write_submission(
+        path, Header(track="remqa", split="test"), [{**rows[0], "manipulation": None, "box": [0, 0, 150, 300]}]
+    )
+    assert submitted_commands(path, two_rooms, rows[0]["question_id"])[-1].box == (0.0, 0.0, 0.5, 1.0)
 
 
 def test_what_cannot_be_played_is_told_in_one_line(

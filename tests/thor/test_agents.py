@@ -90,6 +90,28 @@ def test_one_slices_while_both_hold_something(two) -> None:
     assert event.events[1].metadata["heldObjectPose"] == hand
 
 
+def test_who_slices_is_told_so(two) -> None:
+    event = two.step("SliceObject", objectId=APPLE, forceAction=True, agentId=1)
+    assert event.metadata["agentId"] == 1
+    assert [one.metadata["lastAction"] for one in event.events] == ["Initialize", "SliceObject"]
+    assert two.step("RotateRight").metadata["agentId"] == 0
+
+
+def test_what_one_was_answered_is_its_own_in_every_event(two) -> None:
+    positions = two.step("GetReachablePositions", agentId=1).metadata["actionReturn"]
+    count = len(positions)
+    positions.clear()
+    event = two.step("RotateRight", agentId=0)
+    assert len(event.events[1].metadata["actionReturn"]) == count > 100
+
+
+def test_who_stands_where_another_came_turns_and_looks(two) -> None:
+    x, z = place(two.last_event, 1)
+    assert two.step("Teleport", position={"x": x, "y": 0.9, "z": z}, forceAction=True, agentId=0)
+    assert two.step("RotateLook", rotation={"x": 0, "y": 90, "z": 0}, horizon=30, agentId=0)
+    assert not two.step("Teleport", position={"x": x, "y": 0.9, "z": z + 0.05}, agentId=0)
+
+
 def test_they_begin_apart_and_do_not_walk_through_each_other(two) -> None:
     event = two.last_event
     gap = np.subtract(place(event, 1), place(event, 0))

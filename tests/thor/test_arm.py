@@ -276,3 +276,20 @@ def test_what_the_arm_holds_turns_with_the_agent(armed) -> None:
 
 def place(event) -> list[float]:
     return list(event.get_object(APPLE)["axisAlignedBoundingBox"]["center"].values())
+
+
+def test_a_question_moves_neither_the_arm_nor_what_it_holds(armed) -> None:
+    fridge = next(o["objectId"] for o in armed.last_event.metadata["objects"] if o["objectType"] == "Fridge")
+    before = armed.step("MoveArm", position={"x": 0.0, "y": 0.1, "z": 0.4})
+    assert before, before.metadata["errorMessage"]
+    poses = armed.step("GetInteractablePoses", objectId=fridge, maxPoses=3).metadata["actionReturn"]
+    assert len(poses) == 3
+    assert armed.last_event.metadata["arm"] == before.metadata["arm"]
+    assert armed.last_event.metadata["agent"] == before.metadata["agent"]
+
+
+def test_the_hand_sphere_stays_as_large_when_the_room_is_loaded_anew(armed) -> None:
+    assert armed.step("SetHandSphereRadius", radius=0.2)
+    apple = next(o["objectId"] for o in armed.last_event.metadata["objects"] if o["objectType"] == "Apple")
+    event = armed.step("SliceObject", objectId=apple, forceAction=True)
+    assert event.metadata["arm"]["handSphereRadius"] == pytest.approx(0.2)

@@ -3,7 +3,6 @@ import pytest
 from ai2thor.controller import Controller as ThorController
 from ai2thor.server import DepthFormat
 
-from remqa_data.errors import ActionError
 from remqa_data.thor import Controller
 
 
@@ -57,8 +56,16 @@ def test_frames_are_as_asked_for(kitchen) -> None:
     assert event.instance_segmentation_frame.shape == (40, 50, 3)
     assert kitchen.step("Pass").instance_segmentation_frame is None
     assert kitchen.step("Pass", renderImage=False).frame is None
-    with pytest.raises(ActionError, match="0 x 10"):
+    with pytest.raises(ValueError, match="0 x 10"):
         kitchen.reset(width=0, height=10)
+    for width in (-1, "wide", None, 10**6):
+        with pytest.raises(ValueError, match=r"give whole numbers from 1 to 4096"):
+            kitchen.reset(width=width)
+    with pytest.raises(ValueError, match="NoSuchScene"):
+        kitchen.reset("NoSuchScene", width=64)
+    event = kitchen.reset()
+    assert (event.screen_width, event.screen_height) == (128, 64)
+    assert kitchen.reset(width="300").frame.shape == (64, 300, 3)
 
 
 def test_pictures_change_nothing_in_the_metadata(kitchen) -> None:

@@ -313,3 +313,18 @@ def from_middle(event, one, other) -> tuple[float, float]:
     )
     x, y, z = b - a
     return float(np.hypot(x, z)), float(y)
+
+
+def test_a_question_turns_nothing_that_is_held_and_a_hand_that_is_empty_rests(kitchen) -> None:
+    bowl, counter = "Bowl|+00.27|+01.10|-00.75", "CounterTop|-00.08|+01.15|00.00"
+    kitchen.step("PickupObject", objectId=bowl, forceAction=True)
+    usual = kitchen.last_event.metadata["heldObjectPose"]["localPosition"]
+    kitchen.step("RotateHeldObject", pitch=20)
+    before = kitchen.step("MoveHeldObjectUp", moveMagnitude=0.05)
+    assert before.metadata["heldObjectPose"]["localPosition"] != usual
+    event = kitchen.step("GetInteractablePoses", objectId=counter, maxPoses=2)
+    assert len(event.metadata["actionReturn"]) == 2
+    assert event.get_object(bowl) == before.get_object(bowl)
+    event = kitchen.step("PutObject", objectId=counter, forceAction=True)
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["heldObjectPose"]["localPosition"] == usual

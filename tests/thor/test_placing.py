@@ -211,3 +211,27 @@ def test_what_is_held_is_teleported_only_if_that_is_asked_for(kitchen) -> None:
         assert text in kitchen.step("TeleportObject", objectId=wrong, position=there).metadata["errorMessage"]
     with pytest.raises(ValueError, match="missing the following arguments: position"):
         kitchen.step("TeleportObject", objectId=APPLE)
+
+
+def test_what_is_not_there_answers_no_question(kitchen) -> None:
+    mug = next(o["objectId"] for o in kitchen.last_event.metadata["objects"] if o["objectType"] == "Mug")
+    assert kitchen.step("RemoveFromScene", objectId=mug)
+    for action in ("DistanceToObject", "GetShortestPath", "GetVisibilityPoints", "GetInteractablePoses"):
+        event = kitchen.step(action, objectId=mug)
+        assert event.metadata["errorMessage"] == f"{mug} is not in the scene", action
+        assert event.metadata["actionReturn"] is None
+    event = kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=mug, anywhere=True)
+    assert event.metadata["errorMessage"] == f"{mug} is not in the scene"
+
+
+def test_a_load_that_leaves_with_what_holds_it_comes_back_to_where_it_was(kitchen) -> None:
+    plate, fork = (
+        next(o for o in kitchen.last_event.metadata["objects"] if o["objectType"] == name) for name in ("Plate", "Fork")
+    )
+    centre = plate["axisAlignedBoundingBox"]["center"]
+    assert kitchen.step("PlaceObjectAtPoint", objectId=fork["objectId"], position={**centre, "y": centre["y"] + 0.05})
+    assert kitchen.step("PickupObject", objectId=plate["objectId"], forceAction=True)
+    held = kitchen.last_event.get_object(fork["objectId"])["position"]
+    assert kitchen.step("RemoveFromScene", objectIds=[plate["objectId"], fork["objectId"]])
+    event = kitchen.step("EnableObject", objectId=fork["objectId"])
+    assert abs(event.get_object(fork["objectId"])["position"]["y"] - held["y"]) < 3.0, event.metadata["errorMessage"]

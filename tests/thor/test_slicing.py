@@ -89,6 +89,40 @@ def test_a_slice_is_a_thing_like_any_other(kitchen) -> None:
     assert cooked == [piece]
 
 
+def test_slices_are_put_and_posed_like_other_things(kitchen) -> None:
+    potato = of_type(kitchen, "Potato")[0]["objectId"]
+    act(kitchen, "SliceObject", potato)
+    piece = of_type(kitchen, "PotatoSliced")[0]
+    at = piece["axisAlignedBoundingBox"]["center"]
+    for action in ("TeleportObject", "PlaceObjectAtPoint"):
+        event = kitchen.step(action, objectId=piece["objectId"], position={**at, "y": at["y"] + 0.2})
+        assert event, event.metadata["errorMessage"]
+    poses = [
+        {"objectId": o["objectId"], "position": o["position"], "rotation": o["rotation"]}
+        for o in kitchen.last_event.metadata["objects"]
+        if (o["pickupable"] or o["moveable"]) and o["objectId"] != potato
+    ]
+    event = kitchen.step("SetObjectPoses", objectPoses=poses)
+    assert event, event.metadata["errorMessage"]
+    assert len(of_type(kitchen, "PotatoSliced")) == 6
+
+
+def test_what_has_been_sliced_is_not_there_any_more(kitchen) -> None:
+    potato = of_type(kitchen, "Potato")[0]
+    act(kitchen, "SliceObject", potato["objectId"])
+    assert kitchen.step("RemoveFromScene", objectIds=[o["objectId"] for o in of_type(kitchen, "PotatoSliced")])
+    pose = {"objectId": potato["objectId"], "position": potato["position"]}
+    for action, arguments in (
+        ("EnableObject", {"objectId": potato["objectId"]}),
+        ("SetObjectPoses", {"objectPoses": [pose]}),
+        ("DistanceToObject", {"objectId": potato["objectId"]}),
+        ("GetShortestPath", {"objectId": potato["objectId"]}),
+        ("MaskObject", {"objectId": potato["objectId"]}),
+    ):
+        error = kitchen.step(action, **arguments).metadata["errorMessage"]
+        assert error == f"{potato['objectId']} has been sliced", action
+
+
 def test_slices_are_as_done_as_the_whole_one_and_gone_after_a_reset(kitchen) -> None:
     before = [o["objectId"] for o in kitchen.last_event.metadata["objects"]]
     first = kitchen.last_event.frame

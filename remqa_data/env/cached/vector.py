@@ -56,7 +56,7 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         self.num_envs, self.autoreset_mode = num_envs, AutoresetMode.NEXT_STEP
         self.tasks = CachedTasks(root, views, split, question_ids, vocabulary)
         self.walks = [Walk(self.tasks, max_steps) for _ in range(num_envs)]
-        self._has_features = features
+        self._has_features, self._has_begun = features, False
         self._generators: list[np.random.Generator] = [seeding.np_random()[0] for _ in range(num_envs)]
         self.single_action_space = spaces.Discrete(len(ACTIONS))
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -78,6 +78,7 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         for number in range(self.num_envs):
             info = self._begin(number, info, options)
         self._tell()
+        self._has_begun = True
         return self._observe(), info
 
     def step(self, actions: npt.ArrayLike) -> Batch:
@@ -88,6 +89,8 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         ActionError
             If one is no action, or no episodes have begun.
         """
+        if not self._has_begun:
+            raise ActionError("there are no episodes going on: call reset")
         numbers = [action_number(action) for action in np.asarray(actions).tolist()]
         if len(numbers) != self.num_envs:
             raise ActionError(f"there are {len(numbers)} actions for {self.num_envs} environments")
@@ -127,7 +130,8 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         rgb = np.empty((self.num_envs, size, size, 3), dtype=np.uint8)
         for walk, onto in zip(walks, rgb, strict=True):
             walk.room.draw(walk.state, onto)
-        observation = {"rgb": rgb, "pose": np.array([walk.room.poses[walk.state] for walk in walks]), **self._told}
+        told = {key: np.copy(value) if isinstance(value, np.ndarray) else value for key, value in self._told.items()}
+        observation = {"rgb": rgb, "pose": np.array([walk.room.poses[walk.state] for walk in walks]), **told}
         if self._has_features:
             observation["features"] = np.array([walk.room.features[walk.state] for walk in walks])  # type: ignore[index]
         return observation

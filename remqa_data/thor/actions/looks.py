@@ -11,6 +11,7 @@ from remqa_data.assets.looks import materials
 from remqa_data.floorplans.ithor.building import PAINTS
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.thor.actions.targets import not_there
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.looks import Lighting, Look
 from remqa_data.thor.state.simulator import SimulatorState
@@ -40,19 +41,19 @@ BRIGHTNESS, HUE, SATURATION = (0.5, 1.5), (0.0, 1.0), (0.5, 1.0)
 def mask_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Draw an object in plain magenta; what is before it still hides it."""
     look = simulator.room.looks.look
-    return _not_there(simulator, objectId) or _show(simulator, replace(look, masked=look.masked | {objectId}))
+    return not_there(simulator, objectId) or _show(simulator, replace(look, masked=look.masked | {objectId}))
 
 
 def unmask_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Draw an object as it was."""
     look = simulator.room.looks.look
-    return _not_there(simulator, objectId) or _show(simulator, replace(look, masked=look.masked - {objectId}))
+    return not_there(simulator, objectId) or _show(simulator, replace(look, masked=look.masked - {objectId}))
 
 
 def emphasize_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Draw an object in plain magenta, and nothing else."""
     look = replace(simulator.room.looks.look, emphasized=objectId)
-    return _not_there(simulator, objectId) or _show(simulator, look)
+    return not_there(simulator, objectId) or _show(simulator, look)
 
 
 def unemphasize_all(simulator: SimulatorState) -> ActionResult:
@@ -167,12 +168,6 @@ ACTIONS: dict[str, Action] = {
     "UnemphasizeAll": unemphasize_all,
     "UnmaskObject": unmask_object,
 }
-
-
-def _not_there(simulator: SimulatorState, object_id: str) -> ActionResult | None:
-    simulator.room.world.type_of(object_id)  # names the nearest ids if there is no such object
-    is_away = object_id in simulator.room.records.away
-    return ActionResult(False, f"{object_id} is not in the scene") if is_away else None
 
 
 def _show(simulator: SimulatorState, look: Look) -> ActionResult:

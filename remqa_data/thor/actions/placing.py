@@ -22,7 +22,7 @@ from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import lattice, open_spaces
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
-from remqa_data.thor.actions.targets import of_type
+from remqa_data.thor.actions.targets import not_there, of_type
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, to_room, to_thor, turn_of_euler, whole
 from remqa_data.thor.state.simulator import LoadedFloorPlan, SimulatorState
@@ -54,9 +54,11 @@ def remove_from_scene(
         message = "action: RemoveFromScene is missing the following arguments: objectId"
         raise MisuseError("MissingArguments", message)
     for name in names:
-        if _is_away(room, name):
-            return ActionResult(False, f"{name} is not in the scene")
+        if (refusal := not_there(simulator, name)) is not None:
+            return refusal
     for name in dict.fromkeys(names):
+        if name in room.records.away:
+            continue  # it was held with one before
         bears = room.world.bears_something(name)
         room.take_away(name)
         if bears:
@@ -72,8 +74,11 @@ def disable_all_objects_of_type(simulator: SimulatorState, objectType: str) -> A
 def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Put an object back to where it was when it was taken out of the scene."""
     room, world = simulator.room, simulator.room.world
-    if not _is_away(room, objectId):
+    world.type_of(objectId)  # names the nearest ids if there is no such object
+    if objectId not in room.records.away:
         return ActionResult(True)
+    if objectId in room.records.sliced:
+        return not_there(simulator, objectId) or ActionResult(True)
     before, away = world.save(), dict(room.records.away)
     world.put_back(objectId, away[objectId])
     if blocker := _sunken(world, [objectId]):
@@ -103,6 +108,8 @@ def set_object_poses(
         object_id = room.records.id_of(name)
         if object_id is None or not object_type(world.type_of(object_id)).is_loose:
             return ActionResult(False, f"No Pickupable or Moveable object of name {name} found in scene.")
+        if object_id in room.records.sliced:
+            return ActionResult(False, f"{object_id} has been sliced")
         if object_id in poses:
             return ActionResult(False, f"{name} is given two poses: objects cannot be copied here")
         poses[object_id] = pose
@@ -149,7 +156,7 @@ def _place_at(
     simulator: SimulatorState, objectId: str, position: PartialVector, rotation: PartialVector | None
 ) -> ActionResult:
     room, world = simulator.room, simulator.room.world
-    if (refusal := _stays(room, objectId)) is not None:
+    if (refusal := _stays(simulator, objectId)) is not None:
         return refusal
     before = world.save()
     if objectId in world.held:
@@ -192,7 +199,7 @@ def teleport_object(
     put into other things, and physics drives them apart.
     """
     room, world = simulator.room, simulator.room.world
-    if (refusal := _stays(room, objectId)) is not None:
+    if (refusal := _stays(simulator, objectId)) is not None:
         return refusal
     if objectId in world.held and not allowTeleportOutOfHand:
         return ActionResult(False, f"{objectId} is in the hand, and allowTeleportOutOfHand is not set")
@@ -219,6 +226,8 @@ def get_spawn_coordinates_above_receptacle(
 ) -> ActionResult:
     """Points of a receptacle on which nothing lies; with `anywhere` those, too, that are out of the frame or of reach."""
     agent, world = simulator.agent, simulator.room.world
+    if (refusal := not_there(simulator, objectId)) is not None:
+        return refusal
     if not object_type(world.type_of(objectId)).receptacle:
         return ActionResult(False, f"{objectId} is not a receptacle")
     links = world.link_poses(objectId)
@@ -260,19 +269,12 @@ def _places(action: str, position: PartialVector | None, positions: list[Partial
     return places
 
 
-def _is_away(room: LoadedFloorPlan, object_id: str) -> bool:
-    """Whether an object is out of the scene; an error if the room has no such object."""
-    room.world.state(object_id)
-    return object_id in room.records.away
-
-
-def _stays(room: LoadedFloorPlan, object_id: str) -> ActionResult | None:
+def _stays(simulator: SimulatorState, object_id: str) -> ActionResult | None:
     """Why an object cannot be put elsewhere, if it cannot."""
-    if _is_away(room, object_id):
-        return ActionResult(False, f"{object_id} is not in the scene")
-    if not object_type(room.world.type_of(object_id)).is_loose:
+    refusal = not_there(simulator, object_id)
+    if refusal is None and not object_type(simulator.room.world.type_of(object_id)).is_loose:
         return ActionResult(False, f"{object_id} is neither pickupable nor moveable")
-    return None
+    return refusal
 
 
 def _leaves(type_name: str, skips_moveable: bool) -> bool:
@@ -283,7 +285,8 @@ def _leaves(type_name: str, skips_moveable: bool) -> bool:
 
 def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectState:
     """The state that a pose asks for: the one that the object has, or had when the room was loaded, if that is it."""
-    loaded, now = room.at_rest.states[object_id], room.world.state(object_id)
+    now = room.world.state(object_id)
+    loaded = room.at_rest.states.get(object_id, now)  # a slice was not there then
     position, quaternion = room.records.pose_of(
         object_id, to_room(whole(pose["position"])), turn_of_euler(whole(pose.get("rotation", {})))
     )
@@ -304,14 +307,14 @@ def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str]) -> str | None:
     """Let what was moved fall, and furniture stand still then; what an object is in afterwards, if it is in any."""
     world = room.world
     furniture = [
-        name for name in moved if world.state(name).is_fixed and world.state(name) is not room.at_rest.states[name]
+        name for name in moved if world.state(name).is_fixed and world.state(name) is not room.at_rest.states.get(name)
     ]
     for name in furniture:
         world.set_fixed(name, False)
     _settle(world)
     for name in furniture:
         world.set_fixed(name, True)
-    return _sunken(world, [name for name in moved if world.state(name) is not room.at_rest.states[name]])
+    return _sunken(world, [name for name in moved if world.state(name) is not room.at_rest.states.get(name)])
 
 
 def _settle(world: World) -> None:

@@ -18,7 +18,7 @@ from remqa_data.geometry.types import F64
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.ground import Ground
-from remqa_data.thor.actions.targets import of_type
+from remqa_data.thor.actions.targets import not_there, of_type
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.events import object_records
@@ -67,7 +67,8 @@ def get_interactable_poses(
     By default the agent turns, from how it is turned now, in steps of rotateStepDegrees.
     """
     agent = simulator.agent
-    agent.world.type_of(objectId)  # names the nearest ids if there is no such object
+    if (refusal := not_there(simulator, objectId)) is not None:
+        return refusal
     if maxPoses is not None and maxPoses < 1:
         return ActionResult(False, "maxPoses must be > 0.")
     if maxDistance is not None and maxDistance < 0.0:
@@ -82,25 +83,24 @@ def get_interactable_poses(
         if positions is None
         else [to_room(whole(position))[:2] for position in positions]
     )
-    pose = (agent.x, agent.y), agent.yaw_deg, agent.horizon_deg, agent.is_standing
     found = []
-    for horizon, standing, rotation, (x, y) in product(
-        horizons or HORIZONS_DEG, standings or STANDINGS, rotations or _headings(simulator), places
-    ):
-        agent.place((x, y), yaw_to_room(rotation), horizon, standing)
-        if agent.sees(objectId, maxDistance):
-            answer = {
-                "x": x,
-                "y": simulator.room.agent_y,
-                "z": y,
-                "rotation": rotation,
-                "standing": standing,
-                "horizon": horizon,
-            }
-            found.append(answer)
-            if len(found) == maxPoses:
-                break
-    agent.place(*pose)
+    with agent.elsewhere():
+        for horizon, standing, rotation, (x, y) in product(
+            horizons or HORIZONS_DEG, standings or STANDINGS, rotations or _headings(simulator), places
+        ):
+            agent.place((x, y), yaw_to_room(rotation), horizon, standing)
+            if agent.sees(objectId, maxDistance):
+                answer = {
+                    "x": x,
+                    "y": simulator.room.agent_y,
+                    "z": y,
+                    "rotation": rotation,
+                    "standing": standing,
+                    "horizon": horizon,
+                }
+                found.append(answer)
+                if len(found) == maxPoses:
+                    break
     return ActionResult(True, value=found)
 
 
@@ -161,7 +161,7 @@ def object_type_to_object_ids(simulator: SimulatorState, objectType: str) -> Act
 
 def distance_to_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Metres in plan from the agent's middle to the nearest point of an object."""
-    return ActionResult(True, value=simulator.agent.plan_distance(objectId))
+    return not_there(simulator, objectId) or ActionResult(True, value=simulator.agent.plan_distance(objectId))
 
 
 def get_object_metadata(simulator: SimulatorState, objectIds: list[str]) -> ActionResult:
@@ -179,6 +179,8 @@ def get_object_metadata(simulator: SimulatorState, objectIds: list[str]) -> Acti
 
 def get_visibility_points(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Some points of an object's surface, as far apart as can be; which of them are seen is not asked."""
+    if (refusal := not_there(simulator, objectId)) is not None:
+        return refusal
     world = simulator.room.world
     links = zip(world.link_poses(objectId), world.assets[objectId].links, strict=True)
     corners = [arithmetic.moved(surface.vertices, pose) for pose, link in links for surface in link.surfaces]
@@ -217,8 +219,7 @@ def object_meant(
         if len(ids) != 1:
             return ActionResult(False, f"there are {len(ids)} objects of type {type_name}: give an objectId")
         object_id = ids[0]
-    simulator.room.world.type_of(object_id)  # names the nearest ids if there is no such object
-    return object_id
+    return not_there(simulator, object_id) or object_id
 
 
 def nearest_cell(agent: ThorAgent, low: npt.ArrayLike, high: npt.ArrayLike) -> Cell:

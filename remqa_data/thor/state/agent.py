@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -98,7 +99,21 @@ class ThorAgent(Agent):
             return
         self.hand_offset, self._grasp, self._usual_turn = before.hand_offset, before._grasp, before._usual_turn
         if "arm" in vars(before):  # it has been used
-            self.arm.state = before.arm.state
+            self.arm.state, self.arm.hand_radius_m = before.arm.state, before.arm.hand_radius_m
+
+    @contextmanager
+    def elsewhere(self) -> Iterator[None]:
+        """For the length of a block, it may be placed anywhere; then it, its arm and what it holds are as they were."""
+        pose, saved = ((self.x, self.y), self.yaw_deg, self.horizon_deg, self.is_standing), self.world.save()
+        arm = self.arm.state if "arm" in vars(self) else None
+        try:
+            yield
+        finally:
+            self.place(*pose)
+            if not self.world.is_as(saved):
+                self.world.restore(saved)
+            if arm is not None:
+                self.arm.state = arm
 
     def camera(self, width: int | None = None, height: int | None = None) -> Camera:
         """Its eye, by default with the size of its frames."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 
 from remqa_data.geometry import arithmetic
@@ -242,7 +243,7 @@ def _outcome(done: Outcome, agent: int) -> Metadata:
         "visibleRange": None,
         "currentTime": 0.0,
         "sceneBounds": None,
-        "actionReturn": result.value,
+        "actionReturn": deepcopy(result.value),  # it is told again until this agent does something else
     }
 
 

@@ -112,11 +112,11 @@ class LoadedFloorPlan:
         self.shows_map = False
         self.looks.change(Look())
         self.agents: list[ThorAgent] = []
+        self.active = 0
         self._add_agents(settings, frame)
 
     def _add_agents(self, settings: Settings, frame: FrameSize) -> None:
         """Let there be as many agents as are asked for: the first at the start, each other one as near as there is room."""
-        self.active = 0
         del self.agents[settings.agent_count :]
         position, yaw_deg = self._start
         for number in range(len(self.agents), settings.agent_count):
@@ -213,6 +213,7 @@ class LoadedFloorPlan:
             new.take_over(old)
             self.agents[number] = new
         self._add_agents(settings, frame)
+        self.active = min(self.active, len(self.agents) - 1)
 
     def snap_to_grid(self) -> None:
         """Let each agent stand at a multiple of its steps, the nearest one to which it could walk straight."""

@@ -75,6 +75,22 @@ def test_the_command_prints_the_order_and_writes_markdown(three: list[Path], tmp
     assert (tmp_path / "ranking.md").read_text() == ranking_markdown(rank(three))
 
 
+@pytest.mark.parametrize("change", [{"metrics": []}, {"column": "yes"}])
+def test_results_that_somebody_has_edited_are_one_line(three: list[Path], tmp_path: Path, change: dict) -> None:
+    for path in three[:2]:
+        edited = json.loads(path.read_text())
+        if "metrics" in change:
+            edited["metrics"] = []
+        else:
+            edited["samples"][edited["metrics"][0]["name"]][0] = change["column"]
+        (tmp_path / path.name).write_text(json.dumps(edited))
+    paths = [tmp_path / path.name for path in three[:2]]
+    with pytest.raises(ResultsError, match="cannot be compared: a column of samples, or a measure"):
+        rank(paths)
+    with pytest.raises(ResultsError, match="cannot be compared: a column of samples, or a measure"):
+        compare(*paths)
+
+
 def test_only_results_of_the_same_questions_are_ordered(three: list[Path], tmp_path: Path) -> None:
     other = json.loads(three[0].read_text())
     other["dataset"]["seed"] += 1
