@@ -1,1 +1,1 @@
-"""What leaves the package for other programs: rooms as GLB, MJCF and URDF; frames and expressions as COCO and RefCOCO."""
+"""What leaves the package for other programs: rooms as GLB, MJCF, URDF and USD; frames and expressions as COCO and RefCOCO; walks for Rerun."""
