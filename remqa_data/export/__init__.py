@@ -1,1 +1,1 @@
-"""What leaves the package for other programs: rooms as GLB, MJCF, URDF and USD; frames and expressions as COCO and RefCOCO; walks for Rerun."""
+"""What leaves the package for other programs: rooms as GLB, MJCF, URDF or USD, frames as COCO and RefCOCO, walks for Rerun."""
