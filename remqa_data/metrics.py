@@ -29,6 +29,8 @@ MAX_ACTIONS = 500
 """A longer walk is no submission."""
 MAX_TEXT = 300
 """Characters of an id, an answer or a manipulation in a submission."""
+MAX_NAME = 200
+"""Characters of the agent's name in a submission."""
 BLOCK = 1 << 15
 """Pairs of boxes that are compared at a time: what fits into a core's cache."""
 

@@ -11,11 +11,8 @@ import gymnasium
 from remqa_data.env import RemqaEnv
 from remqa_data.errors import ActionError
 from remqa_data.files import atomic_path
-from remqa_data.metrics import MAX_ACTIONS
+from remqa_data.metrics import MAX_ACTIONS, MAX_NAME
 from remqa_data.sim.agent.actions import NAVIGATION
-
-MOST_NAME = 200
-"""Characters of an agent's name in a submission."""
 
 
 class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
@@ -52,8 +49,8 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
         self.path = Path(path)
         if self.path.suffix != ".jsonl" or self.path.is_dir():
             raise ActionError(f"{path}: the file of a submission is called something.jsonl")
-        if not 0 < len(agent) <= MOST_NAME:
-            raise ActionError(f"the agent's name has {len(agent)} characters: give 1 to {MOST_NAME}")
+        if not 0 < len(agent) <= MAX_NAME:
+            raise ActionError(f"the agent's name has {len(agent)} characters: give 1 to {MAX_NAME}")
         self._header = {
             "format": "remqa-submission",
             "version": 1,
