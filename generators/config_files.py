@@ -55,9 +55,12 @@ def read_keys(text: str, where: str) -> Mapping[str, Any]:
     ConfigError
         If it is no YAML, no mapping, or holds what a configuration never needs.
     """
+    if len(text) > MOST_CONFIG_BYTES:
+        raise ConfigError(f"{where}: {len(text):,} characters; a configuration has at most {MOST_CONFIG_BYTES:,}")
     try:
-        _check_plain(text, where)
-        data: Any = yaml.load(text, _EachKeyOnce)
+        data: Any = yaml.load(text, _Plain)
+    except _NotPlainError as error:
+        raise ConfigError(f"{where}: {error}") from None
     except (yaml.YAMLError, ValueError) as error:  # ValueError: a date such as 2020-99-99, a number of 5,000 digits
         raise ConfigError(f"{where}: not YAML: {one_line(error)[:300]}") from None
     if not isinstance(data, Mapping):
@@ -79,8 +82,33 @@ def checked(kind: type[M], data: Mapping[str, Any], where: str) -> M:
         raise ConfigError(f"{where}: {_first_problem(error)}") from None
 
 
-class _EachKeyOnce(yaml.SafeLoader):
-    """YAML whose mappings say nothing twice: the last one would win, and nobody would know."""
+class _NotPlainError(Exception):
+    """What a configuration never needs; says where."""
+
+
+class _Plain(yaml.SafeLoader):
+    """YAML without what a configuration never needs, and what a few bytes of can ask for any amount of time.
+
+    Its mappings say nothing twice: the last one would win, and nobody would know.
+    """
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self._depth = 0
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        """The next node, with all that is in it."""
+        event: Any = self.peek_event()  # type: ignore[no-untyped-call]
+        where = f"line {event.start_mark.line + 1}: "
+        if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
+            raise _NotPlainError(f"{where}anchors and aliases (& and *) are not read")
+        is_collection = isinstance(event, yaml.CollectionStartEvent)
+        self._depth += is_collection
+        if self._depth > MOST_CONFIG_DEPTH:
+            raise _NotPlainError(f"{where}nested too deep")
+        node = super().compose_node(parent, index)
+        self._depth -= is_collection
+        return node
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """A mapping."""
@@ -103,23 +131,3 @@ def _first_problem(error: ValidationError) -> str:
     )
     reason = one_line(problem["msg"].removeprefix("Value error, "))
     return f"{one_line(key)[:80]}: {reason}" if key else reason
-
-
-def _check_plain(text: str, where: str) -> None:
-    """Refuse what a configuration never needs, and what a few bytes of can ask for any amount of time."""
-    if len(text) > MOST_CONFIG_BYTES:
-        raise ConfigError(f"{where}: {len(text):,} characters; a configuration has at most {MOST_CONFIG_BYTES:,}")
-    depth = 0
-    for event in yaml.parse(text, Loader=yaml.SafeLoader):
-        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
-            raise ConfigError(f"{where}: {_line_of(event)}anchors and aliases (& and *) are not read")
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
-        if depth > MOST_CONFIG_DEPTH:
-            raise ConfigError(f"{where}: {_line_of(event)}nested too deep")
-
-
-def _line_of(event: yaml.Event) -> str:
-    return "" if event.start_mark is None else f"line {event.start_mark.line + 1}: "

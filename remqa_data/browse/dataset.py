@@ -138,7 +138,7 @@ class BrowsedDataset:
     @cached_property
     def index(self) -> pa.Table:
         """All questions without their pictures, split by split; the columns `INDEX`."""
-        splits = question_splits(self.root)
+        splits = question_splits(self.root, self.manifest)
         return pa.concat_tables([self._reader("questions", split).columns(INDEX) for split in splits]).combine_chunks()
 
     @cached_property

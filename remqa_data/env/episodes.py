@@ -115,6 +115,7 @@ class DatasetEpisodes:
     """
 
     def __init__(self, root: str | Path, split: str, question_ids: Sequence[str] | None = None) -> None:
+        check_question_ids(question_ids)
         self.root, self.split = Path(root), split
         self._questions = read_table(self.root, "questions", split, list(_QUESTION_COLUMNS))
         scenes = read_table(self.root, "scenes", split, ["scene", "configuration", "scene_json", "embodiment"])
@@ -122,7 +123,6 @@ class DatasetEpisodes:
         keys = scenes.select(["scene", "configuration"]).to_pylist()
         self._scene_rows = {(key["scene"], key["configuration"]): row for row, key in enumerate(keys)}
         self._rows = {name: row for row, name in enumerate(self._questions["question_id"].to_pylist())}
-        check_question_ids(question_ids)
         for name in question_ids or ():
             self._row(name)
         self.ids = tuple(self._rows if question_ids is None else question_ids)

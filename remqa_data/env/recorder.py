@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ import gymnasium
 
 from remqa_data.env import RemqaEnv
 from remqa_data.errors import ActionError
-from remqa_data.files import atomic_path
+from remqa_data.evaluation.submission.reader import Header, write_submission
 from remqa_data.metrics import MAX_ACTIONS, MAX_NAME
 from remqa_data.sim.agent.actions import NAVIGATION
 
@@ -51,13 +50,7 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
             raise ActionError(f"{path}: the file of a submission is called something.jsonl")
         if not 0 < len(agent) <= MAX_NAME:
             raise ActionError(f"the agent's name has {len(agent)} characters: give 1 to {MAX_NAME}")
-        self._header = {
-            "format": "remqa-submission",
-            "version": 1,
-            "track": "remqa",
-            "split": remqa.split,
-            "agent": agent,
-        }
+        self._header = Header(track="remqa", split=remqa.split, agent=agent)
         self.rows: dict[str, dict[str, Any]] = {}
 
     def step(self, action: Any) -> tuple[dict[str, Any], Any, bool, bool, dict[str, Any]]:
@@ -70,9 +63,7 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
 
     def save(self) -> None:
         """Write what was recorded so far."""
-        lines = [json.dumps(entry, ensure_ascii=False) for entry in (self._header, *self.rows.values())]
-        with atomic_path(self.path) as temporary:
-            temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        write_submission(self.path, self._header, list(self.rows.values()))
 
     def close(self) -> None:
         """Write the submission and close the environment."""

@@ -175,9 +175,12 @@ _PATH = re.compile(r"[A-Za-z0-9_]+/[A-Za-z0-9_][A-Za-z0-9_.-]*", re.ASCII)
 _SHA256 = re.compile(r"[0-9a-f]{64}", re.ASCII)
 
 
-def question_splits(root: str | os.PathLike[str]) -> list[str]:
-    """Splits that a dataset has questions of, in the order of its files; DatasetError if it has none."""
-    splits = load_manifest(root).splits("questions")
+def question_splits(root: str | os.PathLike[str], manifest: Manifest | None = None) -> list[str]:
+    """Splits that a dataset has questions of, in the order of its files; DatasetError if it has none.
+
+    The manifest is read if it is not given.
+    """
+    splits = (manifest or load_manifest(root)).splits("questions")
     if not splits:
         raise DatasetError(f"{root} has no questions")
     return splits

@@ -165,6 +165,8 @@ def test_misuse_is_an_exception_and_the_episode_goes_on(env: RemqaEnv, action: A
         ({"scenes": [ROOM], "max_steps": None}, ActionError),
         ({"scenes": [ROOM], "hands": "x"}, ActionError),
         ({"scenes": ROOM}, ActionError),
+        ({"root": "nowhere", "question_ids": []}, ActionError),
+        ({"root": "nowhere", "question_ids": "FloorPlan1-COUNTING-00-c0"}, ActionError),
     ],
 )
 def test_an_environment_that_cannot_be_made_says_why(arguments: dict[str, Any], error: type[Exception]) -> None:

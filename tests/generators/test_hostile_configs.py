@@ -116,7 +116,7 @@ def test_a_configuration_that_cannot_be_used_is_one_line(name: str) -> None:
     assert line.startswith("hostile.yaml: ")
     assert line.isprintable(), line
     assert len(line) < 500, line
-    assert time.process_time() - started < 10  # a bomb takes minutes
+    assert time.process_time() - started < 2
 
 
 def test_there_are_enough_of_them() -> None:

@@ -314,9 +314,12 @@ def _boxes(asset: Asset) -> list[tuple[F64, F64, F64] | None]:
     for number, start in _compounds(asset):
         link = asset.links[number]
         boxes = link.boxes[start : start + MAX_COMPOUND]
-        halves, quaternions = np.array([box.size for box in boxes]) / 2, np.array([box.quaternion for box in boxes])
-        centres = np.array([box.centre for box in boxes]) - _origin(link) if boxes else halves
-        found.append((halves, centres, quaternions) if boxes else None)
+        if not boxes:
+            found.append(None)
+            continue
+        halves = np.array([box.size for box in boxes]) / 2
+        centres = np.array([box.centre for box in boxes]) - _origin(link)
+        found.append((halves, centres, np.array([box.quaternion for box in boxes])))
     return found
 
 

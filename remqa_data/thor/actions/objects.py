@@ -118,9 +118,7 @@ def put_object(
     turned = world.state(held).quaternion
     _stand_up(simulator)
     result = simulator.agent.put(target, forceAction)
-    if result.success:
-        simulator.agent.rest_hand()
-    else:
+    if not result.success:
         world.move_alone(held, world.state(held).position, turned)
     if result.error == f"{target} is {CLOSED}":
         return ActionResult(False, NOT_OPEN)

@@ -74,11 +74,11 @@ def disable_all_objects_of_type(simulator: SimulatorState, objectType: str) -> A
 def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Put an object back to where it was when it was taken out of the scene."""
     room, world = simulator.room, simulator.room.world
-    world.type_of(objectId)  # names the nearest ids if there is no such object
-    if objectId not in room.records.away:
+    absence = not_there(simulator, objectId)
+    if absence is None:
         return ActionResult(True)
     if objectId in room.records.sliced:
-        return not_there(simulator, objectId) or ActionResult(True)
+        return absence
     before, away = world.save(), dict(room.records.away)
     world.put_back(objectId, away[objectId])
     if blocker := _sunken(world, [objectId]):

@@ -12,8 +12,7 @@ def target_of(
 ) -> str | ActionResult:
     """The id of the object that an action is about, or why there is none."""
     if object_id is not None:
-        records = simulator.room.records
-        return object_id if object_id not in records.away else not_there(simulator, object_id) or object_id
+        return _absence(simulator, object_id) or object_id
     if x is None or y is None:
         raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
     seen = simulator.agent.object_at(x, y, simulator.room.frame_camera())
@@ -23,6 +22,10 @@ def target_of(
 def not_there(simulator: SimulatorState, object_id: str) -> ActionResult | None:
     """Why an object is not in the scene, or None; an error with the nearest ids if the room has no such object."""
     simulator.room.world.type_of(object_id)
+    return _absence(simulator, object_id)
+
+
+def _absence(simulator: SimulatorState, object_id: str) -> ActionResult | None:
     records = simulator.room.records
     if object_id in records.sliced:
         return ActionResult(False, f"{object_id} has been sliced")

@@ -254,10 +254,14 @@ class ThorAgent(Agent):
             """It may also have pushed something else to where the agent stands."""
             return self._is_beside(object_id) and not (stood_well and self._blocker_at(self.x, self.y))
 
-        dropped = self._released(handling.drop_at(self.world, self.held, spots, is_clear=leaves_room, force=force))
-        if dropped.success:
+        return self._released(handling.drop_at(self.world, self.held, spots, is_clear=leaves_room, force=force))
+
+    def _released(self, done: handling.Release) -> ActionResult:
+        """See `Agent`; a hand that has let go rests."""
+        result = super()._released(done)
+        if result.success:
             self.rest_hand()
-        return dropped
+        return result
 
     def open(self, object_id: str, openness: float = 1.0, force: bool = False) -> ActionResult:
         """See `Agent`; with `force` it opens through what is in its way."""

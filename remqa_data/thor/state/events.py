@@ -110,6 +110,8 @@ def reply(simulator: SimulatorState, outcomes: Mapping[int, Outcome], images: Im
     for number in range(len(room.agents)):
         room.active = number
         outcome = _outcome(outcomes.get(number, NOTHING_DONE), number)
+        if len(room.agents) > 1:  # it is told again while the others act
+            outcome["actionReturn"] = deepcopy(outcome["actionReturn"])
         metadata.append(outcome | _about(simulator) | _state(simulator, images))
         objects.append(_listing(simulator, _seen(simulator, images, files)))
     room.active = active
@@ -243,7 +245,7 @@ def _outcome(done: Outcome, agent: int) -> Metadata:
         "visibleRange": None,
         "currentTime": 0.0,
         "sceneBounds": None,
-        "actionReturn": deepcopy(result.value),  # it is told again until this agent does something else
+        "actionReturn": result.value,
     }
 
 
