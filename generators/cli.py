@@ -10,7 +10,6 @@ import typer
 
 from remqa_data.command_line import OneLineErrors, announce_compiling, output
 from remqa_data.errors import ConfigError
-from remqa_data.processes.cores import worker_count
 from remqa_data.processes.interrupts import ends_the_process
 from remqa_data.published import MEAN_WORDS
 
@@ -56,7 +55,7 @@ def generate(
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of the whole dataset.")] = None,
     workers: Annotated[
         int | None,
-        typer.Option(min=1, help="Processes, by default one for each core; the dataset does not depend on it."),
+        typer.Option(min=1, help="Processes here, by default one for each core; the dataset does not depend on it."),
     ] = None,
     executor: Annotated[
         str, typer.Option(metavar="NAME", help="Where rooms are made: local, in processes here, or ray, on a cluster.")
@@ -90,7 +89,7 @@ def generate(
     if scenes is not None:
         settings = settings.with_scenes(scenes)
     check_place(out, overwrite=overwrite, resume=resume)
-    makes = make_executor(executor, worker_count(workers), ray_address)
+    makes = make_executor(executor, workers, ray_address)
     announce_compiling(makes.workers if isinstance(makes, LocalExecutor) else 1)
     started = time.monotonic()
     with _progress(len(settings.scene_names)) as on_scene:

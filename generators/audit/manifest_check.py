@@ -18,7 +18,7 @@ from remqa_data.generators.questions.allotment import allot, capacities, split_o
 from remqa_data.generators.scene_job import expression_split
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import CARD, CROISSANT, croissant_text, dataset_card
-from remqa_data.storage.locks import LOCK
+from remqa_data.storage.locks import is_lock
 from remqa_data.storage.manifest import MANIFEST, VERSIONED, Manifest, config_hash
 from remqa_data.storage.ownership import SPLITS
 from remqa_data.storage.parts import shard_bounds, shard_path
@@ -27,7 +27,7 @@ from remqa_data.storage.shards import Shard
 from remqa_data.tables.schema import TABLES, field_docs, table_spec
 from remqa_data.version import __version__
 
-BESIDES = (LOCK, ".gitattributes", ".gitignore")
+BESIDES = (".gitattributes", ".gitignore")
 """Files that may lie in a dataset's folder though the manifest does not list them; so may these folders:"""
 FOLDERS_BESIDES = (".git", ".cache")
 MOST_ASKED = 100
@@ -114,7 +114,7 @@ def folder_failures(root: str | os.PathLike[str], manifest: Manifest) -> Iterato
             yield Failure(name, "consistent", f"{_first_difference(found, text)} is not what the manifest makes it")
     listed = {MANIFEST, CARD, CROISSANT, *BESIDES, *(file.path for file in manifest.files)}
     for file in storage.files():
-        if file.path not in listed and file.path.partition("/")[0] not in FOLDERS_BESIDES:
+        if not (file.path in listed or file.path.partition("/")[0] in FOLDERS_BESIDES or is_lock(file)):
             yield Failure(file.path, "complete", "the manifest does not list this file")
     for path in storage.oddities():  # a listed file may be a link, as Hugging Face's cache makes them
         if path not in listed and not path.endswith("/") and path.partition("/")[0] not in FOLDERS_BESIDES:

@@ -40,6 +40,7 @@ def browse_dataset(
     dataset = BrowsedDataset(root)
     agents = read_answers(submissions, dataset.index.num_rows)
     figures = () if audit is None else read_audit(audit)
+    _ = dataset.rows, dataset.walk_places  # read now: no page waits for them, and what is there twice is told first
     site = Site(dataset, agents, figures, is_static=export is not None, limit=limit)
     if export is not None:
         with Counting(sum(1 for _ in site.addresses()), "writing") as on_file:
@@ -52,5 +53,4 @@ def browse_dataset(
         output().say(f"{url} shows {root}; Ctrl-C ends it")
         output().result(url=url)
 
-    _ = dataset.walk_places  # read now, so that no page waits for it
     serve(site, *address, ready)

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pandas as pd
 import pyarrow as pa
 
 from remqa_data.datasets.random_access import SplitReader
+from remqa_data.errors import DatasetError
 from remqa_data.geometry.types import I16
 from remqa_data.mapping.semantic_map import UNKNOWN, SemanticPlan
 from remqa_data.scene_graph.relations import Edge
@@ -48,6 +48,8 @@ ROOM = [
 """All that a page shows of a room; the voxels are many, and their picture is enough."""
 FRAME = ["frame_id", "index", "agent", "objects", "added_nodes", "added_edges"]
 ROOMS_KEPT = 8
+K = TypeVar("K")
+V = TypeVar("V")
 
 
 class Place(NamedTuple):
@@ -124,7 +126,7 @@ class BrowsedDataset:
     Raises
     ------
     DatasetError
-        If there is no finished dataset.
+        If there is no finished dataset, or, once it is looked up, a question or room is there twice.
     DamagedShardError
         If a file cannot be read.
     """
@@ -150,7 +152,8 @@ class BrowsedDataset:
     @cached_property
     def rows(self) -> dict[str, int]:
         """By slug, which row of the index a question is."""
-        return {slug(name): row for row, name in enumerate(self.index["question_id"].to_pylist())}
+        names = self.index["question_id"].to_pylist()
+        return self._once("question", ((slug(name), row) for row, name in enumerate(names)))
 
     @cached_property
     def groups(self) -> dict[str, list[int]]:
@@ -163,11 +166,14 @@ class BrowsedDataset:
     @cached_property
     def room_places(self) -> dict[RoomKey, Place]:
         """Where the arrangements of all rooms are."""
-        return {
-            RoomKey(scene, configuration): Place(split, row)
-            for split in self.manifest.splits("scenes")
-            for row, (scene, configuration) in enumerate(self._keys("scenes", split))
-        }
+        return self._once(
+            "room",
+            (
+                (RoomKey(scene, configuration), Place(split, row))
+                for split in self.manifest.splits("scenes")
+                for row, (scene, configuration) in enumerate(self._keys("scenes", split))
+            ),
+        )
 
     @cached_property
     def walk_places(self) -> dict[RoomKey, list[Place]]:
@@ -234,6 +240,15 @@ class BrowsedDataset:
             stored["voxel_m"],
         )
 
+    def _once(self, what: str, found: Iterable[tuple[K, V]]) -> dict[K, V]:
+        """By name; what has the name of another is refused, as it could not be shown."""
+        by_name: dict[K, V] = {}
+        for name, value in found:
+            if by_name.setdefault(name, value) is not value:
+                shown = name.slug if isinstance(name, RoomKey) else name
+                raise DatasetError(f"{self.root}: {what} {shown} is there twice; see remqa-data verify")
+        return by_name
+
     def _place(self, row: int) -> Place:
         for split in self.manifest.splits("questions"):
             count = len(self._reader("questions", split))
@@ -263,9 +278,3 @@ def slug(name: str) -> str:
     if re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,99}", name):
         return name
     return "x-" + hashlib.sha256(name.encode()).hexdigest()[:20]
-
-
-def steps_of(program: str) -> list[Any]:
-    """The steps of a stored program."""
-    found = json.loads(program)
-    return list(found) if isinstance(found, list) else []

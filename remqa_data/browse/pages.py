@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from remqa_data.browse.answers import AgentAnswers, given_answers
-from remqa_data.browse.dataset import BrowsedDataset, Room, RoomKey, slug, steps_of
+from remqa_data.browse.dataset import BrowsedDataset, Room, RoomKey, slug
 from remqa_data.browse.filters import CHOICES, PAGE, Filters, searched_text
 from remqa_data.browse.models import carried
 from remqa_data.browse.neighbours import neighbourhood
@@ -135,7 +135,6 @@ class Pages:
         asked = dataset.question(row)
         key = RoomKey(asked["scene"], asked["configuration"])
         room = dataset.room(key)
-        program = steps_of(asked["program"])
         graph = None if room is None else graph_of(room.objects)
         siblings = [(other, dataset.brief(other)) for other in dataset.groups[asked["group"]]]
         (start, end) = dataset.question_pictures(row, ["start_instances", "end_instances"])
@@ -148,7 +147,7 @@ class Pages:
             room=room,
             has_walk=key in self.scope.rooms,
             room_slug=key.slug,
-            steps=steps_in_words(program, graph),
+            steps=steps_in_words(asked["program"], graph),
             siblings=[(other in self._in_scope, brief) for other, brief in siblings],
             shown={"start": self._legend(start, asked["object_ids"]), "end": self._legend(end, asked["object_ids"])},
             map=None if room is None else self._question_map(room, asked),

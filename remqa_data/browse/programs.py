@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from remqa_data.catalog import catalog
-from remqa_data.errors import RemqaError
-from remqa_data.language.referring import resolve
+from remqa_data.errors import ProgramError, RemqaError
+from remqa_data.language.referring import Program, resolve
+from remqa_data.language.stored import stored_program
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import ObjectMetadata
 
@@ -39,14 +40,19 @@ class Step:
     found: tuple[str, ...] | None
 
 
-def steps_in_words(program: Sequence[Any], graph: SceneGraph | None, depth: int = 0) -> list[Step]:
-    """The steps of a program in order; those of what it leans on come first, one deeper."""
+def steps_in_words(program: str, graph: SceneGraph | None) -> list[Step]:
+    """The steps of a stored program in order; those of what it leans on come first, one deeper. None if it is no program."""
+    try:
+        return _in_words(stored_program(program), graph, 0)
+    except ProgramError:
+        return []
+
+
+def _in_words(program: Program, graph: SceneGraph | None, depth: int) -> list[Step]:
     steps: list[Step] = []
-    for place, step in enumerate(program):
-        name, *rest = step if isinstance(step, list | tuple) and step else (str(step),)
-        inner = next((part for part in rest if isinstance(part, list | tuple)), None)
-        if inner is not None:
-            steps += steps_in_words(inner, graph, depth + 1)
+    for place, (name, *rest) in enumerate(program):
+        if rest and isinstance(rest[-1], tuple):
+            steps += _in_words(rest[-1], graph, depth + 1)
         found = None if name in _ANSWERS or graph is None else _found(program[: place + 1], graph)
         steps.append(Step(_words(name, rest), depth, found))
     return steps
@@ -61,16 +67,13 @@ def graph_of(objects: Sequence[ObjectMetadata]) -> SceneGraph | None:
 
 
 def _words(name: str, rest: Sequence[Any]) -> str:
-    value = str(rest[0]) if rest and isinstance(rest[0], str) else ""
     if name == "filter_type":
-        return f"Find every {noun(value)}"
+        return f"Find every {noun(rest[0])}"
     if name == "relate":
-        return f"Keep what is {value} {'them' if value == 'between' else 'it'}"
+        return f"Keep what is {rest[0]} {'them' if rest[0] == 'between' else 'it'}"
     if name == "closest":
         return "Keep what is closest to it"
-    if name in _FILTERS:
-        return _FILTERS[name].format(value)
-    return _ANSWERS.get(name, f"{name} {value}".strip())
+    return _FILTERS[name].format(rest[0]) if name in _FILTERS else _ANSWERS[name]
 
 
 def noun(type_: str) -> str:
@@ -79,8 +82,8 @@ def noun(type_: str) -> str:
     return kinds[type_].singular if type_ in kinds else type_
 
 
-def _found(program: Sequence[Any], graph: SceneGraph) -> tuple[str, ...] | None:
+def _found(program: Program, graph: SceneGraph) -> tuple[str, ...] | None:
     try:
         return tuple(resolve(program, graph))
-    except RemqaError:  # a program of another version
+    except ProgramError:  # it names a type that this version does not know
         return None

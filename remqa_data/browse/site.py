@@ -147,7 +147,7 @@ class Site:
         if picture == "map.png":
             room = self._dataset.room(key)
             return None if room is None else _picture(plan_picture(room.plan))
-        named = re.fullmatch(r"(?:f(\d{1,4})\.jpg|m(\d{1,4})\.png)", picture, re.ASCII)
+        named = re.fullmatch(r"(?:f(\d{1,9})\.jpg|m(\d{1,9})\.png)", picture, re.ASCII)
         if named is None:
             return None
         places = self._dataset.walk_places.get(key, [])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -10,10 +9,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from remqa_data.errors import ConfigError, one_line
+from remqa_data.errors import ConfigError, ProgramError, one_line
 from remqa_data.generators.audit.recount.report import Figure
 from remqa_data.generators.audit.recount.wording import relation_of
 from remqa_data.generators.figures.question_statistics import statistics_of
+from remqa_data.language.stored import stored_program
 
 MOST_BARS = 24
 STEP_M = 1.0
@@ -100,7 +100,7 @@ def _histograms(questions: pd.DataFrame) -> Iterable[Histogram]:
         yield _numbers(f"Words of a question, {kind}", words[questions["kind"] == kind])
     for kind in questions["kind"].unique():
         yield _names(f"Answers, {kind}", questions.loc[questions["kind"] == kind, "answer"])
-    relations = questions["program"].map(lambda text: relation_of(json.loads(text)))
+    relations = questions["program"].map(_relation)
     yield _names("Relations asked about", relations[relations != ""])
     yield _names("What must be done", questions["manipulation"])
     yield _numbers("Metres of the shortest way", (questions["path_length_m"] // STEP_M).astype(int), STEP_M)
@@ -109,6 +109,13 @@ def _histograms(questions: pd.DataFrame) -> Iterable[Histogram]:
     yield _names("Types acted on", questions["target_type"])
     yield _names("Room types", questions["room_type"])
     yield _numbers("Questions of a room, in tens", questions.groupby("scene").size() // 10 * 10, 10)
+
+
+def _relation(program: str) -> str:
+    try:
+        return relation_of(stored_program(program))
+    except ProgramError:
+        return ""
 
 
 def _names(title: str, values: pd.Series) -> Histogram:

@@ -53,7 +53,7 @@ def write_coco(root: Path, out: Path, with_images: bool = True) -> Written:
     Raises
     ------
     DatasetError
-        If this is not a finished dataset, or an expression is about what its frame does not show.
+        If this is not a finished dataset, a frame is there twice, or an expression is about what its frame does not show.
     UnknownNameError
         If an object's type is not in the catalog.
     OutputError
@@ -142,6 +142,8 @@ class _Writer:
         if self._with_images:
             with atomic_path(self._out / "images" / frame.split / name) as temporary:
                 temporary.write_bytes(frame.rgb.bytes)
+        if frame.frame_id in self._image_of:
+            raise DatasetError(f"{self._root}: frame {frame.frame_id} is there twice")
         height, width = shape
         self._image_of[frame.frame_id] = {
             "id": self.images,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from remqa_data.catalog import catalog
+from remqa_data.catalog import catalog, object_type
 from remqa_data.errors import DatasetError
 from remqa_data.export.rooms import find_scene
 from remqa_data.extras import require
@@ -55,7 +55,7 @@ def write_walk(root: Path, scene: str, path: Path, configuration: int = 0) -> in
     MissingExtraError
         If Rerun is not installed.
     UnknownNameError, DatasetError
-        If the dataset has no such room, or no frames of it.
+        If the dataset has no such room, or no frames of it, or types or edges of what is not there.
     """
     rerun = require("rerun", "rerun")
     room = find_scene(scene, root, configuration)
@@ -122,22 +122,25 @@ class _Walk:
             "room/eye",
             rerun.Pinhole(focal_length=camera.focal_px, resolution=size, image_plane_distance=VIEWED_M),
         )
-        numbers = decode_instances(frame.instances.bytes).astype(np.int32)
-        classes = np.array([0, *(self._classes[seen.type] for seen in frame.objects)], dtype=np.uint16)
+        numbers, types = decode_instances(frame.instances.bytes).astype(np.int32), [seen.type for seen in frame.objects]
+        self._voxels.add(depth, numbers - 1, types, camera)
+        classes = np.array([0, *(self._classes[object_type(name).name] for name in types)], dtype=np.uint16)
         self._log("room/eye/rgb", rerun.Image(decode_rgb(frame.rgb.bytes)).compress(jpeg_quality=95))
         self._log("room/eye/depth", rerun.DepthImage(np.rint(depth * 1000).astype(np.uint16), meter=1000.0))
         self._log("room/eye/types", rerun.SegmentationImage(classes[numbers]))
         boxes = np.array([seen.box_2d for seen in frame.objects], dtype=np.float32).reshape(-1, 4)
-        labels = [seen.type for seen in frame.objects]
         self._log(
             "room/eye/boxes",
-            rerun.Boxes2D(array=boxes, array_format=rerun.Box2DFormat.XYXY, labels=labels, class_ids=classes[1:]),
+            rerun.Boxes2D(array=boxes, array_format=rerun.Box2DFormat.XYXY, labels=types, class_ids=classes[1:]),
         )
         self._log("room/path", rerun.LineStrips3D([np.array(self._eyes)]))
-        self._voxels.add(depth, numbers - 1, [seen.type for seen in frame.objects], camera)
 
     def _write_graph(self, frame: FrameRow) -> None:
         self._objects |= {record.id: record for record in frame.objects if record.id in frame.added_nodes}
+        for edge in frame.added_edges:
+            for name in (edge.source, edge.target):
+                if name not in self._objects:
+                    raise DatasetError(f"frame {frame.frame_id}: an edge of {name!r}, which the graph has not got")
         self._edges += frame.added_edges
         rerun, found = self._rerun, list(self._objects.values())
         boxes = np.array([record.box for record in found], dtype=np.float64).reshape(-1, 6)

@@ -36,7 +36,7 @@ def find_scene(name: str, data: Path | None = None, configuration: int = 0) -> S
     ConfigError
         If a configuration is asked for, but no dataset is given.
     DatasetError
-        If the dataset's room has no such configuration, or it is no finished dataset.
+        If the dataset's room has no such configuration, or it several times, or it is no finished dataset.
     SceneFormatError
         If the file is not a scene.
     """
@@ -51,7 +51,9 @@ def find_scene(name: str, data: Path | None = None, configuration: int = 0) -> S
         for row in read_table(data, "scenes", split, ["scene", "configuration"]).to_pylist():
             known.setdefault(row["scene"], []).append(row["configuration"])
         if configuration in known.get(name, []):
-            (room,) = read_rows(data, SceneRow, split, scene=name, configuration=configuration)
+            room, *others = read_rows(data, SceneRow, split, scene=name, configuration=configuration)
+            if others:
+                raise DatasetError(f"{data}: {name}, configuration {configuration}, is there {1 + len(others)} times")
             return Scene.from_json(room.scene_json, f"{data}: {name}")
     if name not in known:
         raise UnknownNameError("room", name, known)

@@ -14,6 +14,7 @@ from typing import Any, Protocol, TypeVar
 
 from remqa_data.errors import ClusterError, ConfigError, one_line
 from remqa_data.extras import require
+from remqa_data.processes.cores import worker_count
 from remqa_data.processes.workers import run_in_processes
 
 EXECUTORS = ("local", "ray")
@@ -38,21 +39,31 @@ class Executor(Protocol):
         """
 
 
-def make_executor(name: str, workers: int, ray_address: str | None = None) -> Executor:
+def make_executor(name: str, workers: int | None = None, ray_address: str | None = None) -> Executor:
     """An executor by its name on the command line.
+
+    Parameters
+    ----------
+    name : {"local", "ray"}
+    workers : int, optional
+        Processes of this machine, by default one for each core.
+    ray_address : str, optional
+        See `RayExecutor`.
 
     Raises
     ------
     ConfigError
-        If there is none of this name, or an address is given for an executor that has none.
+        If there is none of this name, or it does not take what is given.
     """
     if name not in EXECUTORS:
         raise ConfigError(f"there is no executor {name!r}; use {' or '.join(EXECUTORS)}")
     if name == "ray":
+        if workers is not None:
+            raise ConfigError("--workers is for --executor local; a Ray cluster has one for each of its cores")
         return RayExecutor(ray_address)
     if ray_address is not None:
         raise ConfigError("--ray-address is for --executor ray")
-    return LocalExecutor(workers)
+    return LocalExecutor(worker_count(workers))
 
 
 class LocalExecutor:

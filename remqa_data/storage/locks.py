@@ -34,6 +34,11 @@ LIFE_S = 120.0
 """A claim that is so much older than the newest is dead."""
 
 
+def is_lock(file: StoredFile) -> bool:
+    """Whether a file is no data, but a run's lock or claim, which it may have left behind when it was killed."""
+    return file.bytes == 0 and file.path.partition("/")[0] == LOCK
+
+
 class Lock(Protocol):
     """What a run holds while it writes."""
 

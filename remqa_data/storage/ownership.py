@@ -15,9 +15,9 @@ from pathlib import PurePosixPath
 from remqa_data.errors import DatasetError
 from remqa_data.files import name_of_leftover
 from remqa_data.storage.card import CARD, CROISSANT
-from remqa_data.storage.locks import LOCK
+from remqa_data.storage.locks import is_lock
 from remqa_data.storage.manifest import MANIFEST
-from remqa_data.storage.protocol import Storage, StoredFile
+from remqa_data.storage.protocol import Storage
 from remqa_data.tables.schema import TABLES
 
 PARTS = ".parts"
@@ -61,7 +61,7 @@ def look(storage: Storage) -> Place:
     DatasetError
         If it holds anything else, which is named.
     """
-    files = [file for file in storage.files() if not _is_lock(file)]
+    files = [file for file in storage.files() if not is_lock(file)]
     paths = [file.path for file in files]
     odd = [path for path in storage.oddities() if not _EMPTY_FOLDER.fullmatch(path)]
     is_marked = MARKER in paths and storage.read(MARKER) == _MARKER_TEXT
@@ -124,10 +124,6 @@ def _finally(path: str) -> str:
 def _is_passing(path: str) -> bool:
     """Whether a file has no business in a finished dataset, but may have been left behind there."""
     return path.startswith(f"{PARTS}/") or _finally(path) != path
-
-
-def _is_lock(file: StoredFile) -> bool:
-    return file.bytes == 0 and (file.path == LOCK or file.path.startswith(f"{LOCK}/"))
 
 
 def _listed(manifest: bytes) -> frozenset[str] | None:

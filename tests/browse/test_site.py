@@ -17,6 +17,7 @@ from remqa_data.cli import app
 from remqa_data.errors import OutputError, SubmissionError
 from remqa_data.opencv import cv2
 from tests.helpers.dataset_rows import HEIGHT, WIDTH, images
+from tests.helpers.forgeries import Copy
 from tests.helpers.hostile_dataset import HOSTILE, HOSTILE_ID, QUESTIONS
 from tests.helpers.submissions import written
 
@@ -134,6 +135,19 @@ def test_the_audit_that_recount_wrote_is_shown(hostile: Path, tmp_path: Path) ->
     assert "write it with: remqa-data recount DIR --csv bad.csv" in done.output
 
 
+@pytest.mark.parametrize(("table", "said"), [("scenes", "room Kitchen1-c0"), ("questions", "question Kitchen1-q0")])
+def test_what_is_there_twice_is_refused_before_anything_is_shown(
+    hostile: Path, tmp_path: Path, table: str, said: str
+) -> None:
+    copy = Copy(hostile, tmp_path / "copy")
+    copy.store(table, copy.rows(table) * 2)
+    for options in (("--port", "0"), ("--export", tmp_path / "site")):
+        done = browse(copy.root, *options)
+        assert done.exit_code == 2
+        assert f"{said} is there twice" in done.output
+    assert not (tmp_path / "site").exists()
+
+
 def test_the_command_says_in_one_line_what_is_wrong(hostile: Path, tmp_path: Path) -> None:
     for arguments, said in (
         ((tmp_path / "none", "--export", tmp_path / "a"), "no such folder"),
@@ -179,7 +193,6 @@ def test_the_map_that_grows_ends_as_the_stored_one_but_for_millimetres(one_room:
 
 @pytest.mark.slow
 def test_programs_of_real_questions_end_with_the_evidence(one_room: Path) -> None:
-    from remqa_data.browse.dataset import steps_of
     from remqa_data.browse.programs import graph_of, steps_in_words
     from remqa_data.browse.room_map import RoomMap, way
 
@@ -188,7 +201,7 @@ def test_programs_of_real_questions_end_with_the_evidence(one_room: Path) -> Non
     for row in range(dataset.index.num_rows):
         asked = dataset.question(row)
         room = dataset.room(RoomKey(asked["scene"], asked["configuration"]))
-        steps = steps_in_words(steps_of(asked["program"]), graph_of(room.objects))
+        steps = steps_in_words(asked["program"], graph_of(room.objects))
         assert set(steps[-2].found) == set(asked["answer_ids"])
         assert steps[-1].found is None
         frame = RoomMap.of(room)

@@ -115,6 +115,13 @@ def test_an_expression_about_what_its_frame_does_not_show_is_refused_by_name(one
         write_coco(one_room, tmp_path)
 
 
+def test_a_frame_that_is_there_twice_is_refused_by_name(one_room, tmp_path, monkeypatch) -> None:
+    real = coco.read_rows
+    monkeypatch.setattr(coco, "read_rows", lambda *wanted: (row for row in real(*wanted) for _ in range(2)))
+    with pytest.raises(DatasetError, match=r"frame \S+ is there twice"):
+        write_coco(one_room, tmp_path)
+
+
 def test_expressions_of_val_are_about_pictures_of_train(finished, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(coco, "object_type", lambda name: catalog()["Mug"])  # these rows have types of their own
     written = write_coco(finished[0], tmp_path, with_images=False)

@@ -7,6 +7,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from remqa_data.cli import app
+from remqa_data.errors import DatasetError
+from remqa_data.export import rooms
 from remqa_data.export.rooms import find_scene
 from remqa_data.storage.manifest import load_manifest
 from tests.helpers.small_rooms import FRIDGE, small_room
@@ -21,6 +23,13 @@ def invoke(*arguments: str | Path) -> Result:
 def test_a_room_of_a_dataset_is_that_configuration_as_it_stands(small_rooms) -> None:
     for configuration in (0, 1):
         assert find_scene("Small2", small_rooms, configuration) == small_room("Small2", configuration)
+
+
+def test_a_room_that_is_there_twice_is_refused_by_name(small_rooms, monkeypatch) -> None:
+    real = rooms.read_rows
+    monkeypatch.setattr(rooms, "read_rows", lambda *which, **wanted: [*real(*which, **wanted)] * 2)
+    with pytest.raises(DatasetError, match="Small2, configuration 1, is there 2 times"):
+        find_scene("Small2", small_rooms, 1)
 
 
 def test_a_saved_scene_is_read_from_its_file(tmp_path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import resource
+import tempfile
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -118,6 +119,36 @@ def check(root: Path) -> None:
     verify(root, sample=1)
 
 
+def count_again(root: Path) -> None:
+    from remqa_data.generators.audit.recount.report import recount
+
+    recount(root)
+
+
+def browse(root: Path) -> None:
+    """Every page and picture, as files."""
+    from remqa_data.browse.dataset import BrowsedDataset
+    from remqa_data.browse.export import write_site
+    from remqa_data.browse.site import Site
+
+    site = Site(BrowsedDataset(root), is_static=True)
+    write_site(site, Path(tempfile.mkdtemp(dir=root.parent)))
+
+
+def write_for_detectors(root: Path) -> None:
+    from remqa_data.export.coco import write_coco
+
+    write_coco(root, Path(tempfile.mkdtemp(dir=root.parent)))
+
+
+def record_walk(root: Path) -> None:
+    from remqa_data.export.rerun_walk import write_walk
+    from remqa_data.storage.shards import read_table
+
+    scene = read_table(root, "scenes", "test", ["scene"])["scene"][0].as_py()
+    write_walk(root, scene, Path(tempfile.mkdtemp(dir=root.parent)) / "walk.rrd")
+
+
 QUICK: dict[str, Callable[[Path], None]] = {
     "rows": read_rows_,
     "RemqaDataset": read_questions,
@@ -132,8 +163,12 @@ SLOW: dict[str, Callable[[Path], None]] = {
     "show": show,
     "play": film,
     "verify": check,
+    "recount": count_again,
+    "browse": browse,
+    "coco": write_for_detectors,
+    "rerun": record_walk,
 }
-"""What simulates rooms."""
+"""What simulates rooms, and what shows, counts or writes for others what a real dataset holds."""
 READERS = QUICK | SLOW
 
 

@@ -40,7 +40,7 @@ def cluster() -> Iterator[Any]:
 @pytest.fixture(params=["one process", "two processes", "ray"])
 def executor(request: pytest.FixtureRequest) -> Executor:
     if request.param == "ray":
-        return make_executor("ray", 1, request.getfixturevalue("cluster").address)
+        return make_executor("ray", ray_address=request.getfixturevalue("cluster").address)
     return make_executor("local", 1 if request.param == "one process" else 2)
 
 
@@ -76,7 +76,7 @@ def test_what_a_dead_process_was_doing_is_done_again(name: str, cluster: Any, tm
     flags = [tmp_path / str(n) for n in range(6)]
     for flag in flags[:2] + flags[3:]:
         flag.touch()  # only the third dies
-    executor = make_executor(name, 2, cluster.address if name == "ray" else None)
+    executor = make_executor("ray", None, cluster.address) if name == "ray" else make_executor("local", 2)
     assert {result for _, result in executor.run(jobs.die_the_first_time, flags)} == set("012345")
 
 
@@ -128,12 +128,17 @@ def test_a_cluster_makes_the_same_bytes_though_a_node_dies(cluster: Any, tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("name", "address", "message"),
-    [("locl", None, "no executor 'locl'; use local or ray"), ("local", "auto", "--ray-address is for --executor ray")],
+    ("name", "workers", "address", "message"),
+    [
+        ("locl", None, None, "no executor 'locl'; use local or ray"),
+        ("local", 1, "auto", "--ray-address is for --executor ray"),
+        ("ray", 2, None, "--workers is for --executor local"),
+        ("local", 10**6, None, "--workers 1000000: there are"),
+    ],
 )
-def test_what_cannot_be_is_told(name: str, address: str | None, message: str) -> None:
+def test_what_cannot_be_is_told(name: str, workers: int | None, address: str | None, message: str) -> None:
     with pytest.raises(ConfigError, match=message):
-        make_executor(name, 1, address)
+        make_executor(name, workers, address)
 
 
 def test_a_cluster_that_is_not_there_is_told() -> None:

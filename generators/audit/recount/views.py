@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
@@ -13,10 +12,12 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from remqa_data.generators.audit.recount.wording import phrase_of, relation_of
+from remqa_data.generators.audit.recount.wording import naming, phrase_of, relation_of
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64
+from remqa_data.language.referring import Program
+from remqa_data.language.stored import stored_program
 from remqa_data.opencv import cv2
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import Shard, read_table, shard_paths
@@ -51,18 +52,18 @@ def measured_views(root: str | os.PathLike[str]) -> pd.DataFrame:
     Raises
     ------
     DatasetError
-        If there is no finished dataset.
+        If there is no finished dataset, or a question names what is not there.
     """
     rooms = _rooms(root)
-    rows = []
+    measured = []
     for split in load_manifest(root).splits("questions"):
         for path in shard_paths(root, "questions", split):
             shard = Shard(path, "questions")
             for group in range(shard.row_groups):
-                rows += [
-                    _measured(row, rooms[row["scene"], row["configuration"]]) for row in shard.read(group).to_pylist()
-                ]
-    return pd.DataFrame(rows)
+                for row in shard.read(group).to_pylist():
+                    with naming(root, f"question {row['question_id']}"):
+                        measured.append(_measured(row, rooms[row["scene"], row["configuration"]]))
+    return pd.DataFrame(measured)
 
 
 @dataclass(frozen=True)
@@ -97,6 +98,7 @@ def _carried(objects: Mapping[str, Mapping[str, Any]]) -> dict[str, frozenset[st
 
 
 def _measured(row: Mapping[str, Any], room: _Room) -> dict[str, Any]:
+    program = stored_program(row["program"])
     start, end = (decode_instances(row[f"{when}_instances"]["bytes"]) for when in ("start", "end"))
     ids = list(row["object_ids"])
     scale = PUBLISHED_PX / end.size
@@ -105,7 +107,7 @@ def _measured(row: Mapping[str, Any], room: _Room) -> dict[str, Any]:
     pixels = [float(np.count_nonzero(end == ids.index(a) + 1) * scale) if a in ids else 0.0 for a in row["answer_ids"]]
     return {
         **{name: row[name] for name in ("question_id", "kind", "split", "scene", "answer", "manipulation")},
-        "relation": relation_of(json.loads(row["program"])),
+        "relation": relation_of(program),
         "revealed": len(revealed),
         "revealed_px": float(np.isin(end, new[new > 0]).sum() * scale),
         "start_bytes": len(row["start_rgb"]["bytes"]),
@@ -115,7 +117,7 @@ def _measured(row: Mapping[str, Any], room: _Room) -> dict[str, Any]:
         "evidence_px": min(pixels, default=np.nan),
         "evidence_de": _least_contrast(row, end, [ids.index(a) + 1 for a in row["answer_ids"] if a in ids]),
         "target_px": _short_side(row["start_target_box_2d"]) * np.sqrt(scale),
-        "landmark_seen": _sees_landmark(row, start, room),
+        "landmark_seen": _sees_landmark(row, program, start, room),
         "front_deg": _from_front_deg(row, room),
         "start_m": _start_distance_m(row),
         "moved": tuple(_moved(row, start, end, room)),
@@ -143,16 +145,16 @@ def _short_side(box: list[int] | None) -> float:
     return 0.0 if box is None else float(min(box[2] - box[0], box[3] - box[1]))
 
 
-def _sees_landmark(row: Mapping[str, Any], start: npt.NDArray[np.uint16], room: _Room) -> bool | None:
+def _sees_landmark(row: Mapping[str, Any], program: Program, start: npt.NDArray[np.uint16], room: _Room) -> bool | None:
     """Whether the start view shows a thing of each type that the referring expression leans on; None if it leans on none."""
-    types = {inner[0][1] for inner in _landmarks(phrase_of(json.loads(row["program"])))}
+    types = {inner[0][1] for inner in _landmarks(phrase_of(program))}
     if not types:
         return None
     seen = {room.type_of(row["object_ids"][number - 1]) for number in np.unique(start) if number}
     return types <= seen
 
 
-def _landmarks(program: Any) -> Iterator[Any]:
+def _landmarks(program: Program) -> Iterator[Program]:
     """Programs of the things that a phrase leans on."""
     return (step[-1] for step in program if step[0] in ("relate", "closest"))
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections import Counter
+from collections.abc import Hashable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
@@ -12,6 +13,9 @@ import numpy as np
 import pandas as pd
 
 from remqa_data.catalog import object_type
+from remqa_data.errors import DatasetError, ProgramError, one_line
+from remqa_data.language.referring import Program
+from remqa_data.language.stored import stored_program
 from remqa_data.storage.manifest import load_manifest, question_splits
 from remqa_data.storage.shards import read_table
 
@@ -38,18 +42,32 @@ def asked(root: str | os.PathLike[str]) -> pd.DataFrame:
     rows: pd.DataFrame = pd.concat(
         [read_table(root, "questions", split, QUESTION_COLUMNS).to_pandas() for split in splits], ignore_index=True
     )
-    programs = rows["program"].map(json.loads)
-    rows["words"] = rows["question"].map(_words)
-    rows["relation"] = programs.map(relation_of)
-    rows["has_landmark"] = programs.map(_has_landmark)
     types = _types_of_rooms(root)
-    rooms = [types[room] for room in zip(rows["scene"], rows["configuration"], strict=True)]
-    rows["same_type"] = [room[kind] for room, kind in zip(rooms, rows["target_type"], strict=True)]
-    rows["called_so"] = [
-        sum(count for other, count in room.items() if _may_be_called(other, kind))
-        for room, kind in zip(rooms, rows["target_type"], strict=True)
-    ]
-    return rows
+    columns = []
+    for row in rows.to_dict("records"):
+        with naming(root, f"question {row['question_id']}"):
+            columns.append(_counted(row, types[row["scene"], row["configuration"]]))
+    return rows.join(pd.DataFrame(columns))
+
+
+@contextmanager
+def naming(root: str | os.PathLike[str], row: str) -> Iterator[None]:
+    """While a row is counted: one that does not fit the others is an error that names it."""
+    try:
+        yield
+    except (LookupError, ProgramError) as error:
+        raise DatasetError(f"{root}: {row} does not fit the rest: {one_line(error)}; see remqa-data verify") from None
+
+
+def _counted(row: Mapping[Hashable, Any], room: Counter[str]) -> dict[str, Any]:
+    program, kind = stored_program(row["program"]), row["target_type"]
+    return {
+        "words": _words(row["question"]),
+        "relation": relation_of(program),
+        "has_landmark": _has_landmark(program),
+        "same_type": room[kind],
+        "called_so": sum(count for other, count in room.items() if _may_be_called(other, kind)),
+    }
 
 
 @cache
@@ -79,7 +97,8 @@ def expressions_in_frames(root: str | os.PathLike[str]) -> pd.DataFrame:
     parts: list[pd.DataFrame] = []
     for split in load_manifest(root).splits("expressions"):
         rows = read_table(root, "expressions", split, EXPRESSION_COLUMNS).to_pandas()
-        seen = [shown[frame] for frame in rows["frame_id"]]
+        with naming(root, "a frame of an expression"):
+            seen = [shown[frame] for frame in rows["frame_id"]]
         rows["rivals"] = [
             sum(kind == wanted for _, kind in objects) - 1
             for objects, wanted in zip(seen, rows["target_type"], strict=True)
@@ -93,10 +112,10 @@ def expressions_in_frames(root: str | os.PathLike[str]) -> pd.DataFrame:
     return found
 
 
-def relation_of(program: list[list[Any]]) -> str:
+def relation_of(program: Program) -> str:
     """The relation of a program's first step that has one; "" if none has.
 
-    >>> relation_of([["filter_type", "Egg"], ["relate", "in", [["filter_type", "Fridge"]]], ["exist"]])
+    >>> relation_of((("filter_type", "Egg"), ("relate", "in", (("filter_type", "Fridge"),)), ("exist",)))
     'in'
     """
     return next((str(step[1]) for step in program if step[0] == "relate"), "")
@@ -106,17 +125,21 @@ def _words(text: str) -> int:
     return len(text.split())
 
 
-def phrase_of(program: list[list[Any]]) -> list[list[Any]]:
+def phrase_of(program: Program) -> Program:
     """The program of the phrase for the target: what the thing asked for is in or under, or what holds it and its partner.
 
-    >>> phrase_of([["filter_type", "Egg"], ["relate", "in", [["filter_type", "Fridge"]]], ["exist"]])
-    [['filter_type', 'Fridge']]
+    >>> phrase_of((("filter_type", "Egg"), ("relate", "in", (("filter_type", "Fridge"),)), ("exist",)))
+    (('filter_type', 'Fridge'),)
     """
-    relation, phrase = next(((step[1], step[2]) for step in program if step[0] == "relate"), ("", []))
-    return list(phrase[-1][-1] if relation in BETWEEN_THINGS else phrase)
+    relates = [step[1:] for step in program if step[0] == "relate"]
+    if not relates:
+        return ()
+    relation, phrase = relates[0]
+    holder = phrase[-1][-1] if relation in BETWEEN_THINGS else phrase
+    return holder if isinstance(holder, tuple) else ()
 
 
-def _has_landmark(program: list[list[Any]]) -> bool:
+def _has_landmark(program: Program) -> bool:
     """Whether the phrase for the target leans on something else."""
     return any(step[0] in ("relate", "closest") for step in phrase_of(program))
 

@@ -18,6 +18,7 @@ pytestmark = pytest.mark.slow
 
 CASES = {forgery.name: forgery for forgery in forgeries()}
 READERS = ("env", "eval", "show", "verify")
+SHOWN = ("recount", "browse", "coco", "rerun")
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +28,7 @@ def reading() -> Iterator[ReadingProcess]:
     made.close()
 
 
-@pytest.mark.parametrize("reader", ["env", "eval", "show"])
+@pytest.mark.parametrize("reader", ["env", "eval", "show", *SHOWN])
 def test_an_honest_dataset_is_read_to_the_end(
     reader: str, one_room: Path, tmp_path: Path, reading: ReadingProcess
 ) -> None:
@@ -54,6 +55,28 @@ def test_a_forged_room_is_refused_or_harmless(
     outcomes = {reader: reading.attempt(SLOW[reader], forged) for reader in READERS}
     assert all(outcome.held for outcome in outcomes.values()), outcomes
     assert outcomes["env"].kind == "refused"
+    assert all("\n" not in outcome.said for outcome in outcomes.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "refusing"),
+    [
+        ("questions.program: unknown", {"recount"}),  # its page shows no steps
+        ("questions.object_ids: empty", {"recount"}),
+        ("questions.target_id: unknown", {"recount"}),
+        ("questions.scene: unknown", {"recount"}),
+        ("frames.objects: empty", {"coco", "rerun"}),
+        ("frames.added_nodes: empty", {"rerun"}),
+        ("expressions.frame_id: unknown", {"recount", "coco"}),
+    ],
+)
+def test_what_counts_shows_and_exports_refuses_a_row_that_does_not_fit_or_is_unharmed(
+    name: str, refusing: set[str], one_room: Path, tmp_path: Path, reading: ReadingProcess
+) -> None:
+    forged = forge(one_room, tmp_path / "forged", CASES[name])
+    outcomes = {reader: reading.attempt(SLOW[reader], forged) for reader in SHOWN}
+    assert all(outcome.held for outcome in outcomes.values()), outcomes
+    assert {reader for reader, outcome in outcomes.items() if outcome.kind == "refused"} == refusing, outcomes
     assert all("\n" not in outcome.said for outcome in outcomes.values())
 
 

@@ -5,16 +5,16 @@ from remqa_data.cli import app
 from remqa_data.generators.audit.recount.report import recount
 from remqa_data.generators.audit.recount.wording import _has_landmark, expressions_in_frames
 
-FRIDGE = [["filter_type", "Fridge"]]
+FRIDGE = (("filter_type", "Fridge"),)
 
 
 def test_a_landmark_is_what_the_phrase_of_the_place_leans_on() -> None:
-    cabinet = [["filter_type", "Cabinet"], ["relate", "next_to", FRIDGE]]
-    assert not _has_landmark([["filter_type", "Mug"], ["relate", "in", FRIDGE], ["exist"]])
-    assert _has_landmark([["filter_type", "Mug"], ["relate", "in", cabinet], ["exist"]])
+    cabinet = (("filter_type", "Cabinet"), ("relate", "next to", FRIDGE))
+    assert not _has_landmark((("filter_type", "Mug"), ("relate", "in", FRIDGE), ("exist",)))
+    assert _has_landmark((("filter_type", "Mug"), ("relate", "in", cabinet), ("exist",)))
     for where, expected in ((FRIDGE, False), (cabinet, True)):  # the partner is no landmark
-        partner = [["filter_type", "Egg"], ["relate", "in", where]]
-        assert _has_landmark([["filter_type", "Mug"], ["relate", "behind", partner], ["exist"]]) is expected
+        partner = (("filter_type", "Egg"), ("relate", "in", where))
+        assert _has_landmark((("filter_type", "Mug"), ("relate", "behind", partner), ("exist",))) is expected
 
 
 def test_an_expression_without_a_landmark_says_nothing_about_landmarks(dataset) -> None:
