@@ -64,7 +64,7 @@ class Schedule:
         Epochs from one score to the next; the last is always scored.
     precision : {"float32", "bfloat16"}
         What convolutions and products are computed in while learning. The second takes half the time where the processor or
-        GPU knows it, and longer where it does not; weights and scores are float32 all the same.
+        GPU knows it, and is float32 where it does not (`knows_bfloat16`); weights and scores are float32 all the same.
     """
 
     epochs: int
@@ -90,6 +90,17 @@ class Schedule:
             return self.learning_rate * share / self.warm_up
         rest = (share - self.warm_up) / (1 - self.warm_up)
         return float(self.learning_rate * (1 + np.cos(np.pi * rest)) / 2)
+
+
+def knows_bfloat16(device: str) -> bool:
+    """Whether a device computes in bfloat16 by itself; a processor that only imitates it takes nine times as long."""
+    kind = torch.device(device).type
+    if kind == "cuda":
+        return torch.cuda.get_device_capability(device) >= (8, 0)
+    if kind != "cpu" or not hasattr(torch.cpu, "get_capabilities"):  # older versions of torch cannot tell
+        return True
+    known = torch.cpu.get_capabilities()
+    return any(known.get(name, False) for name in ("avx512_bf16", "amx_bf16", "bf16"))
 
 
 def train(
@@ -170,6 +181,7 @@ def train(
             parts = {"model": model.state_dict(), "optimizer": optimizer.state_dict(), "state": vars(state)}
             torch.save({"about": about, **parts}, temporary)
 
+    is_short = schedule.precision == "bfloat16" and knows_bfloat16(device)
     batches = schedule.batches(len(task))
     if progress is not None:
         progress((state.epoch * batches + state.step) * schedule.batch_size)
@@ -182,7 +194,7 @@ def train(
             rate = schedule.rate((state.epoch * batches + state.step) / (schedule.epochs * batches))
             for group in optimizer.param_groups:
                 group["lr"] = rate
-            with torch.autocast(torch.device(device).type, torch.bfloat16, enabled=schedule.precision == "bfloat16"):
+            with torch.autocast(torch.device(device).type, torch.bfloat16, enabled=is_short):
                 losses = task.losses(batch)
             optimizer.zero_grad()
             losses["loss"].backward()  # type: ignore[no-untyped-call]

@@ -121,7 +121,7 @@ def _relation(program: str) -> str:
 def _names(title: str, values: pd.Series) -> Histogram:
     """The most frequent first."""
     counts = sorted(Counter(values).items(), key=lambda item: (-item[1], str(item[0])))
-    return _histogram(title, [(str(name), count) for name, count in counts])
+    return _histogram(title, [(str(name), count) for name, count in counts[:MOST_BARS]], len(counts))
 
 
 def _numbers(title: str, values: pd.Series, step: float = 1) -> Histogram:
@@ -130,13 +130,13 @@ def _numbers(title: str, values: pd.Series, step: float = 1) -> Histogram:
     if not counts:
         return Histogram(title, (), 0)
     every = range(min(counts), max(counts) + 1, int(step))
-    return _histogram(title, [(f"{n}–{n + int(step)}" if step > 1 else str(n), counts[n]) for n in every])
+    shown = [(f"{n}–{n + int(step)}" if step > 1 else str(n), counts[n]) for n in every[:MOST_BARS]]
+    return _histogram(title, shown, len(every))
 
 
-def _histogram(title: str, counts: Sequence[tuple[str, int]]) -> Histogram:
-    shown = counts[:MOST_BARS]
+def _histogram(title: str, shown: Sequence[tuple[str, int]], bars: int) -> Histogram:
     most = max((count for _, count in shown), default=1) or 1
-    return Histogram(title, tuple(Bar(name, count, count / most) for name, count in shown), len(counts) - len(shown))
+    return Histogram(title, tuple(Bar(name, count, count / most) for name, count in shown), bars - len(shown))
 
 
 def _text(value: object) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import torch
 
+from remqa_data.agents.training import trainer
 from remqa_data.agents.training.trainer import CHECKPOINT, CURVES, train
 from remqa_data.errors import ConfigError
 from tests.helpers.small_training import SCHEDULE, Sums, checksum
@@ -55,7 +56,8 @@ def test_where_no_process_can_be_forked_that_is_said(tmp_path: Path, monkeypatch
 
 
 @pytest.mark.slow
-def test_it_learns_in_bfloat16_with_weights_of_float32(tmp_path: Path) -> None:
+def test_it_learns_in_bfloat16_with_weights_of_float32(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trainer, "knows_bfloat16", lambda device: True)
     short = replace(SCHEDULE, epochs=40, precision="bfloat16")
     tasks = [Sums() for _ in range(3)]
     scores = [
@@ -67,6 +69,18 @@ def test_it_learns_in_bfloat16_with_weights_of_float32(tmp_path: Path) -> None:
     assert scores[0]["val_error"] < 0.15
     assert {weights.dtype for weights in tasks[0].model.parameters()} == {torch.float32}
     assert checksum(tasks[0].model) == checksum(tasks[1].model) != checksum(tasks[2].model)
+
+
+def test_a_processor_that_would_imitate_bfloat16_learns_in_float32(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    learnt = {}
+    for known, precision in ((False, "float32"), (False, "bfloat16"), (True, "bfloat16")):
+        monkeypatch.setattr(torch.cpu, "get_capabilities", lambda known=known: {"avx512_bf16": known}, raising=False)
+        task = Sums()
+        train(task, replace(SCHEDULE, epochs=1, precision=precision), tmp_path / f"{known}-{precision}")
+        learnt[known, precision] = checksum(task.model)
+    assert learnt[False, "bfloat16"] == learnt[False, "float32"] != learnt[True, "bfloat16"]
 
 
 def test_a_run_that_was_stopped_goes_on_where_it_was_to_the_same_weights(tmp_path: Path) -> None:
