@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from itertools import product
 from typing import Any
 
@@ -248,11 +248,21 @@ class ThorAgent(Agent):
         for angle, away in product(ASIDE_DEG, ASIDE_M):
             cosine, sine = direction(self.yaw_deg + angle)
             spots.append((self.x + away * cosine, self.y + away * sine, floor_z + ASIDE_HIGH_M))
-        stood_well = self._blocker_at(self.x, self.y) is None
+        before = self.world.save()
+
+        @cache
+        def stands_well() -> bool:
+            """Whether nothing comes to where the agent stands by itself, such as what leans on a heap."""
+            now = self.world.save()
+            self.world.restore(before)
+            handling.settle(self.world)
+            well = self._blocker_at(self.x, self.y) is None
+            self.world.restore(now)
+            return well
 
         def leaves_room(object_id: str) -> bool:
             """It may also have pushed something else to where the agent stands."""
-            return self._is_beside(object_id) and not (stood_well and self._blocker_at(self.x, self.y))
+            return self._is_beside(object_id) and not (self._blocker_at(self.x, self.y) and stands_well())
 
         return self._released(handling.drop_at(self.world, self.held, spots, is_clear=leaves_room, force=force))
 
