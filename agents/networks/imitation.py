@@ -135,4 +135,4 @@ def led(own: Tensor, draws: Tensor, lead: Lead | None) -> Tensor:
         return drawn(SHARPNESS * (own - DOUBT * stops), draws)
     moves = drawn(own, draws)
     is_led = lead.is_led & lead.best.any(1)
-    return torch.where(is_led, drawn(lead.best.double().log().clamp(min=-1e3), draws), moves)
+    return torch.where(is_led, drawn(torch.where(lead.best, 0.0, -1e3), draws), moves)

@@ -159,7 +159,7 @@ class MemoryPlanner(nn.Module):
         into = ahead[..., None].expand(-1, -1, CELLS)
         seen = self.write(shown).view(-1, AHEAD**2, CELLS)
         kept = self.keep(seen.flatten(0, 1), memory.cells.gather(1, into).flatten(0, 1))
-        cells = memory.cells.scatter(1, into, kept.view(-1, AHEAD**2, CELLS))
+        cells = memory.cells.scatter(1, into, kept.view(-1, AHEAD**2, CELLS).to(memory.cells.dtype))
         is_written = memory.is_written.scatter(1, ahead, value=True)
         around = cells_at(places, headings, AROUND, first_row=-(AROUND // 2))
         near = cells.gather(1, around[..., None].expand(-1, -1, CELLS))

@@ -182,6 +182,8 @@ class MatchingTask:
                 ranking = ranking + ranking_loss(scores[right[e]], wrong)
                 hits += int(scores.argmax()) == int(right[e])
                 asked += 1
+        if not asked:  # no object that is meant is among the regions: there is nothing to learn, but a way back
+            ranking = 0 * match.scores.sum()
         losses = {"ranking": ranking / max(asked, 1), "fitting": fitting}
         return {"loss": losses["ranking"] + losses["fitting"], **losses, "right": torch.tensor(hits / max(asked, 1))}
 

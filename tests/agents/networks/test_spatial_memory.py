@@ -74,6 +74,19 @@ def test_what_was_seen_stays_where_it_was_seen() -> None:
     assert not torch.equal(once.hidden, first.hidden)
 
 
+def test_what_is_thought_in_bfloat16_is_remembered_too() -> None:
+    network = model()
+    asking = network.read(torch.tensor([[2, 3, 4]]))
+    view, before = torch.randn(1, SEEN, generator=torch.Generator().manual_seed(0)), torch.zeros(1, len(MOVES) + 1)
+    with torch.autocast("cpu", torch.bfloat16):
+        short = network.remember(network.nothing(1), view, before, asking)
+    full = network.remember(network.nothing(1), view, before, asking)
+    assert short.cells.dtype == torch.float32
+    assert not torch.equal(short.cells, full.cells)
+    assert torch.allclose(short.cells, full.cells, atol=0.05)
+    assert torch.allclose(short.hidden.float(), full.hidden, atol=0.05)
+
+
 @torch.no_grad()
 def test_a_walk_thinks_what_is_thought_along_the_whole_walk() -> None:
     network, generator = model(), torch.Generator().manual_seed(1)

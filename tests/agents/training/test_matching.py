@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 from unittest.mock import sentinel
 
@@ -9,7 +10,15 @@ from remqa_data.agents.networks.detection.box_head import BoxHead
 from remqa_data.agents.networks.detection.detector import iou
 from remqa_data.agents.networks.detection.pyramid import CHANNELS
 from remqa_data.agents.networks.detection.regions import GRID, PLACE, Regions
-from remqa_data.agents.training.matching import Referred, fitting_loss, rights_of, views_with_expressions
+from remqa_data.agents.networks.matcher import Match
+from remqa_data.agents.training.matching import (
+    Choices,
+    MatchingTask,
+    Referred,
+    fitting_loss,
+    rights_of,
+    views_with_expressions,
+)
 from remqa_data.storage.shards import read_table
 
 
@@ -55,6 +64,30 @@ def test_of_what_is_there_one_is_right() -> None:
     right, spared = rights_of(PICTURE, PICTURE.true, PICTURE.true.boxes, 0.01)
     assert right.tolist() == [0, 1]
     assert spared.tolist() == [[True, False], [False, True]]
+
+
+class Weighed(torch.nn.Module):
+    """Says that all regions fit as well."""
+
+    box_head = None
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.weight = torch.nn.Parameter(torch.ones(()))
+
+    def match(self, numbers: torch.Tensor, regions: Regions) -> Match:
+        return Match(self.weight.expand(len(numbers), len(regions.boxes)), torch.empty(0), torch.empty(0))
+
+
+def test_pictures_without_what_is_meant_teach_nothing_and_stop_nobody() -> None:
+    task = MatchingTask.__new__(MatchingTask)
+    task.model, task.device, task.spared_iou = Weighed(), "cpu", None  # type: ignore[assignment]
+    elsewhere = regions(OTHER)
+    batch = [Choices(torch.zeros((2, 3), dtype=torch.int64), elsewhere, replace(PICTURE, found=elsewhere))]
+    losses = task.losses(batch)
+    losses["loss"].backward()
+    assert float(losses["loss"].detach()) == float(task.model.weight.grad) == 0.0
+    assert float(losses["right"]) == 0.0
 
 
 def test_boxes_learn_to_end_where_their_objects_do_and_how_well_they_fit() -> None:
