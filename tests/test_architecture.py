@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -61,7 +62,8 @@ def imported_modules(path: Path, all_modules: dict[str, Path]) -> Iterator[str]:
             yield inner
 
 
-def arrows() -> set[tuple[str, str]]:
+@cache
+def arrows() -> frozenset[tuple[str, str]]:
     """Pairs of rooms of which the first imports the second."""
     known = modules()
     pairs = (
@@ -70,7 +72,7 @@ def arrows() -> set[tuple[str, str]]:
         if name  # the package itself offers names from everywhere
         for other in imported_modules(path, known)
     )
-    return {(upper, lower) for upper, lower in pairs if upper != lower}
+    return frozenset((upper, lower) for upper, lower in pairs if upper != lower)
 
 
 def test_every_room_is_on_exactly_one_floor():

@@ -6,7 +6,6 @@ and then left as it is, so that the features of cached views are worked out once
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 import torch
 from torch import Tensor, nn
@@ -14,6 +13,7 @@ from torch.nn import functional
 
 from remqa_data.agents.networks.detection.pyramid import CHANNELS, Pyramid
 from remqa_data.geometry.types import U8
+from remqa_data.opencv import cv2
 
 VIEW_PX = 84
 """Width and height of the views."""

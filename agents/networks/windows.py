@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 import numpy.typing as npt
+
+from remqa_data.opencv import cv2
 
 SIDE_PX = 192
 """Of the square that an answerer sees, if its configuration does not say another."""

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import cv2
 import numpy as np
 import torch
 from torch import Tensor
@@ -29,6 +28,7 @@ from remqa_data.agents.networks.detection.regions import candidates
 from remqa_data.agents.training.pictures import UNKNOWN, Picture, Pictures, Which, detector_types, shown_in, varied
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.geometry.types import F32
+from remqa_data.opencv import cv2
 
 SEEN: tuple[Which, Which] = ("rgb", "end_rgb")
 """What is learnt from: frames of walks, and what is seen when something is opened or moved."""

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import cv2
 import numpy as np
 from scipy import ndimage
 
 from remqa_data.catalog import catalog
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.geometry.types import F32, U8
+from remqa_data.opencv import cv2
 from remqa_data.tables.images import decode_instances, decode_rgb
 
 Which = Literal["rgb", "start_rgb", "end_rgb"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import cv2
 import numpy as np
 import torch
 from torch import Tensor
@@ -15,6 +14,7 @@ from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.networks.view_encoder import PARTS, ViewEncoder, shrunk
 from remqa_data.agents.training.pictures import Picture, Pictures, detector_types, relit
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
+from remqa_data.opencv import cv2
 
 HOW = (cv2.INTER_AREA, cv2.INTER_NEAREST)
 """Live views are shrunk, cached ones are drawn small: to the encoder both are to be the same."""

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple, cast
 
-import cv2
 import numpy as np
 import torch
 from torch import Tensor, nn
@@ -38,6 +37,7 @@ from remqa_data.agents.networks.detection.pyramid import (
     zero_linear,
 )
 from remqa_data.geometry.types import F32, Flags
+from remqa_data.opencv import cv2
 
 MARGIN = 1.6
 """What is looked at is so many times as wide and high as the box."""
