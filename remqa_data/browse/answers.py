@@ -10,6 +10,7 @@ from typing import Any
 from remqa_data.errors import SubmissionError
 from remqa_data.evaluation.submission.reader import Submission, open_submission
 from remqa_data.evaluation.submission.tracks import TRACKS
+from remqa_data.metrics import is_right_answer
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def given_answers(agents: Sequence[AgentAnswers], question_id: str, answer: str)
                     said,
                     row.get("manipulation"),
                     None if walk is None else len(walk),
-                    None if said is None else said.strip().lower() == answer.lower(),
+                    None if said is None else bool(is_right_answer([said], [answer])[0]),
                 )
             )
     return found
