@@ -6,7 +6,7 @@ import pytest
 from remqa_data.assets import AssetSpec, build
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.thor import Controller
-from remqa_data.thor.state.appearance import liquid_in
+from remqa_data.thor.object_states.appearance import liquid_in
 
 pytestmark = pytest.mark.slow
 

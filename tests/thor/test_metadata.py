@@ -12,8 +12,8 @@ import pytest
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.floorplans.ithor.table import recorded_objects, unity_rotation
 from remqa_data.sim.physics.world import World
+from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.objects import ObjectRecords
-from remqa_data.thor.state.simulator import LoadedFloorPlan
 
 SCHEMA = json.loads((Path(__file__).parent / "ai2thor_schema.json").read_text())
 TYPES = {

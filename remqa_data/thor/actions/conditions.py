@@ -6,9 +6,9 @@ from remqa_data.catalog import object_type
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.handling import settle
 from remqa_data.thor.actions.targets import target_of
-from remqa_data.thor.state.conditions import BROKEN, CONDITIONS, FILLED, LIQUIDS
+from remqa_data.thor.object_states.conditions import BROKEN, CONDITIONS, FILLED, LIQUIDS
+from remqa_data.thor.object_states.pieces import pieces_of
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.pieces import pieces_of
 from remqa_data.thor.state.simulator import SimulatorState
 
 

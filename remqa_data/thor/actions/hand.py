@@ -18,8 +18,8 @@ from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.objects import PUSH_S
+from remqa_data.thor.object_states.conditions import FILLED
 from remqa_data.thor.state.agent import ThorAgent
-from remqa_data.thor.state.conditions import FILLED
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, turn_of_euler, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState

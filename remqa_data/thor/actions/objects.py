@@ -15,7 +15,7 @@ from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
 from remqa_data.thor.actions.compatible import is_compatible
 from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
-from remqa_data.thor.state.conditions import BASINS, BROKEN
+from remqa_data.thor.object_states.conditions import BASINS, BROKEN
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, to_thor, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState

@@ -24,8 +24,9 @@ from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.targets import not_there, of_type
 from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.frames import PartialVector, to_room, to_thor, turn_of_euler, whole
-from remqa_data.thor.state.simulator import LoadedFloorPlan, SimulatorState
+from remqa_data.thor.state.simulator import SimulatorState
 
 SAME_M, SAME_COSINE = 1e-4, 1.0 - 1e-9
 """A pose that is so near to where an object is, or was when the room was loaded, is that pose."""

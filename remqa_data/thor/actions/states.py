@@ -13,7 +13,7 @@ from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.handling import OVERLAP_M
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.conditions import cut
-from remqa_data.thor.state.conditions import BROKEN, CONDITIONS, FILLED
+from remqa_data.thor.object_states.conditions import BROKEN, CONDITIONS, FILLED
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.simulator import SimulatorState
 

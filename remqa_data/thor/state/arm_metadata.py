@@ -8,9 +8,9 @@ from remqa_data.catalog import object_type
 from remqa_data.geometry.rotations import quaternion_of
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm import jaco
+from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.frames import SWAP, facing, to_thor
 from remqa_data.thor.state.objects import Metadata
-from remqa_data.thor.state.simulator import LoadedFloorPlan
 
 JOINTS = {"robot_arm_2_jnt": 3, "robot_arm_3_jnt": 5}
 """AI2-THOR's names of elbow and wrist, and the links of our six-joint arm that begin there. The first joint is the

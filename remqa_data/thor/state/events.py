@@ -12,11 +12,12 @@ from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.render.view import Observation
 from remqa_data.thor.state.arm_metadata import arm_metadata
+from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.frames import Vector, euler_to_thor, to_thor, turn_of_euler, yaw_to_thor
 from remqa_data.thor.state.images import Palette, as_bytes, depth_bytes
 from remqa_data.thor.state.objects import InHand, Metadata, box_metadata
 from remqa_data.thor.state.settings import Images
-from remqa_data.thor.state.simulator import LoadedFloorPlan, SimulatorState
+from remqa_data.thor.state.simulator import SimulatorState
 
 Files = dict[str, list[bytes]]
 

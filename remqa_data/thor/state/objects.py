@@ -23,7 +23,7 @@ from remqa_data.scene import Quaternion, Scene
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
-from remqa_data.thor.state.conditions import Conditions
+from remqa_data.thor.object_states.conditions import Conditions
 from remqa_data.thor.state.frames import (
     Vector,
     corners_to_thor,

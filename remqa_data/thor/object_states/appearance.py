@@ -24,7 +24,7 @@ from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import Shapes
-from remqa_data.thor.state.conditions import FILLED, Conditions
+from remqa_data.thor.object_states.conditions import FILLED, Conditions
 
 STAINS_M = 0.25
 """Metres that one repeat of the stains covers."""
