@@ -32,7 +32,7 @@ env = gymnasium.make(
 
 # %% Play: what the agent sees, and the agent from outside, side by side
 observation, info = env.reset(seed=0)
-print(info["episode"], "|", observation["question"])
+print(info["episode_id"], "|", observation["question"])
 rng = np.random.default_rng(0)
 frames = []
 for step in range(STEPS):

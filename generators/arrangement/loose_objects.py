@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,6 +53,7 @@ def put_anew(
     keep_out: Sequence[Box],
     rng: np.random.Generator,
     tries: int = TRIES,
+    weights: Mapping[str, float] | None = None,
 ) -> bool:
     """Put a loose thing, with what is in it, somewhere else; False, and nothing has changed, if no room was found.
 
@@ -72,11 +73,14 @@ def put_anew(
         Draws receptacle, place and turn.
     tries : int
         How many places are tried.
+    weights : mapping of str to float, optional
+        How likely each type of receptacle is that has a surface; by default as such things were recorded in such rooms.
     """
     by_type: dict[str, list[OpenSurface]] = {}
     for surface in surfaces:
         by_type.setdefault(world.type_of(surface.owner), []).append(surface)
-    weights = receptacle_weights(world.type_of(object_id), room_type, by_type)
+    if weights is None:
+        weights = receptacle_weights(world.type_of(object_id), room_type, by_type)
     if not weights:
         return False
     names = sorted(weights)

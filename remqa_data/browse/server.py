@@ -77,7 +77,8 @@ def serve(site: Site, host: str, port: int, ready: Callable[[str], None]) -> Non
         try:
             listening.bind((host, port))
         except (OSError, OverflowError) as error:
-            msg = f"cannot listen on {host}, port {port}: {getattr(error, 'strerror', None) or error}; name another with --port"
+            reason = getattr(error, "strerror", None) or error
+            msg = f"cannot listen on {host}, port {port}: {reason}; name another with --port or --host"
             raise OutputError(msg) from None
         listening.listen()
         shown = f"[{host}]" if ":" in host else host

@@ -24,7 +24,7 @@ from gymnasium import spaces
 from remqa_data.catalog import catalog
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env.actions import ActionMode, Command, action_space, command
-from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes
+from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes, check_counts
 from remqa_data.env.loaded_scene import LoadedRoom
 from remqa_data.env.question import QuestionText
 from remqa_data.env.record import EpisodeRecord
@@ -109,9 +109,9 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
             raise ActionError(f"render_mode {render_mode!r} is neither None nor 'rgb_array'")
         if hands not in get_args(Hands):
             raise ActionError(f"hands {hands!r} is none of {', '.join(get_args(Hands))}")
-        for name, value in (("width", width), ("height", height), ("max_steps", max_steps)):
-            if not isinstance(value, int | np.integer) or value < 1:
-                raise ActionError(f"{name} is {value!r}: give a positive whole number")
+        check_counts(width=width, height=height, max_steps=max_steps)
+        if isinstance(views_kept, bool) or not isinstance(views_kept, int | np.integer) or views_kept < 0:
+            raise ActionError(f"views_kept is {views_kept!r}: give a whole number, 0 for none")
         if max(width, height) > MOST_IMAGE_PX:
             raise ActionError(f"a view of {width} x {height} pixels: give at most {MOST_IMAGE_PX} x {MOST_IMAGE_PX}")
         if isinstance(scenes, str):
@@ -174,7 +174,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         task = episode.task
         text = task.question if task else ""
         self._question = text[:MAX_QUESTION_CHARACTERS], question_tokens(self.vocabulary, text)
-        info = {"scene": episode.name, "episode": name, "privileged": self.privileged}
+        info = {"scene": episode.name, "episode_id": name, "privileged": self.privileged}
         return self._observe(info), info
 
     def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:

@@ -200,6 +200,13 @@ class SceneEpisodes:
         return Episode(name, scene, None, Embodiment(), None)
 
 
+def check_counts(**counts: object) -> None:
+    """ActionError for what is no positive whole number."""
+    for name, value in counts.items():
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+            raise ActionError(f"{name} is {value!r}: give a positive whole number")
+
+
 def check_question_ids(question_ids: Sequence[str] | None) -> None:
     """Refuse what is no choice of questions.
 

@@ -8,7 +8,7 @@ from typing import Any
 import gymnasium
 
 from remqa_data.env import RemqaEnv
-from remqa_data.errors import ActionError
+from remqa_data.errors import ActionError, one_line
 from remqa_data.evaluation.submission.reader import Header, write_submission
 from remqa_data.metrics import MAX_ACTIONS, MAX_NAME
 from remqa_data.sim.agent.actions import NAVIGATION
@@ -48,10 +48,14 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
         self.path = Path(path)
         if self.path.suffix != ".jsonl" or self.path.is_dir():
             raise ActionError(f"{path}: the file of a submission is called something.jsonl")
-        if not 0 < len(agent) <= MAX_NAME:
-            raise ActionError(f"the agent's name has {len(agent)} characters: give 1 to {MAX_NAME}")
-        self._header = Header(track="remqa", split=remqa.split, agent=agent)
+        if not isinstance(agent, str) or not 0 < len(agent) <= MAX_NAME:
+            raise ActionError(f"the agent's name is {agent!r:.80}: give a text of 1 to {MAX_NAME} characters")
+        try:
+            self._header = Header(track="remqa", split=remqa.split, agent=agent)
+        except ValueError as error:
+            raise ActionError(f"the agent's name is {agent!r:.80}: {one_line(error)}") from None
         self.rows: dict[str, dict[str, Any]] = {}
+        self._last = self._stored()
 
     def step(self, action: Any) -> tuple[dict[str, Any], Any, bool, bool, dict[str, Any]]:
         """Do one action; the end of an episode makes it a row."""
@@ -62,8 +66,21 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
         return observation, reward, terminated, truncated, info
 
     def save(self) -> None:
-        """Write what was recorded so far."""
+        """Write what was recorded so far; a file of before is replaced once there is something.
+
+        Raises
+        ------
+        ActionError
+            If something else, such as another recorder, has written the file meanwhile.
+        """
+        if not self.rows and self._last is not None:
+            return
+        if self._stored() != self._last:
+            raise ActionError(
+                f"{self.path} was written by something else meanwhile: give each recorder a file of its own"
+            )
         write_submission(self.path, self._header, list(self.rows.values()))
+        self._last = self._stored()
 
     def close(self) -> None:
         """Write the submission and close the environment."""
@@ -71,6 +88,14 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
             self.save()
         finally:
             super().close()
+
+    def _stored(self) -> tuple[int, int] | None:
+        """What tells the file apart from others of its name; None if there is none."""
+        try:
+            found = self.path.stat()
+        except FileNotFoundError:
+            return None
+        return found.st_ino, found.st_mtime_ns
 
     def _row(self, answer: str | None) -> dict[str, Any]:
         record, task = self._remqa.record, self._remqa.episode.task

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.errors import ConfigError, one_line
+from remqa_data.errors import ConfigError, RemqaError, one_line
 from remqa_data.geometry.types import U8
 from remqa_data.views.arrays import features_name, new_array
 from remqa_data.views.manifest import Room, ViewFile
@@ -80,7 +80,12 @@ def _write(path: Path, views: RoomViews, function: Features, name: str) -> None:
 
 
 def _features(function: Features, name: str, frames: U8) -> npt.NDArray[np.float16]:
-    found = np.asarray(function(frames))
+    try:
+        found = np.asarray(function(frames))
+    except RemqaError:
+        raise
+    except Exception as error:  # whatever somebody's function raises
+        raise ConfigError(f"--features {name}: {type(error).__name__}: {one_line(error)}") from error
     if found.ndim < 2 or len(found) != len(frames) or 0 in found.shape or found.dtype.kind not in "fiu":
         raise ConfigError(
             f"--features {name}: gave {found.dtype} {found.shape} for {len(frames)} frames; give ({len(frames)}, ...) numbers"

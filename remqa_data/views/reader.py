@@ -111,6 +111,9 @@ class Views:
         self._rooms = {room.scene: room for room in self.manifest.rooms}
         self.room = lru_cache(OPEN_ROOMS)(self._room)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.folder,)  # another process opens the files for itself
+
     @property
     def size_px(self) -> int:
         """Width and height of the frames."""

@@ -78,7 +78,7 @@ def test_the_same_seed_draws_the_episodes_of_the_live_environment(small_rooms: P
         assert info == said
         assert seen["question"] == shown["question"]
         assert np.array_equal(seen["question_tokens"], shown["question_tokens"])
-        drawn.append(info["episode"])
+        drawn.append(info["episode_id"])
     assert len(set(drawn)) > 1
     live.close()
 
@@ -172,7 +172,7 @@ def walked(envs: Any, steps: int, seed: int = 3) -> list[Any]:
     given = [envs.reset(seed=seed)[0]]
     for action in actions:
         seen, rewards, terminated, truncated, info = envs.step(action)
-        given += [seen, rewards, terminated, truncated, {key: info.get(key) for key in ("S_N", "SPL", "episode")}]
+        given += [seen, rewards, terminated, truncated, {key: info.get(key) for key in ("S_N", "SPL", "episode_id")}]
     envs.close()
     return given
 

@@ -344,13 +344,13 @@ def test_vector_environments_ask_the_questions_that_are_played(two_rooms: Path, 
     heard = set()
     for seed in range(3):
         seen, info = envs.reset(seed=seed)
-        assert list(seen["question"]) == [asked[name] for name in info["episode"]]
+        assert list(seen["question"]) == [asked[name] for name in info["episode_id"]]
         heard |= set(seen["question"])
         before = seen
         seen, *_ = envs.step(np.array([LEFT, LEFT]))
-        assert list(seen["question"]) == [asked[name] for name in info["episode"]]
+        assert list(seen["question"]) == [asked[name] for name in info["episode_id"]]
         seen, *_, info = envs.step(np.array([LEFT, LEFT]))  # which begins the next episode
-        assert list(seen["question"]) == [asked[name] for name in info["episode"]]
+        assert list(seen["question"]) == [asked[name] for name in info["episode_id"]]
         heard |= set(seen["question"])
     assert len(heard) > 1
     assert isinstance(before["question"], tuple) or not envs.copy

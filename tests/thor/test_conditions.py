@@ -136,3 +136,32 @@ def test_all_objects_at_once(kitchen, change, able, field) -> None:
     assert all(o[field] is o[able] for o in listed)
     kitchen.step("SetStateOfAllObjects", stateChange=change, forceAction=False)
     assert all(o[field] is False for o in kitchen.last_event.metadata["objects"])
+
+
+def test_what_is_broken_holds_nothing(kitchen) -> None:
+    assert forced(kitchen, "FillObjectWithLiquid", "Mug")
+    assert forced(kitchen, "BreakObject", "Mug")
+    assert (first(kitchen, "Mug")["isFilledWithLiquid"], first(kitchen, "Mug")["fillLiquid"]) == (False, None)
+    assert not forced(kitchen, "FillObjectWithLiquid", "Mug")
+    assert kitchen.last_event.metadata["errorMessage"].endswith("is broken and holds nothing")
+    assert kitchen.step("SetStateOfAllObjects", stateChange="CanBeFilled", forceAction=True)
+    assert not first(kitchen, "Mug")["isFilledWithLiquid"]
+    assert first(kitchen, "Cup")["isFilledWithLiquid"]
+
+
+def test_what_is_out_of_the_scene_holds_nothing(kitchen) -> None:
+    cup, egg = (first(kitchen, type_name)["objectId"] for type_name in ("Cup", "Egg"))
+    assert forced(kitchen, "BreakObject", "Egg")
+    assert kitchen.step("DisableObject", objectId=cup)
+    assert kitchen.last_event.get_object(egg)["parentReceptacles"] is None
+
+
+def test_what_is_in_the_hand_is_toggled(kitchen) -> None:
+    kitchen.reset("FloorPlan301")
+    assert forced(kitchen, "PickupObject", "CellPhone")
+    phone = first(kitchen, "CellPhone")["objectId"]
+    was_on = first(kitchen, "CellPhone")["isToggled"]
+    for is_on in (not was_on, was_on):
+        event = kitchen.step("ToggleObjectOn" if is_on else "ToggleObjectOff", objectId=phone)
+        assert event, event.metadata["errorMessage"]
+        assert event.get_object(phone)["isToggled"] == is_on

@@ -112,7 +112,24 @@ def test_a_wider_field_of_view_shows_more(kitchen) -> None:
     assert event.metadata["fov"] == 110
     seen = kitchen.step("Pass", renderInstanceSegmentation=True)
     before = kitchen.step("ChangeFOV", fieldOfView=narrow.metadata["fov"], renderInstanceSegmentation=True)
-    assert set(before.instance_masks) <= set(seen.instance_masks)
+    assert {name for name in before.instance_masks if before.get_object(name)} <= set(seen.instance_masks)
     assert np.array_equal(before.frame, narrow.frame)
     for arguments, text in (({"fieldOfView": 190}, "not in"), ({"fieldOfView": 60, "camera": "Drone"}, "FirstPerson")):
         assert text in kitchen.step("ChangeFOV", **arguments).metadata["errorMessage"]
+
+
+def test_every_pixel_of_a_room_has_a_name(kitchen) -> None:
+    kitchen.reset(renderInstanceSegmentation=True, renderSemanticSegmentation=True)
+    panels: set[str] = set()
+    for _ in range(4):
+        event = kitchen.step("RotateRight")
+        colors = np.unique(event.instance_segmentation_frame.reshape(-1, 3), axis=0)
+        names = {event.color_to_object_id[tuple(color.tolist())] for color in colors}
+        building = {name for name in names if event.get_object(name) is None}
+        assert {name.partition("|")[0] for name in building} <= {"Wall", "Ceiling", "Floor", "Fixture"}
+        walls = [mask for name, mask in event.instance_masks.items() if name.startswith("Wall|")]
+        assert walls
+        assert (event.class_masks["Wall"] == np.any(walls, axis=0)).all()
+        panels |= building
+    assert sum(name.startswith("Wall|") for name in panels) >= 4
+    assert sum(name.startswith("Ceiling|") for name in panels) == 1

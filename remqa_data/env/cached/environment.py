@@ -23,6 +23,7 @@ from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env.cached.tasks import TARGETS, CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
 from remqa_data.env.environment import pose_space, question_space, tokens_space, wanted_episode
+from remqa_data.env.episodes import check_counts
 from remqa_data.errors import ActionError, DatasetError
 
 ENV_ID = "remqa_data/CachedRemqa-v0"
@@ -75,8 +76,7 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         copy: bool = True,
         vocabulary: Vocabulary | None = None,
     ) -> None:
-        if max_steps < 1:
-            raise ActionError(f"max_steps is {max_steps}: give a positive number")
+        check_counts(max_steps=max_steps)
         self.tasks = CachedTasks(root, views, split, question_ids, vocabulary)
         self.walk = Walk(self.tasks, max_steps)
         self._has_features, self._copies = features, copy
@@ -148,7 +148,7 @@ def begin(
     name = wanted_episode(tasks.ids, rng, options)
     walk.begin(name)
     place = f"{walk.task.scene}, configuration {walk.task.configuration}"
-    return {"scene": place, "episode": name, "privileged": False}
+    return {"scene": place, "episode_id": name, "privileged": False}
 
 
 def observation_space(tasks: CachedTasks, features: bool) -> spaces.Dict:

@@ -17,6 +17,7 @@ from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env.cached.environment import begin, observation_space
 from remqa_data.env.cached.tasks import TARGETS, CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
+from remqa_data.env.episodes import check_counts
 from remqa_data.errors import ActionError
 
 Batch = tuple[dict[str, Any], npt.NDArray[np.float64], npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]
@@ -50,9 +51,7 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         features: bool = False,
         vocabulary: Vocabulary | None = None,
     ) -> None:
-        for name, value in (("num_envs", num_envs), ("max_steps", max_steps)):
-            if value < 1:
-                raise ActionError(f"{name} is {value}: give a positive number")
+        check_counts(num_envs=num_envs, max_steps=max_steps)
         self.num_envs, self.autoreset_mode = num_envs, AutoresetMode.NEXT_STEP
         self.tasks = CachedTasks(root, views, split, question_ids, vocabulary)
         self.walks = [Walk(self.tasks, max_steps) for _ in range(num_envs)]
@@ -67,7 +66,7 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """Begin an episode in each; environment i draws from `seed + i`, or from seed i of a sequence."""
-        seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
+        seeds = [int(seed) + i for i in range(self.num_envs)] if isinstance(seed, int | np.integer) else seed
         if seeds is not None:
             if len(seeds) != self.num_envs:
                 raise ActionError(f"there are {len(seeds)} seeds for {self.num_envs} environments")
@@ -91,7 +90,7 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         """
         if not self._has_begun:
             raise ActionError("there are no episodes going on: call reset")
-        numbers = [action_number(action) for action in np.asarray(actions).tolist()]
+        numbers = [action_number(action) for action in np.atleast_1d(np.asarray(actions)).tolist()]
         if len(numbers) != self.num_envs:
             raise ActionError(f"there are {len(numbers)} actions for {self.num_envs} environments")
         rewards = np.zeros(self.num_envs)
@@ -111,6 +110,10 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         if has_begun:
             self._tell()
         return self._observe(), rewards, terminated, truncated, {**info, "success": success}
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """There are no steps any more."""
+        self._has_begun = False
 
     def _begin(self, number: int, info: dict[str, Any], options: dict[str, Any] | None = None) -> dict[str, Any]:
         said = begin(self.walks[number], self.tasks, self._generators[number], options)

@@ -130,7 +130,7 @@ def slide(
     sine, cosine = arithmetic.sin_cos(heading)
     way = np.array([cosine, sine, 0.0])
     gone, blocker = 0.0, ""
-    for step in np.arange(SLIDE_STEP_M, distance_m + 1e-9, SLIDE_STEP_M).tolist():
+    for step in _steps(distance_m):
         x, y, z = (start + step * way).tolist()
         refused = is_refused((x, y, z))
         world.move(object_id, (x, y, z))
@@ -150,6 +150,12 @@ def slide(
     else:
         settle(world)
     return Slide(gone, blocker)
+
+
+def _steps(distance_m: float) -> list[float]:
+    """How far something has gone after each step of a slide; the last one may be shorter."""
+    whole = np.arange(SLIDE_STEP_M, distance_m + 1e-9, SLIDE_STEP_M).tolist()
+    return whole if whole and distance_m - whole[-1] <= 1e-9 else [*whole, distance_m]
 
 
 def is_free(world: World, object_id: str, spot: Vec3) -> bool:

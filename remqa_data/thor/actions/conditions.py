@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from remqa_data.catalog import object_type
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.handling import settle
@@ -47,21 +49,22 @@ def slice_object(
     refusal = None if forceAction else agent.refusal(target) or agent.reach(target)
     if refusal is not None:
         return refusal
-    cut(simulator, target)
+    cut(simulator, [target])
     return ActionResult(True)
 
 
-def cut(simulator: SimulatorState, target: str) -> None:
-    """Put the pieces of an object in its place."""
+def cut(simulator: SimulatorState, targets: Sequence[str]) -> None:
+    """Put the pieces of some objects in their places; the room is loaded anew once for all of them."""
     room = simulator.room
     room.records.update()
-    pieces = pieces_of(room.world, target)
-    room.records.sliced.add(target)
-    room.add(pieces, simulator.settings)
-    room.conditions.change(target, isSliced=True)
-    for piece in pieces:
-        room.conditions.pass_on(target, piece.id)
-    room.take_away(target)
+    pieces = {target: pieces_of(room.world, target) for target in targets}
+    room.records.sliced.update(targets)
+    room.add([piece for made in pieces.values() for piece in made], simulator.settings)
+    for target, made in pieces.items():
+        room.conditions.change(target, isSliced=True)
+        for piece in made:
+            room.conditions.pass_on(target, piece.id)
+        room.take_away(target)
     settle(room.world)
 
 
@@ -90,12 +93,14 @@ def _put(
         return ActionResult(False, f"{target} is not {condition.able.replace('_', ' ')}")
     if bool(room.conditions.of(target).get(name)) == is_so:
         return ActionResult(False, f"{target} is {'already' if is_so else 'not'} {condition.word}")
+    if name == FILLED and is_so and room.conditions.of(target).get(BROKEN):
+        return ActionResult(False, f"{target} is broken and holds nothing")
     refusal = None if force or target == agent.held else agent.refusal(target) or agent.reach(target)
     if refusal is not None:
         return refusal
     room.conditions.put(target, name, is_so, liquid)
     if name == BROKEN and object_type(room.world.type_of(target)).slices is not None:
-        cut(simulator, target)  # an egg is broken by being cracked
+        cut(simulator, [target])  # an egg is broken by being cracked
     elif name == BROKEN and target == agent.held:
         agent.drop(force=True)
     return ActionResult(True)

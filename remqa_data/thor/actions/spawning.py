@@ -1,7 +1,7 @@
 """A room in which other things lie about: what can be picked up is put on and into other receptacles, at random.
 
-Where a thing may be is what was recorded of such things in such rooms. What is put down comes to rest; what would not stay
-where it was put is put down anew, alone.
+Where a thing may be is what was recorded of such things in such rooms, or what AI2-THOR has take them. What is put down comes
+to rest; what would not stay where it was put is put down anew, alone.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import open_spaces
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
+from remqa_data.thor.actions.compatible import is_compatible
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.simulator import SimulatorState, generator
 
@@ -63,7 +64,7 @@ def initial_random_spawn(
     numDuplicatesOfType : list of ObjectTypeCount
         No more than there are: nothing can be copied.
     excludedReceptacles : list of str
-        Types of receptacles on and into which nothing is put.
+        Types of receptacles on and into which nothing is put; what finds no place elsewhere stays on them.
     excludedObjectIds : list of str
         Objects that stay where they are.
     allowFloor : bool
@@ -122,9 +123,9 @@ def _surfaces(
 def _spawn(
     world: World, loose: Sequence[str], surfaces: Sequence[OpenSurface], tries: int, rng: np.random.Generator
 ) -> ActionResult:
-    before, room_type = world.save(), world.scene.room_type
+    before = world.save()
     order = [loose[index] for index in rng.permutation(len(loose))]
-    moved = [name for name in order if put_anew(world, name, room_type, surfaces, (), rng, tries)]
+    moved = [name for name in order if _put_anew(world, name, surfaces, tries, rng)]
     owners = {surface.owner for surface in surfaces}
     _settle(world)
     for name in moved:
@@ -141,6 +142,18 @@ def _spawn(
     return ActionResult(True)
 
 
+def _put_anew(
+    world: World, object_id: str, surfaces: Sequence[OpenSurface], tries: int, rng: np.random.Generator
+) -> bool:
+    """Put a thing where such things were recorded; if there is no room, on or into anything that AI2-THOR has take it."""
+    kind, room_type = world.type_of(object_id), world.scene.room_type
+    types = {world.type_of(surface.owner) for surface in surfaces}
+    taking = {name: 1.0 for name in sorted(types) if is_compatible(kind, name)}
+    return put_anew(world, object_id, room_type, surfaces, (), rng, tries) or put_anew(
+        world, object_id, room_type, surfaces, (), rng, tries, taking
+    )
+
+
 def _put_alone(
     world: World, object_id: str, surfaces: Sequence[OpenSurface], tries: int, rng: np.random.Generator
 ) -> None:
@@ -148,7 +161,7 @@ def _put_alone(
     owners = {surface.owner for surface in surfaces}
     for _ in range(tries):
         before = world.save()
-        if not put_anew(world, object_id, world.scene.room_type, surfaces, (), rng, tries):
+        if not _put_anew(world, object_id, surfaces, tries, rng):
             return
         put = world.save()
         handling.settle(world)

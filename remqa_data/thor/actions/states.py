@@ -162,8 +162,8 @@ def _change(simulator: SimulatorState, flag: str, is_so: bool, chosen: Sequence[
     elif flag == "isToggled":
         _switch(simulator, {name for name in chosen if object_type(world.type_of(name)).toggleable}, is_so)
     elif flag == "isSliced":
-        for name in _sliceable(simulator, chosen) if is_so else ():
-            cut(simulator, name)
+        if is_so and (whole := _sliceable(simulator, chosen)):
+            cut(simulator, whole)
     else:
         for name in chosen:
             if CONDITIONS[flag].able in object_type(world.type_of(name)).can:

@@ -116,10 +116,17 @@ class Conditions:
             self.change(piece, **kept)
 
     def put(self, object_id: str, condition: str, is_so: bool, liquid: str = "water") -> None:
-        """Say that an object is in one of the `CONDITIONS`, or is not; what is filled is so with a liquid."""
+        """Say that an object is in one of the `CONDITIONS`, or is not; what is filled is so with a liquid.
+
+        What is broken holds none: it runs out.
+        """
+        if condition == FILLED and is_so and self.of(object_id).get(BROKEN):
+            return
         self.change(object_id, **{condition: is_so})
         if condition == FILLED:
             self.change(object_id, fillLiquid=liquid if is_so else None)
+        elif condition == BROKEN and is_so and self.of(object_id).get(FILLED):
+            self.put(object_id, FILLED, False)
 
     def spread(self, contents: Mapping[str, Sequence[str]]) -> None:
         """Let what is on or cold do to what is in or on it what it does; `contents` says what each object holds.

@@ -201,9 +201,9 @@ def _add(files: Files, names: Sequence[str], seen: Observation, images: Images, 
     if images.depth:
         files[depth].append(depth_bytes(seen.depth, far_m))
     if images.instances:
-        files[instances].append(as_bytes(palette.instances(seen.objects)))
+        files[instances].append(as_bytes(palette.instances(seen)))
     if images.types:
-        files[types].append(as_bytes(palette.types(seen.objects)))
+        files[types].append(as_bytes(palette.types(seen)))
 
 
 def _outcome(done: Outcome, agent: int) -> Metadata:

@@ -8,7 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.geometry.types import U8
+from remqa_data.assets.core.model import Surface
+from remqa_data.geometry.types import I32, U8
+from remqa_data.scene import Scene, StructureKind
+from remqa_data.sim.render.scene_arrays import structure_groups
+from remqa_data.sim.render.view import Observation
+from remqa_data.thor.state.frames import to_thor
 
 Color = tuple[int, int, int]
 
@@ -20,34 +25,45 @@ class Palette:
     ----------
     object_ids, types : sequence of str
         All objects of the room, and the type of each.
+    scene : Scene
+        Whose building has walls and more; the renderer's first parts are its `structure_groups`.
 
     Notes
     -----
     A colour is the first bytes of the name's MD5 that no earlier name has, so most colours depend on the name alone.
     """
 
-    def __init__(self, object_ids: Sequence[str], types: Sequence[str]) -> None:
+    def __init__(self, object_ids: Sequence[str], types: Sequence[str], scene: Scene) -> None:
         taken: dict[Color, str] = {BACKGROUND: ""}
-        self._colors = {name: _color(name, taken) for name in (*sorted(set(types)), *object_ids)}
-        # The last row is for index -1, the building.
-        background = np.array([*BACKGROUND, OPAQUE], dtype=np.uint8)
-        self._by_object = np.vstack([self._rgba(object_ids), background])
-        self._by_type = np.vstack([self._rgba(types), background])
+        building = [(STRUCTURE_TYPES.get(kind, ""), panel) for kind, panel in structure_groups(scene)]
+        kinds, panels = [kind for kind, _ in building], [_name(kind, panel) for kind, panel in building]
+        names = dict.fromkeys((*sorted({*types, *kinds}), *object_ids, *panels))
+        self._colors = {name: _color(name, taken) for name in names if name}
+        self._objects, self._panels = len(object_ids), len(panels)
+        # The last row is for nothing.
+        self._by_object = self._rgba([*object_ids, *panels, ""])
+        self._by_type = self._rgba([*types, *kinds, ""])
 
     def metadata(self) -> list[dict[str, object]]:
         """The `colors` of an event's metadata."""
         return [{"name": name, "color": list(color)} for name, color in self._colors.items()]
 
-    def instances(self, objects: npt.NDArray[np.int32]) -> U8:
-        """(h, w, 4) picture of which object each pixel shows, from indices into the objects (-1 is the building)."""
-        return _colored(self._by_object, objects)
+    def instances(self, seen: Observation) -> U8:
+        """(h, w, 4) picture of which object, or panel of the building, each pixel shows."""
+        return _colored(self._by_object, self._rows(seen))
 
-    def types(self, objects: npt.NDArray[np.int32]) -> U8:
+    def types(self, seen: Observation) -> U8:
         """(h, w, 4) picture of which type each pixel shows."""
-        return _colored(self._by_type, objects)
+        return _colored(self._by_type, self._rows(seen))
+
+    def _rows(self, seen: Observation) -> I32:
+        """(h, w) which row of the colours each pixel has."""
+        of_part = seen.object_of.copy()  # -1 where a part is no object's
+        of_part[: self._panels] = np.arange(self._objects, self._objects + self._panels)
+        return np.asarray(of_part.take(seen.instances))
 
     def _rgba(self, names: Sequence[str]) -> U8:
-        colors = np.array([self._colors[name] for name in names], dtype=np.uint8).reshape(-1, 3)
+        colors = np.array([self._colors.get(name, BACKGROUND) for name in names], dtype=np.uint8).reshape(-1, 3)
         return np.column_stack([colors, np.full(len(colors), OPAQUE, dtype=np.uint8)])
 
 
@@ -70,8 +86,21 @@ def depth_bytes(depth: npt.NDArray[np.float32], far_m: float) -> bytes:
 
 
 BACKGROUND: Color = (0, 0, 0)
-"""The building; AI2-THOR's Python side calls every colour without a name "background"."""
+"""Agents, and what is outside; AI2-THOR's Python side calls every colour without a name "background"."""
+STRUCTURE_TYPES: dict[StructureKind, str] = {
+    "wall": "Wall",
+    "ceiling": "Ceiling",
+    "floor": "Floor",
+    "fixture": "Fixture",
+}
+"""What parts of the building are called in pictures; they are no objects of the metadata."""
 OPAQUE = 255
+
+
+def _name(kind: str, panel: Surface) -> str:
+    """A part of the building, by its middle in AI2-THOR's frame, as ids of objects are made."""
+    middle = to_thor((panel.vertices.min(axis=0) + panel.vertices.max(axis=0)) / 2)
+    return "|".join([kind, *(f"{along:+06.2f}" for along in middle.values())]) if kind else ""
 
 
 def _color(name: str, taken: dict[Color, str]) -> Color:

@@ -194,7 +194,7 @@ class ObjectRecords:
                 self._moving[object_id] = self._pose_and_boxes(object_id)
                 self._positions[world.ids.index(object_id)] = self.position(object_id)
         self._held = frozenset(world.held)
-        parents, self._contents = _parents_and_contents(world, self._boxes)
+        parents, self._contents = _parents_and_contents(world, self._boxes, self.away)
         holding = _holding(world, parents, self._contents)
         self._records = {
             object_id: {**self._static[object_id], **self._moving[object_id], **holding[object_id]}
@@ -303,11 +303,18 @@ def _static(world: World, object_id: str, controlled: str | None) -> Metadata:
 Lists = dict[str, list[str]]
 
 
-def _parents_and_contents(world: World, boxes: Mapping[str, F64]) -> tuple[Lists, Lists]:
-    """What holds each object, and what each object holds; on the top of a microwave, things are not in it."""
+def _parents_and_contents(
+    world: World, boxes: Mapping[str, F64], away: Mapping[str, ObjectState]
+) -> tuple[Lists, Lists]:
+    """What holds each object, and what each object holds; on the top of a microwave, things are not in it.
+
+    All that is out of the scene is kept in one place: nothing holds it, and it holds nothing.
+    """
     parents: Lists = {object_id: [] for object_id in world.ids}
     contents: Lists = {object_id: [] for object_id in world.ids}
     for object_id, support in supports(world, boxes).items():
+        if object_id in away or support.id in away:
+            continue
         if support.kind == "on" and world.type_of(support.id) in types_with("takes_in"):
             continue
         parents[object_id].append(support.id)
@@ -352,10 +359,14 @@ def _frames(scene: Scene) -> dict[str, _Frame]:
 
 
 def _oriented_corners(asset: Asset, state: ObjectState) -> F64:
-    """(8, 3) corners of an object's closed box as it is turned, metres."""
+    """(8, 3) corners of the box of an object as it is turned, with what of it is open, metres."""
     half = np.asarray(asset.spec.size) / 2
+    low, high = -half, half
+    if state.openness > 0.0:
+        opened = asset.box_at(asset.link_poses(state.openness))
+        low, high = np.minimum(low, opened[0]), np.maximum(high, opened[1])
     pose = state.matrix()
-    return np.asarray(_CORNERS * half @ pose[:3, :3].T + pose[:3, 3])
+    return np.asarray(np.where(_CORNERS > 0, high, low) @ pose[:3, :3].T + pose[:3, 3])
 
 
 _LISTS = (
