@@ -48,6 +48,9 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+LEAST_SHA256 = 16
+"""Digits that tell a dataset; reports show so many."""
+
 Data = Annotated[Path, typer.Option("--data", metavar="DIR", help="A dataset.")]
 Out = Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="A .jsonl or .parquet file to write.")]
 Split = Annotated[str, typer.Option(help="Which questions.")]
@@ -94,17 +97,18 @@ def score(
     from remqa_data.evaluation.scoring.scoring import score as run
     from remqa_data.evaluation.submission.reader import open_submission
     from remqa_data.extras import require
-    from remqa_data.files import atomic_path
+    from remqa_data.files import atomic_path, check_beside
 
     if report:
         require("jinja2", "report", "or leave the report out with --no-report")
+    check_beside(out, data)
     submission = open_submission(predictions)
     header = submission.header
     submission.check(track=track, split=split)
     truth = load_ground_truth(data, header.track, header.split)
     sha256 = dataset_sha256(truth.manifest)
-    if header.dataset is not None and header.dataset != sha256:
-        reason = f"the predictions are for dataset {header.dataset[:16]}, but {data} is {sha256[:16]}"
+    if header.dataset is not None and not (len(header.dataset) >= LEAST_SHA256 and sha256.startswith(header.dataset)):
+        reason = f"the predictions are for dataset {header.dataset[:16]!r}, but {data} is {sha256[:16]!r}"
         raise SubmissionError(predictions, "the header", reason)
     replays = TRACKS[header.track].walks and not no_replay
     announce_compiling(worker_count(workers) if replays else 1)

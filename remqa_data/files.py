@@ -79,6 +79,18 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         _flush(path.parent)  # the rename itself lies in the folder
 
 
+def check_beside(out: str | os.PathLike[str], root: str | os.PathLike[str]) -> None:
+    """Refuse to write into a dataset: its manifest lists all that belongs there.
+
+    Raises
+    ------
+    OutputError
+        If a place lies in the dataset's folder, or is it.
+    """
+    if Path(out).resolve().is_relative_to(Path(root).resolve()):
+        raise OutputError(f"{out} is in the dataset {root}, which holds nothing else; give another place")
+
+
 def name_of_leftover(name: str) -> str | None:
     """What a file was to be called that has a temporary name of `atomic_path`, as killed processes leave them; else None.
 

@@ -2,7 +2,7 @@
 
 The first line of a .jsonl file is its header, the metadata entry `remqa-submission` of a .parquet file is:
 ``{"format": "remqa-submission", "version": 1, "track": "nav", "split": "test"}``, and where wished "dataset", the
-dataset's sha256 as `remqa-eval` prints it, and "agent", a name for reports.
+dataset's sha256, all of it or the first 16 digits that `remqa-eval` prints, and "agent", a name for reports.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Annotated, Any, BinaryIO, Literal
 
 import pyarrow as pa
 import pyarrow.parquet as pq
-from pydantic import BaseModel, ConfigDict, StringConstraints, TypeAdapter, ValidationError, with_config
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError, with_config
 from typing_extensions import TypedDict
 
 from remqa_data.errors import SubmissionError
@@ -40,7 +40,7 @@ class Header(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
     format: Literal["remqa-submission"] = FORMAT
-    version: Literal[1] = VERSION
+    version: Annotated[int, Field(ge=VERSION, le=VERSION)] = VERSION
     track: Track
     split: ShortText
     dataset: ShortText | None = None
@@ -203,6 +203,8 @@ def _parsed_rows(path: Path, row_type: TypeAdapter[Any], lines: Iterable[tuple[i
 
 
 def _parsed(path: Path, row_type: TypeAdapter[Any], number: int, line: bytes) -> Any:
+    if not line.strip():
+        raise SubmissionError(path, f"line {number}", "is empty: take it out")
     try:
         return row_type.validate_json(line)
     except ValidationError as error:

@@ -14,6 +14,7 @@ from remqa_data.browse.statistics import read_audit
 from remqa_data.command_line import Counting, output
 from remqa_data.errors import ConfigError
 from remqa_data.extras import require
+from remqa_data.files import check_beside
 
 PACKAGES = ("jinja2", "starlette", "uvicorn")
 
@@ -37,6 +38,8 @@ def browse_dataset(
         require(package, "browse")
     if limit is not None and export is None:
         raise ConfigError("--limit is for --export: the pages that are served show every question")
+    if export is not None:
+        check_beside(export, root)
     dataset = BrowsedDataset(root)
     agents = read_answers(submissions, dataset.index.num_rows)
     figures = () if audit is None else read_audit(audit)

@@ -78,8 +78,18 @@ class Vocabulary:
         return [self._word_ids.get(word, 1) for word in tokenize(question)]
 
     def decode(self, numbers: Iterable[int]) -> str:
-        """The words of some numbers, without padding."""
-        return " ".join(self.words[number] for number in numbers if number != 0)
+        """The words of some numbers, without padding.
+
+        Raises
+        ------
+        UnknownNameError
+            If a number is no word's.
+        """
+        chosen = [int(number) for number in numbers if number != 0]
+        for number in chosen:
+            if not 0 <= number < len(self.words):
+                raise UnknownNameError("word", str(number), ())
+        return " ".join(self.words[number] for number in chosen)
 
     def encode_batch(self, questions: Sequence[str]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
         """Several questions in one array.
@@ -90,7 +100,14 @@ class Vocabulary:
             Padded with 0 at the end.
         lengths : (n,) int64
             Words of each question.
+
+        Raises
+        ------
+        TypeError
+            If it is one question.
         """
+        if isinstance(questions, str):
+            raise TypeError(f"questions is a text: give a list, [{questions!r}]")
         encoded = [self.encode(question) for question in questions]
         lengths = np.array([len(numbers) for numbers in encoded], dtype=np.int64)
         padded = np.zeros((len(encoded), max(lengths, default=0)), dtype=np.int64)

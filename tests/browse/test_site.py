@@ -149,9 +149,13 @@ def test_what_is_there_twice_is_refused_before_anything_is_shown(
 
 
 def test_the_command_says_in_one_line_what_is_wrong(hostile: Path, tmp_path: Path) -> None:
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "x").touch()
     for arguments, said in (
         ((tmp_path / "none", "--export", tmp_path / "a"), "no such folder"),
-        ((hostile, "--export", hostile), "not an empty folder"),
+        ((hostile, "--export", tmp_path / "full"), "not an empty folder"),
+        ((hostile, "--export", hostile), "which holds nothing else; give another place"),
+        ((hostile, "--export", hostile / "site"), "which holds nothing else; give another place"),
         ((hostile, "--submission", tmp_path / "x.jsonl", "--export", tmp_path / "a"), "no such file"),
     ):
         done = browse(*arguments)

@@ -1,5 +1,6 @@
 """The environment over cached views: beside the live one, in batches, and misused."""
 
+import pickle
 import shutil
 from collections.abc import Iterator
 from functools import partial
@@ -223,5 +224,49 @@ def test_a_batch_refuses_what_does_not_fit_it(small_rooms: Path, small_views: Pa
         envs.step([LEFT, LEFT, LEFT])
     with pytest.raises(ActionError, match="is not an action"):
         envs.step([LEFT, 99])
-    with pytest.raises(ActionError, match="num_envs is 0"):
-        CachedRemqaVectorEnv(0, small_rooms, small_views)
+    with pytest.raises(ActionError, match="is not an action"):
+        envs.step(None)
+    envs.close()
+    with pytest.raises(ActionError, match="call reset"):
+        envs.step([LEFT, LEFT])
+    for count in (0, 2.5, True, "2"):
+        with pytest.raises(ActionError, match=f"num_envs is {count!r}"):
+            CachedRemqaVectorEnv(count, small_rooms, small_views)
+        with pytest.raises(ActionError, match=f"max_steps is {count!r}"):
+            CachedRemqaEnv(small_rooms, small_views, max_steps=count)
+
+
+def test_seeds_of_numpy_are_seeds(small_rooms: Path, small_views: Path) -> None:
+    told = []
+    for seed in (3, np.int64(3)):
+        envs = CachedRemqaVectorEnv(2, small_rooms, small_views)
+        told.append(envs.reset(seed=seed)[1]["episode_id"].tolist())
+    assert told[0] == told[1]
+
+
+def test_a_copy_in_another_process_is_the_same(env: CachedRemqaEnv) -> None:
+    other = pickle.loads(pickle.dumps(env))
+    for one in (env, other):
+        one.reset(seed=4)
+    seen, again = env.step(LEFT)[0], other.step(LEFT)[0]
+    assert all(np.array_equal(value, again[key]) for key, value in seen.items())
+
+
+@pytest.mark.parametrize("is_batch", [False, True])
+def test_gymnasium_keeps_statistics_of_many_episodes_side_by_side(
+    small_rooms: Path, small_views: Path, is_batch: bool
+) -> None:
+    how = {"root": small_rooms, "views": small_views, "split": "test", "max_steps": 7}
+    envs = gymnasium.make_vec("remqa_data/CachedRemqa-v0", 3, vectorization_mode=None if is_batch else "sync", **how)
+    envs = gymnasium.wrappers.vector.RecordEpisodeStatistics(envs)
+    envs.reset(seed=3)
+    rng, lengths = np.random.default_rng(0), []
+    for _ in range(40):
+        chosen = rng.integers(LEFT, LEFT + 2, 3)
+        chosen[rng.random(3) < 0.3] = DONE
+        info = envs.step(chosen)[-1]
+        lengths += info["episode"]["l"][info["_episode"]].tolist() if "episode" in info else []
+    assert len(lengths) > 10
+    assert min(lengths) >= 1
+    assert max(lengths) <= 7
+    envs.close()

@@ -212,14 +212,42 @@ def test_a_walk_that_no_submission_holds_is_no_row(small_rooms: Path, tmp_path: 
     env.close()
 
 
+def test_a_recorder_overwrites_nothing_before_it_has_something_and_nothing_of_another(
+    small_rooms: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "mine.jsonl"
+    path.write_text("precious")
+    Recorder(RemqaEnv(small_rooms, "test", width=8, height=8), path).close()
+    assert path.read_text() == "precious"
+    first, second = (Recorder(RemqaEnv(small_rooms, "test", width=8, height=8), path) for _ in range(2))
+    for env in (first, second):
+        env.reset(seed=0)
+        env.step("Answer yes")
+    first.save()
+    first.close()
+    written = path.read_text()
+    assert len(written.splitlines()) == 2
+    with pytest.raises(ActionError, match="give each recorder a file of its own"):
+        second.close()
+    assert path.read_text() == written
+
+
 @pytest.mark.parametrize(
-    ("name", "agent"), [("a.parquet", "me"), ("a.txt", "me"), ("a.jsonl", "x" * 201), ("a.jsonl", "")]
+    ("name", "agent"),
+    [
+        ("a.parquet", "me"),
+        ("a.txt", "me"),
+        ("a.jsonl", "x" * 201),
+        ("a.jsonl", ""),
+        ("a.jsonl", 3),
+        ("a.jsonl", "\ud800"),
+    ],
 )
 def test_what_no_submission_can_be_called_is_told_at_once(
     small_rooms: Path, tmp_path: Path, name: str, agent: str
 ) -> None:
     env = RemqaEnv(small_rooms, "test", width=8, height=8)
-    with pytest.raises(ActionError, match=r"is called something\.jsonl|give 1 to 200"):
+    with pytest.raises(ActionError, match=r"is called something\.jsonl|the agent's name is"):
         Recorder(env, tmp_path / name, agent)
     env.close()
 

@@ -139,5 +139,7 @@ def test_a_bucket_is_no_folder_to_write_into(finished) -> None:
 
 
 def test_the_dataset_itself_is_not_written_into(finished) -> None:
-    with pytest.raises(OutputError, match="another folder"):
-        write_coco(finished[0], finished[0])
+    for out in (finished[0], finished[0] / "coco"):
+        with pytest.raises(OutputError, match="which holds nothing else; give another place"):
+            write_coco(finished[0], out)
+        assert not (finished[0] / "coco").exists()

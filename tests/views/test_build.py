@@ -310,6 +310,12 @@ def test_features_of_a_network_are_kept_beside_the_frames(small_rooms: Path, sma
     assert when_written(copy) == again
 
 
+def test_a_function_that_fails_is_one_line(small_rooms: Path, tmp_path: Path) -> None:
+    wanted = Wanted(size_px=16, split="test", features="os:getcwd")
+    with pytest.raises(ConfigError, match=r"^--features os:getcwd: TypeError: "):
+        cache_views(small_rooms, tmp_path / "views", wanted)
+
+
 def test_a_cache_has_the_features_of_one_function(small_rooms: Path, copy: Path) -> None:
     cache_views(small_rooms, copy, Wanted(scenes=("Small1",), size_px=SIZE, features=f"{NETWORK}:brightness"))
     views = Views(copy)

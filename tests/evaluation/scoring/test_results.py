@@ -11,8 +11,10 @@ from remqa_data.errors import ResultsError
 from remqa_data.evaluation.cli import app
 from remqa_data.evaluation.report.comparison import compare
 from remqa_data.evaluation.report.tables import in_words, print_results, rounded
-from remqa_data.evaluation.scoring.ground_truth import load_ground_truth
+from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
 from remqa_data.evaluation.scoring.results import SCHEMA_PATH, load_results, schema_json, write_results
+from remqa_data.evaluation.submission.reader import Header, write_submission
+from remqa_data.storage.manifest import load_manifest
 from tests.helpers.submissions import results_of, written
 
 
@@ -100,6 +102,25 @@ def test_score_writes_results_and_markdown(data: Path, tmp_path: Path) -> None:
     assert lines[2].startswith("| Kind | questions |")
     assert all(line.count("|") == lines[2].count("|") for line in lines[2:8])
     assert len(lines) == 10  # an agent's name makes no lines of its own
+
+
+def test_results_are_not_written_into_the_dataset(data: Path, tmp_path: Path) -> None:
+    path = answers(data, tmp_path / "a.jsonl", "yes")
+    for out in (data, data / "results"):
+        done = CliRunner().invoke(app, [str(path), "--data", str(data), "--split", "test", "-o", str(out)])
+        assert done.exit_code == 2
+        assert "which holds nothing else; give another place" in done.output
+    assert not (data / "results.json").exists()
+    assert not (data / "results").exists()
+
+
+def test_a_dataset_is_named_by_its_first_digits(data: Path, tmp_path: Path) -> None:
+    sha256 = dataset_sha256(load_manifest(data))
+    for told, code in ((sha256, 0), (sha256[:16], 0), (sha256[:15], 2), (sha256[:16] + "x", 2)):
+        path = tmp_path / "a.jsonl"
+        write_submission(path, Header(track="qa", split="test", dataset=told), [])
+        done = CliRunner().invoke(app, [str(path), "--data", str(data), "-o", str(tmp_path / "out"), "--no-report"])
+        assert done.exit_code == code, done.output
 
 
 def test_tables_for_the_terminal_are_whole_in_80_columns(data: Path, tmp_path: Path) -> None:
