@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from remqa_data.catalog import catalog, object_type
-from remqa_data.errors import DatasetError
+from remqa_data.errors import DatasetError, OutputError
 from remqa_data.export.rooms import find_scene
 from remqa_data.extras import require
 from remqa_data.files import atomic_path
@@ -52,11 +52,15 @@ def write_walk(root: Path, scene: str, path: Path, configuration: int = 0) -> in
 
     Raises
     ------
+    OutputError
+        If the recording is called something else.
     MissingExtraError
         If Rerun is not installed.
     UnknownNameError, DatasetError
         If the dataset has no such room, or no frames of it, or types or edges of what is not there.
     """
+    if path.suffix != ".rrd":
+        raise OutputError(f"{path}: the recording is Rerun's: give a name that ends with .rrd")
     rerun = require("rerun", "rerun")
     room = find_scene(scene, root, configuration)
     frames = [

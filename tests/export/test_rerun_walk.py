@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from remqa_data.errors import DatasetError, RemqaError
+from remqa_data.errors import DatasetError, OutputError, RemqaError
 from remqa_data.export.rerun_walk import MAP_EVERY, TIMELINE, write_walk
 from remqa_data.storage.shards import read_rows
 from remqa_data.tables.images import decode_rgb
@@ -104,3 +104,8 @@ def test_rooms_and_configurations_that_are_not_there(one_room, room, tmp_path: P
     with pytest.raises(DatasetError, match="99"):
         write_walk(one_room, room.scene, tmp_path / "walk.rrd", configuration=99)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_recording_is_called_one(finished, tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match=r"give a name that ends with \.rrd"):
+        write_walk(finished[0], "Kitchen1", tmp_path / "walk.txt")
