@@ -56,7 +56,9 @@ def naming(root: str | os.PathLike[str], row: str) -> Iterator[None]:
     try:
         yield
     except (LookupError, ProgramError) as error:
-        raise DatasetError(f"{root}: {row} does not fit the rest: {one_line(error)}; see remqa-data verify") from None
+        raise DatasetError(
+            f"{root}: {one_line(f'{row} does not fit the rest: {error}')}; see remqa-data verify"
+        ) from None
 
 
 def _counted(row: Mapping[Hashable, Any], room: Counter[str]) -> dict[str, Any]:
