@@ -112,6 +112,10 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         check_counts(width=width, height=height, max_steps=max_steps)
         if isinstance(views_kept, bool) or not isinstance(views_kept, int | np.integer) or views_kept < 0:
             raise ActionError(f"views_kept is {views_kept!r}: give a whole number, 0 for none")
+        if not isinstance(privileged, bool | np.bool_):
+            raise ActionError(f"privileged is {privileged!r}: give True or False")
+        if vocabulary is not None and not isinstance(vocabulary, Vocabulary):
+            raise ActionError(f"vocabulary is {vocabulary!r:.80}: give a Vocabulary")
         if max(width, height) > MOST_IMAGE_PX:
             raise ActionError(f"a view of {width} x {height} pixels: give at most {MOST_IMAGE_PX} x {MOST_IMAGE_PX}")
         if isinstance(scenes, str):

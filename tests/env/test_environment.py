@@ -151,26 +151,32 @@ def test_misuse_is_an_exception_and_the_episode_goes_on(env: RemqaEnv, action: A
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error"),
+    ("arguments", "error", "why"),
     [
-        ({}, ActionError),
-        ({"scenes": []}, DatasetError),
-        ({"root": "nowhere", "scenes": [ROOM]}, ActionError),
-        ({"root": "nowhere"}, DatasetError),
-        ({"scenes": [ROOM], "action_mode": "continuous"}, ActionError),
-        ({"scenes": [ROOM], "render_mode": "human"}, ActionError),
-        ({"scenes": [ROOM], "width": 0}, ActionError),
-        ({"scenes": [ROOM], "width": 64.5}, ActionError),
-        ({"scenes": [ROOM], "width": 100_000}, ActionError),
-        ({"scenes": [ROOM], "max_steps": None}, ActionError),
-        ({"scenes": [ROOM], "hands": "x"}, ActionError),
-        ({"scenes": ROOM}, ActionError),
-        ({"root": "nowhere", "question_ids": []}, ActionError),
-        ({"root": "nowhere", "question_ids": "FloorPlan1-COUNTING-00-c0"}, ActionError),
+        ({}, ActionError, "one of them, not both"),
+        ({"scenes": []}, DatasetError, "no scenes were given"),
+        ({"root": "nowhere", "scenes": [ROOM]}, ActionError, "one of them, not both"),
+        ({"root": "nowhere"}, DatasetError, "no such folder"),
+        ({"scenes": [ROOM], "action_mode": "continuous"}, ActionError, "'continuous'"),
+        ({"scenes": [ROOM], "render_mode": "human"}, ActionError, "'human' is neither"),
+        ({"scenes": [ROOM], "width": 0}, ActionError, "width is 0"),
+        ({"scenes": [ROOM], "width": True}, ActionError, "width is True"),
+        ({"scenes": [ROOM], "width": 64.5}, ActionError, "width is 64.5"),
+        ({"scenes": [ROOM], "width": 100_000}, ActionError, "give at most 4096 x 4096"),
+        ({"scenes": [ROOM], "max_steps": None}, ActionError, "max_steps is None"),
+        ({"scenes": [ROOM], "views_kept": -1}, ActionError, "views_kept is -1"),
+        ({"scenes": [ROOM], "privileged": "no"}, ActionError, "privileged is 'no'"),
+        ({"scenes": [ROOM], "vocabulary": 3}, ActionError, "vocabulary is 3"),
+        ({"scenes": [ROOM], "hands": "x"}, ActionError, "'x' is none of"),
+        ({"scenes": ROOM}, ActionError, "scenes is a text"),
+        ({"root": "nowhere", "question_ids": []}, ActionError, "question_ids is empty"),
+        ({"root": "nowhere", "question_ids": "FloorPlan1-COUNTING-00-c0"}, ActionError, "question_ids is a text"),
     ],
 )
-def test_an_environment_that_cannot_be_made_says_why(arguments: dict[str, Any], error: type[Exception]) -> None:
-    with pytest.raises(error):
+def test_an_environment_that_cannot_be_made_says_why(
+    arguments: dict[str, Any], error: type[Exception], why: str
+) -> None:
+    with pytest.raises(error, match=why):
         RemqaEnv(**arguments)
 
 
