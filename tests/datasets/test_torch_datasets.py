@@ -344,3 +344,14 @@ def test_a_file_that_is_no_vocabulary_is_refused(tmp_path, text) -> None:
     path.write_text(text)
     with pytest.raises(DatasetError, match=r"vocabulary\.json"):
         Vocabulary.load(path)
+
+
+def test_a_vocabulary_refuses_what_is_no_word_of_it_and_one_text_for_several() -> None:
+    vocabulary = Vocabulary.build(["is there a mug", "is there a fork"], ["yes"])
+    numbers, _ = vocabulary.encode_batch(["is there a mug"])
+    assert vocabulary.decode(numbers[0]) == "is there a mug"
+    for number in (-1, len(vocabulary.words)):
+        with pytest.raises(UnknownNameError, match=f"unknown word '{number}'"):
+            vocabulary.decode([number])
+    with pytest.raises(TypeError, match="questions is a text"):
+        vocabulary.encode_batch("is there a mug")
