@@ -41,7 +41,7 @@ class Step:
 
 
 def steps_in_words(program: str, graph: SceneGraph | None) -> list[Step]:
-    """The steps of a stored program in order; those of what it leans on come first, one deeper. None if it is no program."""
+    """The steps of a stored program in order; those of what it leans on come first, one deeper. Nothing if it is no program."""
     try:
         return _in_words(stored_program(program), graph, 0)
     except ProgramError:

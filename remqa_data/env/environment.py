@@ -110,8 +110,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         if hands not in get_args(Hands):
             raise ActionError(f"hands {hands!r} is none of {', '.join(get_args(Hands))}")
         check_counts(width=width, height=height, max_steps=max_steps)
-        if isinstance(views_kept, bool) or not isinstance(views_kept, int | np.integer) or views_kept < 0:
-            raise ActionError(f"views_kept is {views_kept!r}: give a whole number, 0 for none")
+        check_counts(0, views_kept=views_kept)
         if not isinstance(privileged, bool | np.bool_):
             raise ActionError(f"privileged is {privileged!r}: give True or False")
         if vocabulary is not None and not isinstance(vocabulary, Vocabulary):

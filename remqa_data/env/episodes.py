@@ -200,11 +200,13 @@ class SceneEpisodes:
         return Episode(name, scene, None, Embodiment(), None)
 
 
-def check_counts(**counts: object) -> None:
-    """ActionError for what is no positive whole number."""
+def check_counts(least: int = 1, /, **counts: object) -> None:
+    """ActionError for what is no whole number, or a smaller one than the least, 1 or 0."""
     for name, value in counts.items():
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
-            raise ActionError(f"{name} is {value!r}: give a positive whole number")
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+            raise ActionError(
+                f"{name} is {value!r}: give a {'positive whole number' if least else 'whole number, 0 for none'}"
+            )
 
 
 def check_question_ids(question_ids: Sequence[str] | None) -> None:

@@ -135,14 +135,14 @@ class _Writer:
                 }
 
     def _image(self, frame: FrameRow, shape: tuple[int, ...]) -> Entry:
+        if frame.frame_id in self._image_of:
+            raise DatasetError(f"{self._root}: frame {frame.frame_id} is there twice")
         self.images += 1
         is_png = frame.rgb.bytes.startswith(PNG_SIGNATURE)
         name = f"{self.images:012d}.{'png' if is_png else 'jpg'}"  # a frame's own name may be anything
         if self._with_images:
             with atomic_path(self._out / "images" / frame.split / name) as temporary:
                 temporary.write_bytes(frame.rgb.bytes)
-        if frame.frame_id in self._image_of:
-            raise DatasetError(f"{self._root}: frame {frame.frame_id} is there twice")
         height, width = shape
         self._image_of[frame.frame_id] = {
             "id": self.images,

@@ -34,7 +34,7 @@ Step = tuple[Any, ...]
 Program = tuple[Step, ...]
 AnyProgram = Sequence[Sequence[Any]]
 """A program, or what JSON made of it."""
-_RELATIONS = (*get_args(Relation), *get_args(OrderRelation))
+RELATIONS = (*get_args(Relation), *get_args(OrderRelation))
 
 
 def resolve(text_or_program: str | AnyProgram, graph: SceneGraph) -> list[str]:
@@ -171,7 +171,7 @@ def _step(program: Program, found: set[str], graph: SceneGraph, meaning: Exactly
             return {i for i in found if meaning.word(graph.node(i).color, value)}
         case ("filter_substance", str(value)):
             return {i for i in found if meaning.word(graph.node(i).substance, value)}
-        case ("relate", str(value), tuple() as inner) if value in _RELATIONS:
+        case ("relate", str(value), tuple() as inner) if value in RELATIONS:
             relation: Relation | OrderRelation = value  # type: ignore[assignment]  # just checked
             anchors = _execute(inner, graph, meaning)
             return {i for i in found if meaning.related(graph, i, relation, set(anchors - {i}))}

@@ -6,11 +6,8 @@ import json
 from typing import Any, get_args
 
 from remqa_data.errors import ProgramError, one_line
-from remqa_data.language.referring import Program, Step
+from remqa_data.language.referring import RELATIONS, Program, Step
 from remqa_data.language.rules import RowPlace, StackPlace
-from remqa_data.scene_graph.relations import OrderRelation, Relation
-
-_RELATIONS = (*get_args(Relation), *get_args(OrderRelation))
 
 
 def stored_program(text: str) -> Program:
@@ -30,20 +27,20 @@ def stored_program(text: str) -> Program:
     remqa_data.errors.ProgramError: no step of a program: ['relate', 'in']
     """
     try:
-        match _steps(json.loads(text)):
-            case [_, *_] as steps:
-                return tuple(steps)
+        steps = _steps(json.loads(text))
     except (ValueError, RecursionError) as error:  # ProgramError is a ValueError
         raise ProgramError(one_line(error)) from None
-    raise ProgramError("a program without steps")
+    if not steps:
+        raise ProgramError("a program without steps")
+    return tuple(steps)
 
 
 def _steps(program: Any) -> list[Step]:
     match program:
         case [*before, ["exist" | "count" as last]]:
-            return [*_steps(before), (last,)]
+            return [*map(_step, before), (last,)]
         case [*steps]:
-            return [_step(step) for step in steps]
+            return [*map(_step, steps)]
     raise ProgramError(f"no list of steps: {program!r:.100}")
 
 
@@ -51,10 +48,10 @@ def _step(step: Any) -> Step:
     match step:
         case ["filter_type" | "filter_color" | "filter_substance" as name, str(value)]:
             return (name, value)
-        case ["relate", str(relation), [_, *_] as inner] if relation in _RELATIONS:
-            return ("relate", relation, tuple(_step(part) for part in inner))
+        case ["relate", str(relation), [_, *_] as inner] if relation in RELATIONS:
+            return ("relate", relation, tuple(map(_step, inner)))
         case ["closest", [_, *_] as inner]:
-            return ("closest", tuple(_step(part) for part in inner))
+            return ("closest", tuple(map(_step, inner)))
         case ["row", str(place)] if place in get_args(RowPlace):
             return ("row", place)
         case ["stack", str(place)] if place in get_args(StackPlace):

@@ -205,7 +205,7 @@ def is_plain(name: str) -> bool:
 
 def _last(path: str) -> str:
     name = path.rpartition("/")[2]
-    return name if _NAME.fullmatch(name) else ""
+    return name if is_plain(name) else ""
 
 
 def _unreadable(path: Path, error: ValidationError) -> DatasetError:

@@ -41,6 +41,7 @@ def test_a_program_is_the_same_after_it_was_stored(phrase: str) -> None:
         ('[["relate", "beside", [["filter_type", "Egg"]]]]', "no step of a program"),
         ('[["row", "fourth"]]', "no step of a program"),
         ('[["exist"], ["filter_type", "Egg"]]', r"no step of a program: \['exist'\]"),
+        ('[["exist"], ["count"]]', r"no step of a program: \['exist'\]"),
         ('[["paint", "red"]]', "no step of a program"),
     ],
 )

@@ -148,7 +148,7 @@ class Agent(Body):
             return ActionResult(False, f"cannot pick up {object_id}: already holding {self.held}")
         if object_id in self.world.held:
             return ActionResult(False, f"agent {self.world.held[object_id]} holds {object_id}")
-        refusal = None if force else self.refusal(object_id) or self.reach(object_id)
+        refusal = self.access_refusal(object_id, force)
         if refusal is None:
             bears = self.world.bears_something(object_id)
             self.world.pick_up(object_id, self.number, self.load(object_id))
@@ -216,7 +216,7 @@ class Agent(Body):
             raise ActionError(f"a push goes more than 0 and at most {self.embodiment.push_m} m, not {distance_m}")
         if not object_type(self.world.type_of(object_id)).is_loose:
             return ActionResult(False, f"{object_id} is not moveable")
-        refusal = None if force else self.refusal(object_id) or self.reach(object_id)
+        refusal = self.access_refusal(object_id, force)
         if refusal is not None:
             return refusal
         x, y, _ = self.world.state(object_id).position
@@ -231,6 +231,10 @@ class Agent(Body):
     def pull(self, object_id: str, distance_m: float = 0.25) -> ActionResult:
         """Slide an object towards the agent."""
         return self.push(object_id, distance_m, 180.0)
+
+    def access_refusal(self, object_id: str, force: bool = False) -> ActionResult | None:
+        """Why the agent does not get to an object, or None; an arm goes there to find out. With `force` it need not."""
+        return None if force else self.refusal(object_id) or self.reach(object_id)
 
     def refusal(self, object_id: str) -> ActionResult | None:
         """Why the agent cannot act on an object from here, or None; whether an arm gets there is seen when it goes."""

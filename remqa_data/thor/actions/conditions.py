@@ -46,7 +46,7 @@ def slice_object(
         return ActionResult(False, f"{target} is not sliceable")
     if target in room.world.held:
         return ActionResult(False, f"{target} is in the hand: put it down to slice it")
-    refusal = None if forceAction else agent.refusal(target) or agent.reach(target)
+    refusal = agent.access_refusal(target, forceAction)
     if refusal is not None:
         return refusal
     cut(simulator, [target])
@@ -95,7 +95,7 @@ def _put(
         return ActionResult(False, f"{target} is {'already' if is_so else 'not'} {condition.word}")
     if name == FILLED and is_so and room.conditions.of(target).get(BROKEN):
         return ActionResult(False, f"{target} is broken and holds nothing")
-    refusal = None if force or target == agent.held else agent.refusal(target) or agent.reach(target)
+    refusal = agent.access_refusal(target, force or target == agent.held)
     if refusal is not None:
         return refusal
     room.conditions.put(target, name, is_so, liquid)

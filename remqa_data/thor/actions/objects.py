@@ -316,7 +316,7 @@ def _toggle(simulator: SimulatorState, target: str | ActionResult, on: bool, for
     if on and world.type_of(target) in types_with("shut_when_on") and world.state(target).openness > 0:
         return ActionResult(False, "Target must be closed to Toggle On!")
     agent = simulator.agent
-    refusal = None if force or target == agent.held else agent.refusal(target) or agent.reach(target)
+    refusal = agent.access_refusal(target, force or target == agent.held)
     if refusal is not None:
         return refusal
     conditions.change(target, isToggled=on)

@@ -146,12 +146,12 @@ def _put_anew(
     world: World, object_id: str, surfaces: Sequence[OpenSurface], tries: int, rng: np.random.Generator
 ) -> bool:
     """Put a thing where such things were recorded; if there is no room, on or into anything that AI2-THOR has take it."""
-    kind, room_type = world.type_of(object_id), world.scene.room_type
+    room_type = world.scene.room_type
+    if put_anew(world, object_id, room_type, surfaces, (), rng, tries):
+        return True
     types = {world.type_of(surface.owner) for surface in surfaces}
-    taking = {name: 1.0 for name in sorted(types) if is_compatible(kind, name)}
-    return put_anew(world, object_id, room_type, surfaces, (), rng, tries) or put_anew(
-        world, object_id, room_type, surfaces, (), rng, tries, taking
-    )
+    taking = {name: 1.0 for name in types if is_compatible(world.type_of(object_id), name)}  # put_anew sorts them
+    return put_anew(world, object_id, room_type, surfaces, (), rng, tries, taking)
 
 
 def _put_alone(

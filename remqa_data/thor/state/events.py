@@ -200,10 +200,12 @@ def _add(files: Files, names: Sequence[str], seen: Observation, images: Images, 
         files[color].append(as_bytes(seen.rgb))
     if images.depth:
         files[depth].append(depth_bytes(seen.depth, far_m))
-    if images.instances:
-        files[instances].append(as_bytes(palette.instances(seen)))
-    if images.types:
-        files[types].append(as_bytes(palette.types(seen)))
+    if images.instances or images.types:
+        rows = palette.rows(seen)
+        if images.instances:
+            files[instances].append(as_bytes(palette.instances(rows)))
+        if images.types:
+            files[types].append(as_bytes(palette.types(rows)))
 
 
 def _outcome(done: Outcome, agent: int) -> Metadata:

@@ -39,7 +39,7 @@ class Palette:
         kinds, panels = [kind for kind, _ in building], [_name(kind, panel) for kind, panel in building]
         names = dict.fromkeys((*sorted({*types, *kinds}), *object_ids, *panels))
         self._colors = {name: _color(name, taken) for name in names if name}
-        self._objects, self._panels = len(object_ids), len(panels)
+        self._panels = len(object_ids) + np.arange(len(panels))
         # The last row is for nothing.
         self._by_object = self._rgba([*object_ids, *panels, ""])
         self._by_type = self._rgba([*types, *kinds, ""])
@@ -48,19 +48,19 @@ class Palette:
         """The `colors` of an event's metadata."""
         return [{"name": name, "color": list(color)} for name, color in self._colors.items()]
 
-    def instances(self, seen: Observation) -> U8:
-        """(h, w, 4) picture of which object, or panel of the building, each pixel shows."""
-        return _colored(self._by_object, self._rows(seen))
-
-    def types(self, seen: Observation) -> U8:
-        """(h, w, 4) picture of which type each pixel shows."""
-        return _colored(self._by_type, self._rows(seen))
-
-    def _rows(self, seen: Observation) -> I32:
-        """(h, w) which row of the colours each pixel has."""
+    def rows(self, seen: Observation) -> I32:
+        """(h, w) of which object, or panel of the building, each pixel is: what `instances` and `types` have colours for."""
         of_part = seen.object_of.copy()  # -1 where a part is no object's
-        of_part[: self._panels] = np.arange(self._objects, self._objects + self._panels)
+        of_part[: len(self._panels)] = self._panels
         return np.asarray(of_part.take(seen.instances))
+
+    def instances(self, rows: I32) -> U8:
+        """(h, w, 4) picture of which object, or panel of the building, each pixel shows."""
+        return _colored(self._by_object, rows)
+
+    def types(self, rows: I32) -> U8:
+        """(h, w, 4) picture of which type each pixel shows."""
+        return _colored(self._by_type, rows)
 
     def _rgba(self, names: Sequence[str]) -> U8:
         colors = np.array([self._colors.get(name, BACKGROUND) for name in names], dtype=np.uint8).reshape(-1, 3)
