@@ -31,6 +31,8 @@ THRICE := $(TWICE) --more $(SAMPLED)-2
 FIRST := detector view_encoder refiner
 NETWORKS := $(FIRST) $(filter-out $(FIRST),$(basename $(notdir $(wildcard configs/agents/training/*.yaml))))
 TWO_STAGE := language_attention_two_stage anchored_matcher plain_matcher
+# Those that have learnt from that dataset's own rooms alone.
+ALONE := a3c scene_priors savn eqa bc_transformer mcn cgan
 ANSWERERS := $(filter answerer%,$(NETWORKS))
 SYSTEMS := random semantic_map framework framework_two_stage framework_anchored framework_committee framework_memory predicted_map frontier a3c scene_priors savn eqa iqa bc_transformer
 
@@ -60,7 +62,8 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	done
 	$(BIN)/remqa-agent train $(FIRST) $(ONCE) --resume
 	$(BIN)/remqa-data cache $(DATASET) --split train --configurations 0 --features remqa_data.agents.view_features:features
-	$(BIN)/remqa-agent train $(filter-out $(ANSWERERS) $(TWO_STAGE),$(NETWORKS)) $(ONCE) --resume
+	$(BIN)/remqa-agent train $(ALONE) --data $(DATASET) --resume
+	$(BIN)/remqa-agent train $(filter-out $(FIRST) $(ALONE) $(ANSWERERS) $(TWO_STAGE),$(NETWORKS)) $(ONCE) --resume
 	$(BIN)/remqa-agent train $(ANSWERERS) $(TWICE) --resume
 	$(BIN)/remqa-agent train $(TWO_STAGE) $(THRICE) --resume
 	$(BIN)/remqa-agent predict detector refiner $(REFERRING) --data $(DATASET) --split val --weights out/weights

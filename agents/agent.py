@@ -26,8 +26,8 @@ from remqa_data.agents.parts.interfaces import (
 from remqa_data.env.actions import Command
 from remqa_data.sim.agent.actions import DONE, Action
 
-MOST_TRIES = 3
-"""Where nothing can be done to the target from so many places, the agent answers without."""
+MOST_TRIES, MOST_MANIPULATIONS = 3, 4
+"""Where nothing can be done to the target from so many places, by so many manipulations each, the agent answers without."""
 
 LOOKING_STEPS = 40
 """After it has opened something it does no more navigation actions than so; they are in no submission."""
@@ -130,7 +130,8 @@ class Agent:
     ) -> Percept:
         """Try what is to be done until it succeeds; what is perceived then. `before` itself if nothing was tried."""
         after = before
-        for manipulation in self.manipulator.actions(asked, memory, before, sighting) if self.manipulator else ():
+        wished = self.manipulator.actions(asked, memory, before, sighting) if self.manipulator else ()
+        for manipulation in wished[:MOST_MANIPULATIONS]:
             after = act(Command(manipulation, box=sighting.box if sighting else None))
             if after.succeeded:
                 break

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,6 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, output
+from remqa_data.errors import ConfigError
+from remqa_data.limits import MOST_SEED
 from remqa_data.processes.cores import worker_count
 from remqa_data.processes.interrupts import ends_the_process
 
@@ -30,13 +33,18 @@ Folder = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where 
 Workers = Annotated[int | None, typer.Option(min=1, help="Processes; nothing depends on it but the time.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with an interrupted run.")]
 Weights = Annotated[
-    Path | None, typer.Option("--weights", metavar="DIR", help="Weights that come before those of the package.")
+    Path | None,
+    typer.Option(
+        "--weights", metavar="DIR", exists=True, file_okay=False, help="Weights that come before those of the package."
+    ),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Use weights on another dataset than that they have learnt from.")]
 Device = Annotated[str, typer.Option(metavar="NAME", help="Where networks compute: cpu, cuda, cuda:1, mps.")]
 Seed = Annotated[
     int | None,
-    typer.Option(min=0, help="Other draws, and names that end in -SEED; by default that of the configuration."),
+    typer.Option(
+        min=0, max=MOST_SEED, help="Other draws, and names that end in -SEED; by default that of the configuration."
+    ),
 ]
 OUT = Path("out/agents")
 WEIGHTS = Path("out/weights")
@@ -58,11 +66,12 @@ def run(
     systems: Annotated[
         list[str],
         typer.Argument(
-            metavar="SYSTEM...", help="Names, semantic_map or random, or YAML files like those in configs/agents/."
+            metavar="SYSTEM...",
+            help="Names such as framework or random, or YAML files like those in configs/agents/.",
         ),
     ],
     data: Data,
-    split: Annotated[str, typer.Option(help="Which questions.")] = "test",
+    split: Annotated[str | None, typer.Option(help="Which questions; by default test.")] = None,
     out: Folder = OUT,
     workers: Workers = None,
     resume: Resume = False,
@@ -73,6 +82,7 @@ def run(
         typer.Option(
             "--seed",
             min=0,
+            max=MOST_SEED,
             help="Other draws, and names that end in -SEED; several times for several submissions of each.",
         ),
     ] = None,
@@ -87,14 +97,17 @@ def run(
     from remqa_data.agents.config import load_system
     from remqa_data.agents.runner import Player, play_all
     from remqa_data.agents.seen import SEEN, SEEN_SPLIT, seen_questions
-    from remqa_data.agents.systems import make_agent
+    from remqa_data.agents.systems import fingerprint, make_agent
     from remqa_data.agents.training.config import seeded_name
     from remqa_data.storage.manifest import load_manifest
 
+    if split is not None and seen is not None:
+        raise ConfigError("--seen plays train questions: leave --split out")
     configs = [(Path(name).stem, load_system(name)) for name in systems]
     if seeds:
         configs = [(seeded_name(name, seed), config.seeded(seed)) for seed in seeds for name, config in configs]
     only = None if seen is None else seen_questions(data, seen)
+    split = split or "test"
     if only is not None:
         split, out = SEEN_SPLIT, out / SEEN
     asked = sum(load_manifest(data).questions.get(split, {}).values()) if only is None else len(only)
@@ -106,7 +119,7 @@ def run(
             out / f"{name}.jsonl",
             config.title,
             config.seed,
-            config.sha256,
+            fingerprint(config, weights),
         )
         for name, config in configs
     ]
@@ -151,6 +164,11 @@ def train(
     configs = [(Path(name).stem, load_network_config(name)) for name in networks]
     if seed is not None:
         configs = [(seeded_name(name, seed), config.seeded(seed)) for name, config in configs]
+    for name, count in Counter(name for name, _ in configs).items():
+        if count > 1:
+            raise ConfigError(
+                f"{count} networks would write {out / name}.safetensors: train them to folders of their own"
+            )
     check_device(device)
     torch.set_num_threads(threads or worker_count(None))
     scores, looks = {}, dict[str, Looks]()
@@ -329,11 +347,11 @@ def check_device(name: str) -> None:
     """
     import torch
 
-    from remqa_data.errors import ConfigError, one_line
+    from remqa_data.errors import one_line
 
     try:
-        torch.zeros(1, device=name)
-    except (RuntimeError, AssertionError, ValueError) as error:
+        torch.zeros(1, device=name).item()
+    except (RuntimeError, AssertionError, ValueError) as error:  # NotImplementedError is a RuntimeError
         raise ConfigError(f"--device {name}: {one_line(error)[:200]}") from None
 
 

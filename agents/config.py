@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from remqa_data.agents.training.config import seeded_name
+from remqa_data.agents.training.config import is_committee, load_committee_config, seeded_name
 from remqa_data.generators.config_files import checked, config_text, preset_names, read_keys
 from remqa_data.limits import MOST_SEED
 from remqa_data.metrics import MAX_ACTIONS
@@ -104,6 +104,13 @@ class SystemConfig(_Section):
     answerer: AnswererConfig | None
     looks: Annotated[int, Field(ge=0, le=10)] = 0
 
+    @model_validator(mode="after")
+    def _explores(self) -> SystemConfig:
+        if isinstance(self.navigator, FrontierConfig) and self.most_steps == 0:
+            msg = "most_steps: who explores does a step at least"
+            raise ValueError(msg)
+        return self
+
     def seeded(self, seed: int) -> SystemConfig:
         """The same system with other draws, and with networks that have learnt to walk with others."""
         navigator = self.navigator
@@ -111,6 +118,22 @@ class SystemConfig(_Section):
             navigator = navigator.model_copy(update={"network": seeded_name(navigator.network, seed)})
         title = f"{self.title}{SEED}{seed}" if seed else self.title
         return self.model_copy(update={"title": title, "seed": seed, "navigator": navigator})
+
+    @property
+    def networks(self) -> tuple[str, ...]:
+        """Names of the weights that its parts are made of; those may need others."""
+        names: list[str] = []
+        walks = self.navigator
+        if isinstance(walks, PolicyConfig | ImitatorConfig):
+            names += [walks.network, "view_encoder"]
+        if isinstance(walks, FrontierConfig) or (isinstance(walks, SemanticMapConfig) and walks.map == "predicted"):
+            names.append("detector")
+        if self.localizer is not None and self.localizer.kind == "network":
+            matcher = self.localizer.matcher
+            names += load_committee_config(matcher).members if is_committee(matcher) else [matcher]
+        if self.answerer is not None and self.answerer.kind == "network":
+            names.append(self.answerer.network)
+        return tuple(names)
 
     @property
     def sha256(self) -> str:

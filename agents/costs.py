@@ -91,8 +91,8 @@ def pace_grid(submissions: Iterable[Path]) -> Grid | None:
     """Actions a second of those whose playing was timed: drawing and thinking, not loading. None if there are none."""
     rows = []
     for path in submissions:
-        if pace_path(path).is_file():
-            pace = json.loads(pace_path(path).read_text(encoding="utf-8"))
+        pace = json.loads(pace_path(path).read_text(encoding="utf-8")) if pace_path(path).is_file() else {}
+        if pace.get("seconds"):
             rate = pace["steps"] / pace["seconds"]
             rows.append(
                 (open_submission(path).header.agent, f"{pace['steps']:,}", f"{pace['seconds']:,.0f}", f"{rate:.1f}")

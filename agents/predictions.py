@@ -37,6 +37,8 @@ from remqa_data.evaluation.submission.tracks import Track
 from remqa_data.files import atomic_path
 from remqa_data.storage.manifest import load_manifest
 
+SAYS = (Matcher, Grounder, ManipulationAnswerer, Detector, Refiner)
+"""Networks that say something of a picture; of others, which walk, nothing is written."""
 AT_ONCE = 16
 """Questions that are answered together."""
 
@@ -155,12 +157,13 @@ def predict_all(
     Raises
     ------
     ConfigError
-        If there are no such weights, or they have learnt from another dataset.
+        If there are no such weights, they have learnt from another dataset, or they are of networks that walk.
     DatasetError
         If the dataset has no such split.
     """
     loaded = [load_trained(name, weights, root, force=force) for name in names if not is_committee(name)]
     titles = Counter(about.network.title for _, about in loaded)
+    titles.update([load_committee_config(name).title for name in names if is_committee(name)])
     if (title := next((title for title, count in titles.items() if count > 1), None)) is not None:
         raise ConfigError(f"several networks are called {title!r}: let them predict to folders of their own (--out)")
     speakers = [
@@ -174,6 +177,8 @@ def predict_all(
         if is_committee(name)
     ]
     grounders = [(network, about) for network, about in loaded if isinstance(network, Grounder)]
+    if not speakers and not any(isinstance(network, SAYS) for network, _ in loaded):
+        raise ConfigError(f"{', '.join(names)}: says nothing of stored pictures; remqa-agent run lets it walk")
     written: list[Path] = []
     for network, about in loaded:
         if isinstance(network, Detector | Refiner):

@@ -20,7 +20,7 @@ from zlib import crc32
 
 import numpy as np
 
-from remqa_data.agents.agent import Agent
+from remqa_data.agents.agent import LOOKING_STEPS, MOST_MANIPULATIONS, MOST_TRIES, Agent
 from remqa_data.agents.episodes import play_question
 from remqa_data.agents.knowledge.memory import WalkMemories, WalkMemory
 from remqa_data.datasets.vocabulary import Vocabulary
@@ -36,8 +36,11 @@ from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 from remqa_data.version import __version__
 
-ENV_STEPS = MAX_ACTIONS + 10
-"""The agent stops before the environment does: its walk, some manipulations, and the answer."""
+ENV_STEPS = MAX_ACTIONS + MOST_TRIES * MOST_MANIPULATIONS + LOOKING_STEPS + 1
+"""The agent stops before the environment does: its walk, what it tries to do, its looks inside, and the answer."""
+
+NOTE = "run.json"
+"""Among finished rooms: what run they are of."""
 
 VIEWS_KEPT = 600
 """Whoever plays walks by the same places; 0.8 GB in each process."""
@@ -146,7 +149,7 @@ def play_all(
     workers : int
         Processes.
     resume : bool
-        Go on with what an interrupted run has finished.
+        Go on with what an interrupted run has finished; submissions that the same run has written stay as they are.
     progress : callable, optional
         Called with the number of questions that have been played since the last call, by all players.
 
@@ -173,29 +176,34 @@ def play_all(
         asked = [row for row in asked if row["question_id"] in wanted]
     questions = crc32(" ".join(row["question_id"] for row in asked).encode())
     about = {"dataset": dataset, "split": split, "questions": questions, "version": __version__}
-    for player in players:
-        who = {"title": player.title, "seed": player.seed, "system": player.fingerprint}
-        _prepare(player.parts, about | who, resume)
+    runs = {player.path: about | _told_of(player) for player in players}
+    playing = [player for player in players if not (resume and _is_finished(player.path, runs[player.path]))]
+    if progress is not None and len(playing) < len(players):
+        progress(len(asked) * (len(players) - len(playing)))
+    for player in playing:
+        _prepare(player.parts, runs[player.path], resume)
     rooms: dict[tuple[str, int], list[str]] = {}
     for row in asked:
         rooms.setdefault((row["scene"], row["configuration"]), []).append(row["question_id"])
     jobs = []
     for room, ids in rooms.items():
-        waiting = tuple(player for player in players if not player.part(room).is_file())
-        if progress is not None and len(waiting) < len(players):
-            progress(len(ids) * (len(players) - len(waiting)))
+        waiting = tuple(player for player in playing if not player.part(room).is_file())
+        if progress is not None and len(waiting) < len(playing):
+            progress(len(ids) * (len(playing) - len(waiting)))
         if waiting:
             jobs.append(PlayJob(root, split, room, tuple(ids), waiting))
     for job, _ in LocalExecutor(min(workers, len(jobs)) or 1).run(play_room, jobs):
         if progress is not None:
             progress(len(job.question_ids) * len(job.players))
-    for player in players:
+    for player in playing:
         header = Header(track="remqa", split=split, dataset=dataset, agent=player.title)
         parts = [player.part(room) for room in rooms]
         rows = {row["question_id"]: row for part in parts for row in _rows(part)}
         write_submission(player.path, header, [rows[row["question_id"]] for row in asked])
-        _write_pace(player.path, rows.values(), parts)
-        shutil.rmtree(player.parts)
+        _write_pace(player.path, rows.values(), parts, runs[player.path])
+    for player in players:
+        if (player.parts / NOTE).is_file():  # a run that was stopped here has left them
+            shutil.rmtree(player.parts)
     return len(asked)
 
 
@@ -223,7 +231,7 @@ def _play(player: Player, env: RemqaEnv, memory: WalkMemory, job: PlayJob) -> No
 
 
 def pace_path(submission: Path) -> Path:
-    """Where it is written how many actions a submission has, and how many seconds of a core it took to play them."""
+    """Where it is written how many actions a submission has, how many seconds of a core it took to play them, and by whom."""
     return submission.with_suffix(".pace.json")
 
 
@@ -239,7 +247,7 @@ def _stage(root: Path, split: str) -> tuple[RemqaEnv, WalkMemories]:
 
 def _prepare(parts: Path, about: dict[str, Any], resume: bool) -> None:
     """A folder for finished rooms, which says what run they are of; empty unless that is the same run."""
-    note = parts / "run.json"
+    note = parts / NOTE
     if resume and note.is_file():
         if json.loads(note.read_text(encoding="utf-8")) != about:
             raise ConfigError(f"{parts}: holds rooms of another run; leave --resume out to begin anew")
@@ -251,15 +259,26 @@ def _prepare(parts: Path, about: dict[str, Any], resume: bool) -> None:
         temporary.write_text(json.dumps(about), encoding="utf-8")
 
 
+def _told_of(player: Player) -> dict[str, Any]:
+    return {"title": player.title, "seed": player.seed, "system": player.fingerprint}
+
+
+def _is_finished(submission: Path, run: dict[str, Any]) -> bool:
+    """Whether this run has written its submission."""
+    pace = pace_path(submission)
+    return submission.is_file() and pace.is_file() and json.loads(pace.read_text(encoding="utf-8")).get("run") == run
+
+
 def _seconds_path(part: Path) -> Path:
     return part.with_suffix(".seconds")
 
 
-def _write_pace(path: Path, rows: Iterable[dict[str, Any]], parts: Iterable[Path]) -> None:
+def _write_pace(path: Path, rows: Iterable[dict[str, Any]], parts: Iterable[Path], run: dict[str, Any]) -> None:
     steps = sum(len(row["actions"]) + (row["manipulation"] is not None) for row in rows)
     seconds = sum(float(_seconds_path(part).read_text(encoding="utf-8")) for part in parts)
     with atomic_path(pace_path(path)) as temporary:
-        temporary.write_text(json.dumps({"steps": steps, "seconds": round(seconds, 2)}) + "\n", encoding="utf-8")
+        pace = {"steps": steps, "seconds": round(seconds, 2), "run": run}
+        temporary.write_text(json.dumps(pace) + "\n", encoding="utf-8")
 
 
 def _rows(part: Path) -> list[dict[str, Any]]:

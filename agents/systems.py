@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from pathlib import Path
 
 from remqa_data.agents.agent import Agent
@@ -57,6 +59,25 @@ def make_agent(system: SystemConfig, root: Path, weights: Path | None = None, *,
         system.most_steps,
         system.looks,
     )
+
+
+def fingerprint(system: SystemConfig, weights: Path | None = None) -> str:
+    """What the rows of a system depend on beside the dataset: its configuration, and the weights of its networks.
+
+    Raises
+    ------
+    ConfigError
+        If weights are missing.
+    MissingExtraError
+        If it has networks and the extra `agents` is not installed.
+    """
+    if not system.networks:
+        return system.sha256
+    require("torch", "agents")
+    from remqa_data.agents.training.weights import weights_behind
+
+    told = json.dumps([system.sha256, weights_behind(system.networks, weights)])
+    return hashlib.sha256(told.encode()).hexdigest()
 
 
 def _navigator(system: SystemConfig, root: Path, weights: Path | None, force: bool) -> Navigator:

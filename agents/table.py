@@ -126,7 +126,7 @@ def submissions_in(folder: Path) -> list[Path]:
 
 def found_submissions(folder: Path) -> list[Path]:
     """The submissions in a folder, by name; none if it is not there, or what is in it is not finished."""
-    return sorted(path for path in folder.glob("*") if path.suffix in (".jsonl", ".parquet"))
+    return sorted(path for path in folder.glob("[!.]*") if path.suffix in (".jsonl", ".parquet"))
 
 
 def write_tables(folder: Path, systems: Sequence[Scored], grids: Sequence[Grid]) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, output
-from remqa_data.errors import SubmissionError, nearest_names
+from remqa_data.errors import nearest_names
 from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.limits import MOST_SEED
 from remqa_data.processes.cores import worker_count
@@ -47,9 +47,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-LEAST_SHA256 = 16
-"""Digits that tell a dataset; reports show so many."""
 
 Data = Annotated[Path, typer.Option("--data", metavar="DIR", help="A dataset.")]
 Out = Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="A .jsonl or .parquet file to write.")]
@@ -106,10 +103,7 @@ def score(
     header = submission.header
     submission.check(track=track, split=split)
     truth = load_ground_truth(data, header.track, header.split)
-    sha256 = dataset_sha256(truth.manifest)
-    if header.dataset is not None and not (len(header.dataset) >= LEAST_SHA256 and sha256.startswith(header.dataset)):
-        reason = f"the predictions are for dataset {header.dataset[:16]!r}, but {data} is {sha256[:16]!r}"
-        raise SubmissionError(predictions, "the header", reason)
+    submission.check(dataset=dataset_sha256(truth.manifest))
     replays = TRACKS[header.track].walks and not no_replay
     announce_compiling(worker_count(workers) if replays else 1)
     with Counting(len(truth.ids), "replaying") as on_replayed:

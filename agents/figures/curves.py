@@ -13,6 +13,7 @@ from remqa_data.agents.training.trainer import CURVES
 from remqa_data.errors import ConfigError
 from remqa_data.extras import require
 from remqa_data.files import atomic_path
+from remqa_data.opencv import check_png
 
 COLUMNS = 3
 PANEL_INCHES = (3.6, 2.7)
@@ -40,8 +41,11 @@ def write_curves_picture(folder: Path, path: Path, networks: Sequence[str] = ())
     ------
     ConfigError
         If a network has no curves there.
+    OutputError
+        If the path is no .png.
     """
     pyplot = require("matplotlib.pyplot", "agents")
+    check_png(path)
     found: dict[str, dict[str, list[dict[str, float]]]] = {}
     for curves in sorted(folder.glob(f"*/{CURVES}")):
         found.setdefault(_without_seed(curves.parent.name), {})[curves.parent.name] = _read(curves)

@@ -162,6 +162,7 @@ def _task(
         encoder = trained("view_encoder", ViewEncoder, folder, roots[0])
         if isinstance(network, AdaptiveWalkerConfig):
             before = trained(network.begins_with, ActorCritic, folder, roots[0])
+            torch.manual_seed(seed)
             return AdaptingTask(roots, views, before, encoder, network.walks, device)
         torch.manual_seed(seed)
         if isinstance(network, ImitatorConfig):

@@ -7,8 +7,10 @@ that goes on from a checkpoint does what it would have done.
 from __future__ import annotations
 
 import csv
+import io
 import json
 import multiprocessing
+import pickle
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -160,7 +162,7 @@ def train(
     path = folder / CHECKPOINT
     about = json.dumps({"schedule": vars(schedule), "of": fingerprint})
     if resume and path.is_file():
-        stored = torch.load(path, map_location=device, weights_only=True)
+        stored = _checkpoint(path, device)
         if stored["about"] != about:
             raise ConfigError(f"{path} is of another training; leave --resume out to begin anew")
         model.load_state_dict(stored["model"])
@@ -177,9 +179,11 @@ def train(
 
     def save() -> None:
         read()
+        parts = {"model": model.state_dict(), "optimizer": optimizer.state_dict(), "state": vars(state)}
+        whole = io.BytesIO()  # what PyTorch says of a full disk is no OSError
+        torch.save({"about": about, **parts}, whole)
         with atomic_path(path) as temporary:
-            parts = {"model": model.state_dict(), "optimizer": optimizer.state_dict(), "state": vars(state)}
-            torch.save({"about": about, **parts}, temporary)
+            temporary.write_bytes(whole.getbuffer())
 
     is_short = schedule.precision == "bfloat16" and knows_bfloat16(device)
     batches = schedule.batches(len(task))
@@ -226,6 +230,23 @@ def train(
         saved = began = time.monotonic()
     model.eval()
     return state.score | {"minutes": state.minutes}
+
+
+def _checkpoint(path: Path, device: str) -> dict[str, Any]:
+    """What an interrupted run has left.
+
+    Raises
+    ------
+    ConfigError
+        If the file is damaged, or no checkpoint.
+    """
+    try:
+        stored: dict[str, Any] = torch.load(path, map_location=device, weights_only=True)
+        if stored.keys() == {"about", "model", "optimizer", "state"}:
+            return stored
+    except (RuntimeError, LookupError, ValueError, TypeError, AttributeError, EOFError, pickle.UnpicklingError):
+        pass  # what PyTorch says of a damaged file is of many kinds
+    raise ConfigError(f"{path} is no checkpoint of a training; leave --resume out to begin anew")
 
 
 class _Batches(Dataset[Any]):

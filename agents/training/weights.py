@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib import resources
 from pathlib import Path
@@ -157,7 +157,7 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
         with safe_open(path, framework="pt") as file:
             stored: Mapping[str, Any] = json.loads(file.metadata()[KEY])
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - it is no mapping
-        about = About(**{**stored, **{name: tuple(stored[name]) for name in ("datasets", "types", "words", "answers")}})
+        about = _about(stored)
         model = empty_network(about)
         model.load_state_dict(
             {name: tensor.float() if tensor.is_floating_point() else tensor for name, tensor in tensors.items()}
@@ -170,6 +170,34 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
             "of its test split may be among those learnt from: train on it, or use --force"
         )
     return model.eval(), about
+
+
+def _about(stored: Mapping[str, Any]) -> About:
+    """What a file says of itself; an error of some kind if it says nothing that is understood here."""
+    about = About(**{**stored, **{name: tuple(stored[name]) for name in ("datasets", "types", "words", "answers")}})
+    if about.format != FORMAT or not about.datasets:
+        msg = f"format {about.format} of {len(about.datasets)} datasets"
+        raise ValueError(msg)
+    return about
+
+
+def weights_behind(names: Sequence[str], folder: Path | None = None) -> dict[str, str]:
+    """sha256 of the weights of some names, see `weights_path`, and of all that these need, by name.
+
+    Raises
+    ------
+    ConfigError
+        If some are missing, or are none.
+    """
+    found: dict[str, str] = {}
+    waiting = list(names)
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            path = weights_path(name, folder)
+            found[name] = sha256_of(path)
+            waiting += load_network(path)[1].needs
+    return dict(sorted(found.items()))
 
 
 def load_trained(

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Annotated, Any, BinaryIO, Literal
+from typing import Annotated, Any, BinaryIO, Literal, NoReturn
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -31,6 +31,8 @@ from remqa_data.metrics import MAX_NAME
 
 MAX_LINE_BYTES = 1 << 20
 BATCH_ROWS = 4096
+LEAST_SHA256 = 16
+"""Digits that tell a dataset; reports show so many."""
 ShortText = Annotated[str, StringConstraints(max_length=MAX_NAME)]
 
 
@@ -101,20 +103,23 @@ class Submission:
             if first - 1 > max_rows:
                 raise SubmissionError(self.path, self.place(first - 1), too_many_rows(max_rows))
 
-    def check(self, **wanted: str | None) -> None:
-        """Refuse a submission to another track, or about another split or dataset, where one is named that is not None.
+    def check(self, *, track: str | None = None, split: str | None = None, dataset: str | None = None) -> None:
+        """Refuse a submission to another track, or about another split or dataset (its sha256), where one is named.
 
         Raises
         ------
         SubmissionError
             If its header says another one.
         """
-        for name, value in wanted.items():
-            found = getattr(self.header, name)
-            if value is not None and (found or value) != value:
-                raise SubmissionError(
-                    self.path, "the header", f"the predictions are for {name} {found!r}, not {value!r}"
-                )
+        said = self.header.dataset
+        for name, found, value in (("track", self.header.track, track), ("split", self.header.split, split)):
+            if value is not None and found != value:
+                self._refuse(name, found, value)
+        if dataset is not None and said is not None and not (len(said) >= LEAST_SHA256 and dataset.startswith(said)):
+            self._refuse("dataset", said[:LEAST_SHA256], dataset[:LEAST_SHA256])
+
+    def _refuse(self, name: str, found: str, value: str) -> NoReturn:
+        raise SubmissionError(self.path, "the header", f"the predictions are for {name} {found!r}, not {value!r}")
 
     def place(self, row: int) -> str:
         """Where a row is, for people: in a .jsonl file the line, of which the header is the first."""

@@ -115,6 +115,19 @@ def test_two_systems_do_not_write_one_file(two_rooms: Path, tmp_path: Path) -> N
     assert not list(tmp_path.iterdir())
 
 
+def test_a_finished_submission_is_not_played_again_but_by_another_run(two_rooms: Path, tmp_path: Path) -> None:
+    path, counts = tmp_path / "a.jsonl", list[int]()
+    rows = played(two_rooms, path, "random", fingerprint="one")
+    path.touch()
+    was = path.stat().st_mtime_ns
+    assert played(two_rooms, path, "random", resume=True, fingerprint="one", progress=counts.append) == rows
+    assert (path.stat().st_mtime_ns, sum(counts)) == (was, 12)
+    for options in ({"fingerprint": "another", "resume": True}, {"fingerprint": "another"}):
+        was = path.stat().st_mtime_ns
+        assert played(two_rooms, path, "random", **options) == rows
+        assert path.stat().st_mtime_ns > was
+
+
 def test_only_the_same_run_is_gone_on_with(two_rooms: Path, tmp_path: Path) -> None:
     path = tmp_path / "a.jsonl"
 

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from remqa_data.agents.config import AnswererConfig, load_system
+from remqa_data.agents.config import AnswererConfig, load_system, systems
 from remqa_data.agents.parts.interfaces import Sighting
 from remqa_data.agents.parts.network_answerer import NetworkAnswerer
-from remqa_data.agents.systems import make_agent
+from remqa_data.agents.systems import fingerprint, make_agent
 from remqa_data.agents.training.weights import load_network, load_trained, save_network, weights_path
 from remqa_data.errors import ConfigError
 
@@ -33,6 +33,20 @@ def test_a_network_is_not_used_with_another_one_than_it_has_learnt_with(tmp_path
             load_trained(name, tmp_path)
         load_trained(name, tmp_path, force=True)
     load_trained("a3c", tmp_path)  # it sees through another one
+
+
+def test_what_rows_depend_on_are_the_configuration_and_the_weights_behind_it(tmp_path: Path) -> None:
+    for name in systems():
+        agent = load_system(name)
+        assert fingerprint(agent) == fingerprint(agent, tmp_path)
+        assert (fingerprint(agent) == agent.sha256) is (not agent.networks)
+    known = {name: fingerprint(load_system(name)) for name in systems()}
+    assert len(set(known.values())) == len(known)
+    network, about = load_network(weights_path("refiner"))
+    next(iter(network.parameters())).data.add_(1.0)
+    save_network(tmp_path / "refiner.safetensors", network, about)
+    changed = {name for name in systems() if fingerprint(load_system(name), tmp_path) != known[name]}
+    assert changed == {"framework_two_stage", "framework_anchored", "framework_committee"}
 
 
 @pytest.mark.parametrize("with_box", [True, False])

@@ -11,7 +11,7 @@ from remqa_data.env import RemqaEnv
 from remqa_data.env.video import write_film
 from remqa_data.errors import SubmissionError, UnknownNameError
 from remqa_data.evaluation.episodes import submitted_commands
-from remqa_data.evaluation.submission.reader import Header, write_submission
+from remqa_data.evaluation.submission.reader import Header, open_submission, write_submission
 from remqa_data.evaluation.submission.reference import reference_rows
 
 pytestmark = pytest.mark.slow
@@ -83,6 +83,11 @@ def test_what_cannot_be_played_is_told_in_one_line(
     write_submission(answers, Header(track="qa", split="test"), [asked])
     with pytest.raises(SubmissionError, match="in track 'qa' nobody walks"):
         submitted_commands(answers, two_rooms, rows[0]["question_id"])
+    sha256 = open_submission(oracle).header.dataset
+    assert sha256 is not None
+    for name in (sha256, sha256[:16]):
+        write_submission(other, Header(track="remqa", split="test", dataset=name), rows)
+        assert submitted_commands(other, two_rooms, rows[0]["question_id"])
     write_submission(other, Header(track="remqa", split="test", dataset="0" * 64), rows)
-    with pytest.raises(SubmissionError, match=r"the predictions are for dataset '0{64}', not"):
+    with pytest.raises(SubmissionError, match=r"the predictions are for dataset '0{16}', not"):
         submitted_commands(other, two_rooms, rows[0]["question_id"])

@@ -59,6 +59,7 @@ def gather(voxels: Voxels, volume: Volume, directions: F64, in_air: F64, sky: fl
     """
     nx, ny, nz = volume.is_valid.shape
     sets = directions.shape[0]
+    cover, sent = voxels.cover, voxels.sent
     total = np.zeros((SIDES, 3))
     weight = np.zeros(SIDES)
     for i in range(nx):
@@ -84,14 +85,13 @@ def gather(voxels: Voxels, volume: Volume, directions: F64, in_air: F64, sky: fl
                     if cube == -2:
                         red = green = blue = sky
                     elif facing > 0.0:
-                        a = abs(dx) * voxels.cover[cube, 1 if dx > 0 else 0] / facing
-                        b = abs(dy) * voxels.cover[cube, 3 if dy > 0 else 2] / facing
-                        c = abs(dz) * voxels.cover[cube, 5 if dz > 0 else 4] / facing
-                        sent_x, sent_y = voxels.sent[cube, 1 if dx > 0 else 0], voxels.sent[cube, 3 if dy > 0 else 2]
-                        sent_z = voxels.sent[cube, 5 if dz > 0 else 4]
-                        red = a * sent_x[0] + b * sent_y[0] + c * sent_z[0]
-                        green = a * sent_x[1] + b * sent_y[1] + c * sent_z[1]
-                        blue = a * sent_x[2] + b * sent_y[2] + c * sent_z[2]
+                        side_x, side_y, side_z = (1 if dx > 0 else 0), (3 if dy > 0 else 2), (5 if dz > 0 else 4)
+                        a = abs(dx) * cover[cube, side_x] / facing
+                        b = abs(dy) * cover[cube, side_y] / facing
+                        c = abs(dz) * cover[cube, side_z] / facing
+                        red = a * sent[cube, side_x, 0] + b * sent[cube, side_y, 0] + c * sent[cube, side_z, 0]
+                        green = a * sent[cube, side_x, 1] + b * sent[cube, side_y, 1] + c * sent[cube, side_z, 1]
+                        blue = a * sent[cube, side_x, 2] + b * sent[cube, side_y, 2] + c * sent[cube, side_z, 2]
                     else:
                         backs += 1
                     for axis in range(3):

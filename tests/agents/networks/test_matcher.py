@@ -151,6 +151,14 @@ def test_boxes_that_overlap_the_chosen_one_say_where_it_ends_the_better_they_fit
     assert np.array_equal(match.meant_in(found), found.boxes[[0, 3]])  # they are not judged
     judged = match._replace(fit=Fit(torch.from_numpy(boxes), torch.zeros(4), torch.zeros(4)))
     assert judged.meant_in(found).tolist() == [pytest.approx([10, 10, 42.5, 40]), boxes[3].tolist()]
+    edge = boxes + np.array([0, 0, 300 - 40, 0], dtype=np.float32)  # all end at the same side, or beyond it
+    edge[:, 2] = 300
+    for count in range(2, 200):
+        many = np.repeat(edge[:1], count, axis=0)
+        among = Match(torch.linspace(0, 0.3, count)[None], torch.ones((1, 3)), torch.ones((1, 3, 1)))
+        seen = regions(many, np.ones(count, dtype=np.float32))
+        among = among._replace(fit=Fit(torch.from_numpy(many), torch.zeros(count), torch.zeros(count)))
+        assert among.meant_in(seen)[0, 2] <= 300
     empty = judged._replace(fit=Fit(torch.full((4, 4), 7.0), torch.zeros(4), torch.zeros(4)))
     assert empty.meant_in(found).tolist() == [[7.0] * 4] * 2
 

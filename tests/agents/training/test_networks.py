@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -176,9 +177,13 @@ def test_what_is_no_network_is_refused_in_one_line(tmp_path: Path) -> None:
         weights_path("nobody", tmp_path)
     other = tmp_path / "other.safetensors"
     config = load_network_config("detector").model_dump(mode="json")
-    save_network(other, Detector(3), About(config, ("",), ("a", "b")))  # says two types, and has three
-    with pytest.raises(ConfigError, match=r"other\.safetensors is no network"):
-        load_network(other)
+    good = About(config, ("",), ("a", "b", "c"))
+    save_network(other, Detector(3), good)
+    load_network(other)
+    for bad in (replace(good, types=("a", "b")), replace(good, datasets=()), replace(good, format=99)):
+        save_network(other, Detector(3), bad)
+        with pytest.raises(ConfigError, match=r"other\.safetensors is no network"):
+            load_network(other)
 
 
 def test_no_val_or_test_room_of_any_dataset_is_learnt_from(two_rooms: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -194,6 +199,27 @@ def test_no_val_or_test_room_of_any_dataset_is_learnt_from(two_rooms: Path, monk
     other["val"] = train
     with pytest.raises(DatasetError, match="no room to learn from"):
         learning_rooms([Path("other"), two_rooms])
+
+
+def test_what_would_be_written_twice_or_nowhere_is_refused(two_rooms: Path, trained: Path, tmp_path: Path) -> None:
+    two = tmp_path / "two.yaml"
+    two.write_text("title: LAN\nmembers: {language_attention: 1.0, plain_matcher: 1.0}\n")
+    options = ["--data", str(two_rooms), "--out", str(tmp_path / "out")]
+    weights = ["--weights", str(trained)]
+    for arguments, said in (
+        (["predict", str(two), str(two), *options, *weights], "several networks are called 'LAN'"),
+        (["predict", "language_attention", str(two), *options, *weights], "several networks are called 'LAN'"),
+        (["predict", "a3c", "savn", *options, *weights], "a3c, savn: says nothing of stored pictures"),
+        (["predict", "detector", *options, "--weights", str(tmp_path / "none")], "does not exist"),
+        (["train", "detector", "detector", *options], "2 networks would write"),
+        (["run", "random", *options, "--split", "test", "--seen", "3"], "leave --split out"),
+        (["run", "random", *options, "--seed", "9" * 30], "--seed"),
+        (["train", "a3c", *options, "--device", "meta"], "--device meta"),
+    ):
+        found = CliRunner().invoke(app, arguments)
+        assert found.exit_code == 2, arguments
+        assert said in found.output
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_varied_picture_shows_the_same_objects_elsewhere(two_rooms: Path) -> None:

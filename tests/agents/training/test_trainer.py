@@ -1,4 +1,5 @@
 import csv
+import errno
 import subprocess
 import sys
 import time
@@ -127,6 +128,30 @@ def test_only_the_same_training_is_gone_on_with(tmp_path: Path) -> None:
         train(Sums(), replace(SCHEDULE, learning_rate=0.02), tmp_path, resume=True)
     with pytest.raises(ConfigError, match="is of another training"):
         train(Sums(), SCHEDULE, tmp_path, fingerprint="another dataset", resume=True)
+
+
+@pytest.mark.parametrize("damage", [b"", b"junk" * 100, b"PK\x03\x04" + b"\0" * 50, "half", "other"])
+def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path, damage: bytes | str) -> None:
+    train(Sums(), SCHEDULE, tmp_path)
+    path = tmp_path / CHECKPOINT
+    if damage == "half":
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    elif damage == "other":
+        torch.save({"weights": torch.ones(3)}, path)
+    else:
+        path.write_bytes(bytes(damage))
+    with pytest.raises(ConfigError, match="is no checkpoint of a training; leave --resume out to begin anew"):
+        train(Sums(), SCHEDULE, tmp_path, resume=True)
+
+
+def test_a_full_disk_is_told_as_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(path: Path, data: object) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OSError, match="No space left"):
+        train(Sums(), SCHEDULE, tmp_path)
+    assert not (tmp_path / CHECKPOINT).exists()
 
 
 def test_what_is_finished_is_not_done_again(tmp_path: Path) -> None:
