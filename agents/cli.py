@@ -13,6 +13,7 @@ import typer
 
 from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, output
 from remqa_data.errors import ConfigError
+from remqa_data.files import check_beside
 from remqa_data.limits import MOST_SEED
 from remqa_data.processes.cores import worker_count
 from remqa_data.processes.interrupts import ends_the_process
@@ -103,6 +104,7 @@ def run(
 
     if split is not None and seen is not None:
         raise ConfigError("--seen plays train questions: leave --split out")
+    check_beside(out, data)
     configs = [(Path(name).stem, load_system(name)) for name in systems]
     if seeds:
         configs = [(seeded_name(name, seed), config.seeded(seed)) for seed in seeds for name, config in configs]
@@ -161,6 +163,7 @@ def train(
     from remqa_data.agents.training.learn import learn
     from remqa_data.agents.training.matching import Looks
 
+    check_beside(out, data)
     configs = [(Path(name).stem, load_network_config(name)) for name in networks]
     if seed is not None:
         configs = [(seeded_name(name, seed), config.seeded(seed)) for name, config in configs]
@@ -228,6 +231,7 @@ def predict(
     require("torch", "agents")
     from remqa_data.agents.predictions import predict_all
 
+    check_beside(out, data)
     check_device(device)
     with Counting(None, "looking") as on_looked:
         written = predict_all(networks, data, split, out, weights, device=device, force=force, progress=on_looked)
@@ -253,6 +257,7 @@ def attend(
     require("torch", "agents")
     from remqa_data.agents.figures.attention import write_attention_picture
 
+    check_beside(out, data)
     write_attention_picture(data, expressions, out, network, weights, force=force)
     output().say(f"{out}: {len(expressions)} expressions")
     output().result(files=[str(out)])
@@ -302,6 +307,7 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None, weights: Weigh
     from remqa_data.evaluation.report.tables import print_grid
     from remqa_data.files import atomic_path
 
+    check_beside(out, data)
     count = worker_count(workers)
     submissions = submissions_in(out)  # before anything is compiled
     announce_compiling(count)

@@ -210,8 +210,10 @@ def _write_reference(agent: Agent, data: Path, path: Path, track: Track, split: 
     from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
     from remqa_data.evaluation.submission.reader import Header, write_submission
     from remqa_data.evaluation.submission.reference import reference_rows
+    from remqa_data.files import check_beside
     from remqa_data.storage.manifest import load_manifest
 
+    check_beside(path, data)
     rows = reference_rows(agent, data, track, split, np.random.default_rng(seed))
     header = Header(track=track, split=split, dataset=dataset_sha256(load_manifest(data)), agent=agent)
     write_submission(path, header, rows)

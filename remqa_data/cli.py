@@ -11,6 +11,7 @@ import typer
 
 from remqa_data.command_line import OneLineErrors, output
 from remqa_data.errors import ConfigError
+from remqa_data.files import beside, check_beside
 from remqa_data.limits import MOST_SEED
 from remqa_data.processes.interrupts import ends_the_process
 from remqa_data.views import LEAST_PX, MOST_PX, SIZE_PX, views_beside
@@ -96,6 +97,7 @@ def play(
     from remqa_data.env.video import write_film
     from remqa_data.evaluation.episodes import submitted_commands
 
+    check_beside(film, root)
     commands = None if submission is None else submitted_commands(submission, root, question_id)
     frames = write_film(root, question_id, film, commands)
     output().say(f"{film}: {frames} frames")
@@ -143,7 +145,9 @@ def cache(
         size_px=size,
         features=features,
     )
-    cache_and_report(root, out or views_beside(root), wanted, workers)
+    folder = out or views_beside(root)
+    check_beside(folder, root)
+    cache_and_report(root, folder, wanted, workers)
 
 
 @app.command()
@@ -174,6 +178,8 @@ def export(
     """Write a room for other programs: a GLB with textures and names, or MJCF, URDF and USD with joints, masses and meshes."""
     from remqa_data.export.rooms import find_scene, write_room
 
+    if data is not None:
+        check_beside(file, data)
     files = write_room(find_scene(scene, data, configuration), file, form, opened or ())
     output().say(f"{file}" + (f", with {len(files) - 1} files in {files[0].parent}" if len(files) > 1 else ""))
     output().result(files=files)
@@ -192,7 +198,7 @@ def coco(
 
     from remqa_data.export.coco import write_coco
 
-    folder = out or root.with_name(f"{root.name}-coco")
+    folder = out or beside(root, "coco")
     written = write_coco(root, folder, images)
     output().say(
         f"{folder}: {written.images:,} images, {written.annotations:,} annotations, {written.refs:,} refs "
@@ -213,6 +219,7 @@ def rerun(
     """Write the walk through a room as a recording for the viewer Rerun (extra: rerun)."""
     from remqa_data.export.rerun_walk import write_walk
 
+    check_beside(recording, root)
     frames = write_walk(root, scene, recording, configuration)
     output().say(f"{recording}: {frames} frames; look at it with `rerun {recording}`")
     output().result(recording=recording, frames=frames)
@@ -273,6 +280,7 @@ def show(
     """Draw a question: the views before and after the manipulation, and the way there on a map."""
     from remqa_data.generators.figures.sample_picture import write_sample_picture
 
+    check_beside(picture, root)
     write_sample_picture(root, question_id, picture)
     output().say(str(picture))
     output().result(picture=picture)
@@ -287,6 +295,8 @@ def stats(
     from remqa_data.files import atomic_path
     from remqa_data.generators.figures.question_statistics import question_statistics
 
+    if csv is not None:
+        check_beside(csv, root)
     table = question_statistics(root)
     if csv is not None:
         with atomic_path(csv) as temporary:
@@ -304,6 +314,8 @@ def recount(
     from remqa_data.files import atomic_path
     from remqa_data.generators.audit.recount.report import recount
 
+    if csv is not None:
+        check_beside(csv, root)
     table = recount(root)
     if csv is not None:
         with atomic_path(csv) as temporary:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -245,8 +246,8 @@ _NO_THREAD = "can't start new thread"
 
 def _in_words(error: Exception) -> str:
     """What is wrong, where first; without the number that the system gives it."""
-    if isinstance(error, OSError) and error.filename is not None and error.strerror:
-        return f"{error.filename}: {error.strerror}; choose another path"
+    if isinstance(error, OSError) and error.filename is not None and error.errno is not None and error.strerror:
+        return f"{error.filename}: {os.strerror(error.errno)}; choose another path"
     if _NO_THREAD in str(error):
         return "the system starts no more threads (ulimit -u)"
     return str(error)

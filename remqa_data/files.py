@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import re
@@ -14,6 +15,10 @@ from uuid import uuid4
 from remqa_data.errors import OutputError
 
 CACHE_VARIABLE = "REMQA_CACHE"
+SCHEME = re.compile(r"([a-z][a-z0-9+.-]+):/+")
+"""How a URI begins."""
+_NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of a write that do not say of which."""
 _LEFTOVER = re.compile(r"\.(.+)\.[0-9a-f]{12}(\.[^.]*)?")
 
 
@@ -73,10 +78,45 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         _flush(temporary)
         _refuse_what_is_no_file(path)  # again: the block may have taken an hour
         temporary.replace(path)
+    except OSError as error:
+        if error.errno in _NO_SPACE and error.filename is None:
+            error.filename = os.fspath(path)
+        raise
     finally:
         temporary.unlink(missing_ok=True)
     if os.name == "posix":
         _flush(path.parent)  # the rename itself lies in the folder
+
+
+def is_remote(root: str | os.PathLike[str]) -> bool:
+    """Whether a root is a URI, be it one that a Path has shortened.
+
+    >>> is_remote("s3://bucket/prefix"), is_remote("data/remqa"), is_remote("C:/data"), is_remote("run:2")
+    (True, False, False, False)
+    """
+    return SCHEME.match(os.fspath(root)) is not None
+
+
+def beside(root: Path, what: str) -> Path:
+    """Where something made of a dataset goes if nobody says where.
+
+    >>> beside(Path("out/tiny"), "coco").name
+    'tiny-coco'
+
+    Raises
+    ------
+    OutputError
+        If the dataset lies in a bucket.
+    """
+    if is_remote(root):
+        raise OutputError(f"{root} is not on this machine: say where to write with --output")
+    whole = root.absolute()
+    return whole.with_name(f"{whole.name}-{what}") if root.name in ("", "..") else root.with_name(f"{root.name}-{what}")
+
+
+def local_path(path: Path) -> str:
+    """A path as PyArrow takes it, which reads a relative one with a colon, such as `run:2/rows.parquet`, as an address."""
+    return os.fspath(path.absolute())
 
 
 def check_beside(out: str | os.PathLike[str], root: str | os.PathLike[str]) -> None:
@@ -89,6 +129,18 @@ def check_beside(out: str | os.PathLike[str], root: str | os.PathLike[str]) -> N
     """
     if Path(out).resolve().is_relative_to(Path(root).resolve()):
         raise OutputError(f"{out} is in the dataset {root}, which holds nothing else; give another place")
+
+
+def check_empty(out: Path, option: str) -> None:
+    """Refuse to write many files among others.
+
+    Raises
+    ------
+    OutputError
+        If a folder holds anything, or is none; names the option that gives another one.
+    """
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise OutputError(f"{out} is not an empty folder; name a new one with {option}, or remove it")
 
 
 def name_of_leftover(name: str) -> str | None:

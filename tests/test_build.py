@@ -149,9 +149,10 @@ def test_the_sdist_holds_what_the_work_needs_and_builds_the_same_wheel(tree: Pat
         archive.extractall(tmp_path / "unpacked", **SAFELY)
     (unpacked,) = (tmp_path / "unpacked").iterdir()
     expected = set().union(
-        *(files_of(folder) for folder in (*FOLDERS, "benchmarks", "configs", "docs", "tests", "tools"))
+        *(files_of(folder) for folder in (*FOLDERS, "benchmarks", "configs", "docs", "examples", "tests", "tools"))
     )
     expected |= {"CHANGELOG.md", "CITATION.cff", "LICENSE", "Makefile", "NOTICE", "README.md", "constraints.txt"}
+    expected |= {"SECURITY.md", "environment.yml", "mkdocs.yml"}
     inside = {path.relative_to(unpacked).as_posix() for path in unpacked.rglob("*") if path.is_file()}
     assert sorted(expected - inside) == []
     assert [name for name in inside if name.endswith(".pyc")] == []

@@ -6,8 +6,11 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from remqa_data import __version__
+from remqa_data.agents.cli import app as agents_app
 from remqa_data.cli import app
 from remqa_data.errors import FloorPlanError, UnknownNameError
+from remqa_data.evaluation.cli import app as evaluation_app
+from tests.helpers.damaged_files import files_of
 
 
 def invoke(*arguments: str) -> Result:
@@ -116,3 +119,32 @@ def test_a_bug_is_not_hidden(drawn, monkeypatch):
 @pytest.mark.parametrize("arguments", [["preview"], ["preview", "FloorPlan1", "--size", "0"], ["assets"], ["show"]])
 def test_wrong_usage_exits_with_2(arguments):
     assert invoke(*arguments).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("command", "arguments"),
+    [
+        (app, ("stats", "ROOT", "--csv", "OUT")),
+        (app, ("recount", "ROOT", "--csv", "OUT")),
+        (app, ("show", "ROOT", "q", "-o", "OUT")),
+        (app, ("play", "ROOT", "q", "-o", "OUT")),
+        (app, ("rerun", "ROOT", "FloorPlan1", "-o", "OUT")),
+        (app, ("cache", "ROOT", "-o", "OUT")),
+        (app, ("export", "FloorPlan1", "--data", "ROOT", "-o", "OUT")),
+        (evaluation_app, ("oracle", "--data", "ROOT", "-o", "OUT")),
+        (agents_app, ("run", "random", "--data", "ROOT", "-o", "OUT")),
+        (agents_app, ("train", "detector", "--data", "ROOT", "-o", "OUT")),
+        (agents_app, ("predict", "detector", "--data", "ROOT", "-o", "OUT")),
+        (agents_app, ("attend", "e", "--data", "ROOT", "-o", "OUT")),
+        (agents_app, ("table", "--data", "ROOT", "-o", "OUT")),
+    ],
+)
+@pytest.mark.parametrize("name", ["manifest.json", "new/file.jsonl"])
+def test_nothing_is_written_into_a_dataset(finished, command, arguments, name) -> None:
+    root = finished[0]
+    before = files_of(root)
+    places = {"ROOT": str(root), "OUT": str(root / name)}
+    result = CliRunner().invoke(command, [places.get(word, word) for word in arguments])
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1), result.stderr
+    assert "which holds nothing else; give another place" in result.stderr
+    assert files_of(root) == before

@@ -1,3 +1,4 @@
+import errno
 import os
 import socket
 import stat
@@ -6,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from remqa_data.errors import OutputError
-from remqa_data.files import atomic_path
+from remqa_data.files import atomic_path, beside, check_empty
 
 
 def test_a_file_gets_its_name_only_when_it_is_whole(tmp_path):
@@ -105,3 +106,28 @@ def test_what_comes_to_be_no_regular_file_meanwhile_is_refused_too(tmp_path):
         temporary.write_bytes(b"new")
         target.symlink_to("elsewhere")
     assert [path.name for path in tmp_path.iterdir()] == ["target"]
+
+
+def test_a_full_disk_is_told_with_the_file_that_was_written(tmp_path):
+    for number, named in ((errno.ENOSPC, str(tmp_path / "data.bin")), (errno.EIO, None)):
+        with pytest.raises(OSError, match="no room") as error, atomic_path(tmp_path / "data.bin"):
+            raise OSError(number, "no room")
+        assert error.value.filename == named
+
+
+def test_what_is_made_of_a_dataset_lies_beside_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert beside(Path("out/tiny"), "coco") == Path("out/tiny-coco")
+    assert beside(Path(), "coco") == tmp_path.with_name(f"{tmp_path.name}-coco")
+    for root in ("s3://bucket/tiny", Path("s3://bucket/tiny")):
+        with pytest.raises(OutputError, match="is not on this machine: say where to write with --output"):
+            beside(root, "coco")
+
+
+def test_many_files_are_not_written_among_others(tmp_path):
+    check_empty(tmp_path, "--output")
+    check_empty(tmp_path / "new", "--output")
+    (tmp_path / "file").touch()
+    for out in (tmp_path, tmp_path / "file"):
+        with pytest.raises(OutputError, match="is not an empty folder; name a new one with --output"):
+            check_empty(out, "--output")

@@ -32,3 +32,17 @@ def test_datasets_and_vocabularies_are_read_without_kernels(tmp_path) -> None:
         "print(len(Vocabulary.from_dataset(root).words) > 2)"
     )
     assert done.stdout == "True\n", done.stderr
+
+
+def test_curves_are_drawn_without_pytorch(tmp_path) -> None:
+    code = f"sys.modules['torch'] = None; sys.argv = ['command', 'curves', '--weights', {str(tmp_path)!r}]"
+    done = run(f"{code}; import remqa_data.agents.cli as cli; cli.main()")
+    assert done.returncode == 2, done.stderr
+    assert "has no curves of any network" in done.stderr
+
+
+def test_features_that_need_pytorch_name_the_extra() -> None:
+    code = "import sys; sys.modules['torch'] = None; from remqa_data.views.features import load_function; "
+    code += "load_function('remqa_data.agents.view_features:features')"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert "MissingExtraError: torch is not installed; run: pip install 'remqa-data[agents]'" in done.stderr

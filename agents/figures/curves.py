@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from remqa_data.agents.training.trainer import CURVES
+from remqa_data.agents.training.config import CURVES
 from remqa_data.errors import ConfigError
 from remqa_data.extras import require
 from remqa_data.files import atomic_path

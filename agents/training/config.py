@@ -15,6 +15,8 @@ from remqa_data.storage.manifest import config_hash
 
 PRESETS = "remqa_data.configs.agents.training"
 COMMITTEES = "remqa_data.configs.agents.committees"
+CURVES = "curves.csv"
+"""Where training writes what it measures after each epoch, in a folder of the network's name."""
 
 
 class _Section(BaseModel):

@@ -22,10 +22,11 @@ import torch
 from torch import Tensor, nn
 from torch.utils.data import DataLoader, Dataset
 
+from remqa_data.agents.training.config import CURVES
 from remqa_data.errors import ConfigError
 from remqa_data.files import atomic_path
 
-CHECKPOINT, CURVES = "checkpoint.pt", "curves.csv"
+CHECKPOINT = "checkpoint.pt"
 
 UNREAD = 32
 """Losses are read after so many batches at the latest: a GPU that is asked for each one waits for who asks."""

@@ -12,6 +12,7 @@ import pyarrow.parquet as pq
 
 from remqa_data.errors import SubmissionError, one_line
 from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, arrow_schema
+from remqa_data.files import local_path
 from remqa_data.metrics import MAX_ACTIONS, MAX_TEXT
 from remqa_data.tables.parquet_pages import Chunk, PageError, row_groups, unpacked
 
@@ -85,7 +86,9 @@ def _read(path: Path, columns: Sequence[str], dictionaries: Sequence[str]) -> It
 def _opened(path: Path, dictionaries: Sequence[str] = ()) -> pq.ParquetFile:
     """The file; `dictionaries` names the leaves whose values are kept once, however many rows repeat them."""
     try:
-        file = pq.ParquetFile(path, read_dictionary=list(dictionaries), pre_buffer=False, buffer_size=BUFFER_BYTES)
+        file = pq.ParquetFile(
+            local_path(path), read_dictionary=list(dictionaries), pre_buffer=False, buffer_size=BUFFER_BYTES
+        )
         _ = file.schema_arrow.names  # texts that may be no UTF-8
         return file
     except (OSError, pa.ArrowException, UnicodeDecodeError) as error:

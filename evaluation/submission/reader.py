@@ -26,7 +26,7 @@ from remqa_data.errors import SubmissionError
 from remqa_data.evaluation.submission.checks import find_problem
 from remqa_data.evaluation.submission.parquet_rows import METADATA_KEY, parquet_batches, parquet_header, too_many_rows
 from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, TRACKS, VERSION, Track, arrow_schema
-from remqa_data.files import atomic_path
+from remqa_data.files import atomic_path, local_path
 from remqa_data.metrics import MAX_NAME
 
 MAX_LINE_BYTES = 1 << 20
@@ -173,7 +173,7 @@ def write_submission(path: Path, header: Header, rows: Sequence[Mapping[str, Any
             temporary.write_text("\n".join([about, *lines]) + "\n", encoding="utf-8")
         else:
             schema = arrow_schema(TRACKS[header.track].columns(replay=True)).with_metadata({METADATA_KEY: about})
-            pq.write_table(pa.Table.from_pylist(list(rows), schema), temporary)
+            pq.write_table(pa.Table.from_pylist(list(rows), schema), local_path(temporary))
 
 
 def _jsonl_batches(path: Path, names: tuple[str, ...]) -> Iterator[pa.RecordBatch]:

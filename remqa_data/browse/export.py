@@ -6,8 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from remqa_data.browse.site import Site
-from remqa_data.errors import OutputError
-from remqa_data.files import atomic_path
+from remqa_data.files import atomic_path, check_empty
 
 
 def write_site(site: Site, out: Path, progress: Callable[[int], None] | None = None) -> int:
@@ -32,8 +31,7 @@ def write_site(site: Site, out: Path, progress: Callable[[int], None] | None = N
     OutputError
         If the folder holds anything.
     """
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise OutputError(f"{out} is not an empty folder; name a new one with --export, or remove it")
+    check_empty(out, "--export")
     count = 0
     for address in site.addresses():
         found = site.get(address)

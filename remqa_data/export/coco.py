@@ -16,8 +16,7 @@ from typing import Any, get_args
 from remqa_data.catalog import catalog, object_type
 from remqa_data.errors import DatasetError, OutputError
 from remqa_data.export.rle import compressed, run_lengths
-from remqa_data.files import atomic_path, check_beside
-from remqa_data.storage.backend import is_remote
+from remqa_data.files import atomic_path, check_beside, check_empty, is_remote
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_rows
 from remqa_data.tables.images import PNG_SIGNATURE, decode_instances
@@ -57,11 +56,12 @@ def write_coco(root: Path, out: Path, with_images: bool = True) -> Written:
     UnknownNameError
         If an object's type is not in the catalog.
     OutputError
-        If the folder is the dataset's own, or in it, or no folder of this machine.
+        If the folder is the dataset's own, or in it, holds anything, or is no folder of this machine.
     """
     check_beside(out, root)
     if is_remote(out):
         raise OutputError(f"{out}: give a folder of this machine with --output")
+    check_empty(out, "--output")
     manifest, writer = load_manifest(root), _Writer(root, out, with_images)
     for table, write in (("frames", writer.write_instances), ("expressions", writer.write_refs)):
         for split in get_args(Split):

@@ -62,7 +62,7 @@ def find_scene(name: str, data: Path | None = None, configuration: int = 0) -> S
 
 
 def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterable[str] = ()) -> list[Path]:
-    """Write a room; returns the files, the meshes and textures first, which lie beside it in the folder NAME-meshes.
+    """Write a room; returns the files, the meshes and textures first, which lie beside it in the folder FILE-meshes.
 
     Parameters
     ----------
@@ -99,13 +99,14 @@ def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterab
             "--open: URDF holds no joint positions; set the joints where it is loaded, or write .xml or .glb"
         )
     with World(scene) as world:
-        for object_id in _openable(world) if ALL in opened else opened:
+        named = [object_id for object_id in opened if object_id != ALL]
+        for object_id in dict.fromkeys(named + (_openable(world) if ALL in opened else [])):
             world.open(object_id)
         if form == "glb":
             with atomic_path(path) as temporary:
                 temporary.write_bytes(glb_bytes(room_scene(world)))
             return [path]
-        room = room_model(world, path.with_name(f"{path.stem}-meshes"))
+        room = room_model(world, path.with_name(f"{path.name}-meshes"))
     if form == "usd":
         from remqa_data.export.usd import write_usd
 

@@ -8,6 +8,7 @@ import os
 import stat
 import tempfile
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -60,7 +61,8 @@ def _private_temporary() -> Path:
     if not hasattr(os, "getuid"):
         return Path(tempfile.mkdtemp(prefix="remqa-data-"))
     folder = Path(tempfile.gettempdir()) / f"remqa-data-{os.getuid()}"
-    folder.mkdir(mode=0o700, exist_ok=True)
+    with suppress(FileExistsError):  # by whatever there is, a link that leads nowhere included
+        folder.mkdir(mode=0o700)
     found = folder.lstat()
     if stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077:
         return folder

@@ -8,15 +8,13 @@ valid, such as the manifest, is written after them.
 from __future__ import annotations
 
 import os
-import re
 from pathlib import Path
 
 from remqa_data.errors import DatasetError
+from remqa_data.files import SCHEME, is_remote
 from remqa_data.storage.bucket import Bucket
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.protocol import Storage
-
-_SCHEME = re.compile(r"([a-z][a-z0-9+.-]+):/+")
 
 
 def storage_at(root: str | os.PathLike[str]) -> Storage:
@@ -31,17 +29,8 @@ def storage_at(root: str | os.PathLike[str]) -> Storage:
         For a folder that is given as a URI.
     """
     if os.fspath(root).startswith("file:/"):
-        raise DatasetError(f"{root}: give the folder by its path, {_SCHEME.sub('/', os.fspath(root), count=1)}")
+        raise DatasetError(f"{root}: give the folder by its path, {SCHEME.sub('/', os.fspath(root), count=1)}")
     return Bucket(_uri(root)) if is_remote(root) else Folder(Path(root))
-
-
-def is_remote(root: str | os.PathLike[str]) -> bool:
-    """Whether a root is a URI.
-
-    >>> is_remote("s3://bucket/prefix"), is_remote("data/remqa"), is_remote("C:/data")
-    (True, False, False)
-    """
-    return _SCHEME.match(os.fspath(root)) is not None
 
 
 def _uri(root: str | os.PathLike[str]) -> str:
@@ -50,4 +39,4 @@ def _uri(root: str | os.PathLike[str]) -> str:
     >>> _uri(Path("s3://bucket/prefix"))
     's3://bucket/prefix'
     """
-    return _SCHEME.sub(r"\1://", os.fspath(root), count=1)
+    return SCHEME.sub(r"\1://", os.fspath(root), count=1)

@@ -173,6 +173,7 @@ def _has_credentials() -> bool:
     )
     if any(os.environ.get(name) for name in (*named, "AWS_CONTAINER_CREDENTIALS_FULL_URI")):
         return True
-    usual = Path.home() / ".aws"
     files = (("AWS_SHARED_CREDENTIALS_FILE", "credentials"), ("AWS_CONFIG_FILE", "config"))
-    return any(Path(os.environ.get(variable) or usual / name).is_file() for variable, name in files)
+    return any(
+        Path(os.environ.get(variable) or os.path.expanduser(f"~/.aws/{name}")).is_file() for variable, name in files
+    )

@@ -6,6 +6,7 @@ It is written last. A folder without one is not a finished dataset, whatever els
 from __future__ import annotations
 
 import hashlib
+import importlib
 import json
 import os
 import platform
@@ -127,12 +128,21 @@ def make_manifest(
 ) -> Manifest:
     """A manifest with the hash of the configuration and the versions of this environment."""
     versions = {"remqa-data": __version__, "python": platform.python_version()}
-    versions |= {package: metadata.version(package) for package in VERSIONED}
+    versions |= {package: _version_of(package) for package in VERSIONED}
     counts = {split: dict(sorted(kinds.items())) for split, kinds in questions.items()}
     anew = {scene: {kind: dict(n) for kind, n in kinds.items()} for scene, kinds in (asked_anew or {}).items()}
     return Manifest(
         seed, dict(config), config_hash(config), versions, files, counts, dict(sorted(refused.items())), anew
     )
+
+
+def _version_of(package: str) -> str:
+    """Of an installed package, also where it is of another name there, as OpenCV is from conda or the system."""
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        module = importlib.import_module({"opencv-python-headless": "cv2"}.get(package, package))
+        return str(getattr(module, "__version__", "unknown"))
 
 
 def write_manifest(root: str | os.PathLike[str], manifest: Manifest) -> None:

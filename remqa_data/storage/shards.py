@@ -19,7 +19,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from remqa_data.errors import DamagedShardError, DatasetError, ForgedRowError, SchemaError, one_line
-from remqa_data.files import atomic_path, sha256_of
+from remqa_data.files import atomic_path, local_path, sha256_of
 from remqa_data.storage.manifest import FileInfo, Manifest, load_manifest
 from remqa_data.storage.protocol import Storage
 from remqa_data.storage.shard_cache import local_shard
@@ -56,7 +56,8 @@ class ShardWriter:
 
     def __enter__(self) -> ShardWriter:
         temporary = self._stack.enter_context(atomic_path(self.path))
-        self._writer = self._stack.enter_context(pq.ParquetWriter(temporary, self._schema, **_options(self._schema)))
+        writer = pq.ParquetWriter(local_path(temporary), self._schema, **_options(self._schema))
+        self._writer = self._stack.enter_context(writer)
         return self
 
     def __exit__(
@@ -99,7 +100,7 @@ class ShardWriter:
 
 def file_info(written: Path, path: str, table: str, split: str) -> FileInfo:
     """What the manifest says about a shard that has been written and will be known under a path in the dataset."""
-    rows = pq.read_metadata(written).num_rows
+    rows = pq.read_metadata(local_path(written)).num_rows
     return FileInfo(path, table, split, rows, written.stat().st_size, sha256_of(written))
 
 
@@ -268,7 +269,7 @@ def leaf_paths(parquet: pq.ParquetFile) -> list[str]:
 
 def _opened(path: Path) -> pq.ParquetFile:
     try:
-        file = pq.ParquetFile(path, memory_map=True, pre_buffer=False, page_checksum_verification=True)
+        file = pq.ParquetFile(local_path(path), memory_map=True, pre_buffer=False, page_checksum_verification=True)
         _ = leaf_paths(file), file.schema_arrow.names, file.metadata.created_by  # texts that may be no UTF-8
         return file
     except FileNotFoundError:

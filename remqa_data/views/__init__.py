@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from remqa_data.files import beside
+
 SIZE_PX = 84
 """Width and height of the frames: what agents that learn from pixels are given since DQN (Mnih et al., Nature 518, 2015)."""
 LEAST_PX, MOST_PX = 16, 256
@@ -15,4 +17,4 @@ LEAST_PX, MOST_PX = 16, 256
 
 def views_beside(root: Path) -> Path:
     """The folder beside a dataset where its cache is by default."""
-    return root.with_name(f"{root.name}-views")
+    return beside(root, "views")

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from remqa_data.errors import ConfigError, DatasetError, UnknownNameError
+from remqa_data.files import is_remote
 from remqa_data.processes.executors import Executor, LocalExecutor
-from remqa_data.storage.backend import is_remote
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.locks import LOCK, exclusive
 from remqa_data.storage.manifest import load_manifest

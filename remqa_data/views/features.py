@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.errors import ConfigError, RemqaError, one_line
+from remqa_data.errors import ConfigError, MissingExtraError, RemqaError, one_line
 from remqa_data.geometry.types import U8
 from remqa_data.views.arrays import features_name, new_array
 from remqa_data.views.manifest import Room, ViewFile
@@ -33,12 +33,18 @@ def load_function(name: str) -> Features:
     ------
     ConfigError
         If there is none.
+    MissingExtraError
+        If it needs PyTorch, and that is not installed.
     """
     module, _, function = name.partition(":")
     if not (module and function):
         raise ConfigError(f"--features {name!r}: name a function as module:function")
     try:
         found = getattr(importlib.import_module(module), function)
+    except ModuleNotFoundError as error:
+        if error.name == "torch":
+            raise MissingExtraError("torch", "agents") from None
+        raise ConfigError(f"--features {name}: {one_line(error)}") from None
     except (ImportError, AttributeError, TypeError, ValueError) as error:  # the last two: of a name such as ".a"
         raise ConfigError(f"--features {name}: {one_line(error)}") from None
     if not callable(found):

@@ -2,6 +2,7 @@
 
 import json
 import re
+from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -91,6 +92,39 @@ def test_names_that_cannot_be_files_get_others(site: Site) -> None:
     assert re.fullmatch("x-[0-9a-f]{20}", slug(HOSTILE_ID))
     assert f"<h1>{HOSTILE}" not in text(site, f"q/{slug(HOSTILE_ID)}.html")
     assert all(re.fullmatch(r"[\w./-]+", address) and ".." not in address for address in site.addresses())
+
+
+class Nesting(HTMLParser):
+    """Counts headings, and notes in what elements some others lie."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.headings, self.around_details = 0, set[str]()
+
+    def handle_starttag(self, tag: str, attrs: object) -> None:
+        self.headings += tag == "h1"
+        if tag == "details":
+            self.around_details.add(self.open[-1])
+        if tag not in ("meta", "link", "img", "input", "br"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag in self.open:
+            while self.open.pop() != tag:
+                pass
+
+
+def test_each_page_has_one_heading_and_details_lie_where_they_may(site: Site) -> None:
+    pages = [address for address in site.addresses() if address.endswith(".html")]
+    seen = set()
+    for address in pages:
+        nesting = Nesting()
+        nesting.feed(text(site, address))
+        assert nesting.headings == 1, address
+        seen |= nesting.around_details
+    assert "figure" not in seen
+    assert "figcaption" in seen
 
 
 def test_an_export_has_every_address_it_links_to_and_index_last(hostile: Path, tmp_path: Path) -> None:

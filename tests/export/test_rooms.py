@@ -1,6 +1,7 @@
 """Which room is meant, and the commands `remqa-data export` and `remqa-data coco`."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -52,8 +53,8 @@ def test_meshes_lie_in_a_folder_beside_the_file(small_rooms, tmp_path, name, opt
     assert result.exit_code == 0, result.output
     files = [Path(path) for path in json.loads(result.stdout)["files"]]
     assert files[-1] == tmp_path / name
-    assert {path.parent for path in files[:-1]} == {tmp_path / "r-meshes"}
-    assert sorted(files[:-1]) == sorted((tmp_path / "r-meshes").iterdir())
+    assert {path.parent for path in files[:-1]} == {tmp_path / f"{name}-meshes"}
+    assert sorted(files[:-1]) == sorted((tmp_path / f"{name}-meshes").iterdir())
     text, meshes = files[-1].read_text(), [path for path in files if path.suffix == ".obj"]
     assert meshes
     assert all(path.name in text for path in meshes)
@@ -76,6 +77,7 @@ def test_meshes_lie_in_a_folder_beside_the_file(small_rooms, tmp_path, name, opt
         (("Small1", "--data", "DATA", "--open", "Stool|1"), "Stool|1 is not openable"),
         (("Small1", "--data", "DATA", "--open", "Fridge|2"), "unknown object 'Fridge|2'; did you mean 'Fridge|1'?"),
         (("Small1", "--data", "DATA", "-o", "r.urdf", "--open", "all"), "--open: URDF holds no joint positions"),
+        (("Small1", "--data", "DATA", "--open", "all", "--open", "Fridge|2"), "unknown object 'Fridge|2'"),
         (("nowhere.json",), "nowhere.json: No such file or directory"),
     ],
 )
@@ -86,6 +88,29 @@ def test_what_cannot_be_written_is_one_line_and_no_file(small_rooms, tmp_path, m
     assert line in result.stderr
     assert result.stderr.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_another_room_beside_leaves_the_files_of_the_first_as_they_are(small_rooms, tmp_path) -> None:
+    invoke("export", "Small1", "--data", small_rooms, "-o", tmp_path / "room.xml")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    assert len(before) > 10
+    invoke("export", "Small2", "--data", small_rooms, "-o", tmp_path / "room.urdf")
+    assert (tmp_path / "room.urdf").is_file()
+    assert all(path.read_bytes() == was for path, was in before.items())
+
+
+def test_coco_is_written_beside_the_dataset_however_that_is_named(finished, tmp_path, monkeypatch) -> None:
+    shutil.copytree(finished[0], tmp_path / "data")
+    monkeypatch.chdir(tmp_path / "data")
+    before = sorted(tmp_path.rglob("*"))
+    assert "unknown object type 'Table'" in invoke("coco", ".").stderr  # a dataset that was made up
+    result = invoke("coco", ".", "-o", "../taken")
+    (tmp_path / "taken").mkdir(exist_ok=True)
+    (tmp_path / "taken" / "file").touch()
+    result = invoke("coco", ".", "-o", "../taken")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "is not an empty folder; name a new one with --output" in result.stderr
+    assert set(before) <= set(tmp_path.rglob("*"))
 
 
 def test_coco_says_what_it_has_written(one_room, tmp_path) -> None:

@@ -81,3 +81,16 @@ def test_a_kernel_compiles_where_neither_package_nor_home_can_be_written(tmp_pat
     assert (done.returncode, done.stdout) == (0, "True -2 False\n"), done.stderr
     assert done.stderr.count("\n") == 1
     assert list(tmp_path.glob("remqa-data-*/compiled-*/**/*.nbi"))
+
+
+@pytest.mark.parametrize("taken", ["file", "link that leads nowhere"])
+def test_who_takes_the_name_of_the_temporary_folder_stops_nobody(closed, tmp_path, taken) -> None:
+    name = tmp_path / "tmp" / f"remqa-data-{os.getuid()}"
+    if taken == "file":
+        name.touch()
+    else:
+        name.symlink_to(tmp_path / "nowhere")
+    folder = kernel_cache("", closed / "beside")
+    assert folder != name
+    assert folder.stat().st_mode & 0o777 == 0o700
+    assert not (tmp_path / "nowhere").exists()

@@ -1,13 +1,14 @@
 """A manifest may come from anywhere: it names files of the dataset, each once, and nothing else."""
 
 import json
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from remqa_data.errors import DatasetError
-from remqa_data.storage.manifest import MANIFEST, load_manifest
+from remqa_data.storage.manifest import MANIFEST, load_manifest, make_manifest
 from remqa_data.storage.shards import read_table
 
 
@@ -67,3 +68,17 @@ def test_a_file_that_is_listed_twice_is_refused(dataset: Path) -> None:
     second = load_manifest(dataset).files[1].path
     with pytest.raises(DatasetError, match=f"{second} is listed 2 times"):
         load_manifest(told(dataset, path=second))
+
+
+def test_opencv_may_be_of_another_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = metadata.version
+
+    def version(package: str) -> str:
+        if package == "opencv-python-headless":
+            raise metadata.PackageNotFoundError(package)
+        return known(package)
+
+    monkeypatch.setattr(metadata, "version", version)
+    versions = make_manifest(seed=0, config={}, files=(), questions={}, refused={}).versions
+    assert known("opencv-python-headless").startswith(versions["opencv-python-headless"])
+    assert versions["numpy"] == known("numpy")

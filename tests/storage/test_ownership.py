@@ -164,3 +164,15 @@ def test_an_edited_card_is_still_ours_and_another_is_not(dataset: Path) -> None:
     assert look(storage_at(dataset)).is_finished
     card.write_text("# My notes\n")
     refused(dataset, "README.md")
+
+
+def test_no_dataset_is_made_inside_another(finished, tmp_path: Path) -> None:
+    root = tmp_path / "outer"
+    shutil.copytree(finished[0], root)
+    for inner in (root / "sub", root / "scenes" / "deep" / "er"):
+        with pytest.raises(
+            DatasetError, match=r"is in the dataset .*outer, which holds nothing else; give another folder"
+        ):
+            check_place(inner, overwrite=False, resume=False)
+    put(tmp_path / "page", "manifest.json")  # as web pages have
+    check_place(tmp_path / "page" / "data", overwrite=False, resume=False)

@@ -17,7 +17,7 @@ from remqa_data.errors import DamagedShardError, DatasetError, UnknownNameError
 from remqa_data.files import sha256_of
 from remqa_data.storage.card import croissant, dataset_card
 from remqa_data.storage.manifest import MANIFEST, config_hash, load_manifest
-from remqa_data.storage.shards import Shard, ShardWriter, check_files, find_damage, read_rows, read_table
+from remqa_data.storage.shards import Shard, ShardWriter, check_files, file_info, find_damage, read_rows, read_table
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, SceneRow
 from remqa_data.tables.schema import TABLES, check_schema, to_table
 from remqa_data.version import RELEASED, __version__
@@ -346,3 +346,16 @@ def test_the_card_tells_the_size_in_hugging_faces_words(finished, rows: int, cat
     one = next(file for file in finished[1].files if file.table == "questions")
     manifest = replace(finished[1], files=(replace(one, rows=rows),))
     assert yaml.safe_load(dataset_card(manifest).split("---\n")[1])["size_categories"] == [category]
+
+
+def test_a_name_with_a_colon_is_a_folder_and_no_address(finished, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = read_table(finished[0], "scenes", "train")
+    for name in ("run:2", "s3:x", "file:x"):
+        place = Path(name) / "scenes.parquet"
+        with ShardWriter(place, "scenes") as writer:
+            writer.write_table(rows)
+        assert file_info(place, place.name, "scenes", "train").rows == rows.num_rows
+        assert Shard(place, "scenes").read().equals(rows)
+        shutil.copytree(finished[0], Path(name) / "dataset")
+        assert read_table(Path(name) / "dataset", "scenes", "train").equals(rows)
