@@ -79,10 +79,13 @@ agents: $(INSTALLED_DEV)  ## train the paper's networks on that dataset, let all
 	$(BIN)/remqa-agent curves --weights out/weights
 	$(BIN)/remqa-agent table --data $(DATASET) --weights out/weights
 
+# Modules are compiled once, and not by each of the many processes that tests start, whatever the environment asks for.
+test test-fast test-newest: export PYTHONDONTWRITEBYTECODE =
+
 test: $(INSTALLED_DEV) lint  ## lint, then all tests on two cores
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
-test-fast: $(INSTALLED_DEV)  ## only the tests that take seconds
+test-fast: $(INSTALLED_DEV)  ## only the tests that take less than half a second
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
 
 test-newest: .venv-newest/bin/python  ## test-fast with the newest version of everything, on NEWEST=python3.13 or so

@@ -52,6 +52,7 @@ def test_every_command_tells_its_version(name) -> None:
     assert (done.exit_code, done.stdout) == (0, f"{name} {__version__}\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "command"), [(n, c) for n, commands in COMMANDS.items() for c in (*commands, "")])
 def test_every_command_can_be_quiet_and_speak_json(name, command) -> None:
     help_text = invoke(name, *command.split(), "--help").stdout

@@ -12,6 +12,7 @@ def run(code: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-c", WITHOUT + code], capture_output=True, text=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", ["remqa_data.cli", "remqa_data.generators.cli", "remqa_data.evaluation.cli"])
 @pytest.mark.parametrize("option", ["--help"])
 def test_every_command_helps_without_kernels(module: str, option: str) -> None:
@@ -34,6 +35,7 @@ def test_datasets_and_vocabularies_are_read_without_kernels(tmp_path) -> None:
     assert done.stdout == "True\n", done.stderr
 
 
+@pytest.mark.slow
 def test_curves_are_drawn_without_pytorch(tmp_path) -> None:
     code = f"sys.modules['torch'] = None; sys.argv = ['command', 'curves', '--weights', {str(tmp_path)!r}]"
     done = run(f"{code}; import remqa_data.agents.cli as cli; cli.main()")
@@ -41,6 +43,7 @@ def test_curves_are_drawn_without_pytorch(tmp_path) -> None:
     assert "has no curves of any network" in done.stderr
 
 
+@pytest.mark.slow
 def test_features_that_need_pytorch_name_the_extra() -> None:
     code = "import sys; sys.modules['torch'] = None; from remqa_data.views.features import load_function; "
     code += "load_function('remqa_data.agents.view_features:features')"

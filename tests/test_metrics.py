@@ -59,6 +59,7 @@ def test_boxes_without_area_or_with_nan_overlap_nothing() -> None:
         box_iou([1, 2, 3], [0, 0, 1, 1])
 
 
+@pytest.mark.slow
 @given(box_pairs, st.floats(0.1, 10), st.floats(-50, 50))
 def test_iou_is_bounded_symmetric_and_does_not_depend_on_scale_or_place(
     pair: np.ndarray, scale: float, by: float
@@ -94,6 +95,7 @@ def test_spl_is_bounded_and_falls_with_the_way(success: bool, shortest: float, w
     assert 0 <= long <= short <= success
 
 
+@pytest.mark.slow
 @given(st.lists(st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=5), min_size=1, max_size=6))
 def test_paths_joined_have_the_lengths_of_each(paths: list[list[tuple[float, float]]]) -> None:
     found = path_lengths_m([p for path in paths for p in path], [len(path) for path in paths])
@@ -142,6 +144,7 @@ def test_chained_successes_by_hand() -> None:
     }
 
 
+@pytest.mark.slow
 @given(*[arrays(bool, 20)] * 4)
 def test_who_fulfils_more_conditions_succeeds_in_fewer_episodes(
     went: np.ndarray, found: np.ndarray, did: np.ndarray, right: np.ndarray

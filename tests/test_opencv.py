@@ -3,12 +3,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from remqa_data.errors import OpenCVError
 
 ROOT = Path(__file__).parents[1]
 FIX = "pip uninstall --yes opencv-python && pip install --force-reinstall --no-deps opencv-python-headless"
 
 
+@pytest.mark.slow
 def test_an_opencv_without_its_libraries_is_one_line_with_the_fix(tmp_path, monkeypatch) -> None:
     broken = "raise ImportError('libGL.so.1: cannot open shared object file:\\n No such file or directory')"
     (tmp_path / "cv2.py").write_text(broken)

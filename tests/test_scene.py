@@ -69,6 +69,7 @@ def test_objects_by_id() -> None:
         small_scene().object("Mug|2")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("forgery", room_forgeries(), ids=lambda forgery: forgery.what)
 def test_a_room_that_cannot_be_is_refused_or_built_in_no_time(forgery):
     text = forgery.change(small_scene().to_json().decode())

@@ -19,6 +19,7 @@ def trained(folder: Path, name: str, *scores: float | None) -> None:
     (folder / name / "curves.csv").write_text(HEAD + "".join(rows))
 
 
+@pytest.mark.slow
 def test_seeds_share_a_panel_and_networks_have_their_own(tmp_path: Path) -> None:
     trained(tmp_path, "a3c", 0.1, 0.2)
     assert write_curves_picture(tmp_path, tmp_path / "one.png") == 1
@@ -33,6 +34,7 @@ def test_seeds_share_a_panel_and_networks_have_their_own(tmp_path: Path) -> None
     assert write_curves_picture(tmp_path, tmp_path / "chosen.png", ["scene_priors"]) == 1
 
 
+@pytest.mark.slow
 def test_what_has_no_curves_is_named(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="any network"):
         write_curves_picture(tmp_path, tmp_path / "none.png")

@@ -35,6 +35,7 @@ def test_a_network_is_not_used_with_another_one_than_it_has_learnt_with(tmp_path
     load_trained("a3c", tmp_path)  # it sees through another one
 
 
+@pytest.mark.slow
 def test_what_rows_depend_on_are_the_configuration_and_the_weights_behind_it(tmp_path: Path) -> None:
     for name in systems():
         agent = load_system(name)

@@ -28,6 +28,7 @@ def inside(points: np.ndarray, box: Box) -> np.ndarray:
     return np.all((points > box[:3]) & (points < box[3:]), axis=1)
 
 
+@pytest.mark.slow
 @given(boxes(), st.lists(boxes(), max_size=4))
 def test_solid_around_covers_exactly_what_no_pocket_takes(whole: Box, pockets: list[Box]) -> None:
     cut = solid_around(whole, pockets)

@@ -62,6 +62,7 @@ def test_volumes_are_those_of_geometry_books(mesh: Mesh, volume: float) -> None:
     assert trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).volume == pytest.approx(volume, rel=2e-3)
 
 
+@pytest.mark.slow
 @given(SIZE, SIZE, SIZE, st.floats(0, 1), st.integers(1, 3))
 def test_rounded_box_fills_its_box(w: float, d: float, h: float, radius: float, segments: int) -> None:
     mesh = primitives.rounded_box((w, d, h), radius * min(w, d, h), segments)

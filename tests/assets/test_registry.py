@@ -94,6 +94,7 @@ def test_has_four_variants_that_look_different(type_: str) -> None:
             assert np.abs(first - second).mean(axis=2)[shown].mean() > VISIBLE_CHANGE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("type_", TYPES)
 def test_meshes_are_sound(type_: str) -> None:
     assert variant_count(type_) > 0
@@ -111,6 +112,7 @@ def test_meshes_are_sound(type_: str) -> None:
                 assert surface.faces.max() < len(surface.vertices)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("type_", TYPES)
 def test_joints_follow_the_catalog(type_: str) -> None:
     assert variant_count(type_) > 0

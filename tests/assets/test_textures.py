@@ -16,6 +16,7 @@ TILES = [name for name in TEXTURE_NAMES if repeats(name)]
 PICTURES = [name for name in TEXTURE_NAMES if not repeats(name)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TEXTURE_NAMES)
 def test_texture_is_a_square_colour_image_with_something_on_it(name):
     pixels = texture(name)
@@ -39,6 +40,7 @@ def test_tile_is_light_enough_to_tint_a_material(name):
     assert 0.72 < texture(name).mean() / 255 < 0.96
 
 
+@pytest.mark.slow
 def test_pictures_differ_from_each_other():
     assert len({texture(name).tobytes() for name in TEXTURE_NAMES}) == len(TEXTURE_NAMES)
     assert len(PICTURES) >= 30

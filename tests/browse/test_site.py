@@ -115,6 +115,7 @@ class Nesting(HTMLParser):
                 pass
 
 
+@pytest.mark.slow
 def test_each_page_has_one_heading_and_details_lie_where_they_may(site: Site) -> None:
     pages = [address for address in site.addresses() if address.endswith(".html")]
     seen = set()
@@ -127,6 +128,7 @@ def test_each_page_has_one_heading_and_details_lie_where_they_may(site: Site) ->
     assert "figcaption" in seen
 
 
+@pytest.mark.slow
 def test_an_export_has_every_address_it_links_to_and_index_last(hostile: Path, tmp_path: Path) -> None:
     site, out = Site(BrowsedDataset(hostile), is_static=True, limit=7), tmp_path / "site"
     written_last = list(site.addresses())[-1]

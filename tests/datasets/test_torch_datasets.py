@@ -212,6 +212,7 @@ def test_a_transform_sees_each_sample(root) -> None:
     assert RemqaDataset(root, "train", transform=only_answer, images=())[1] == "2"
 
 
+@pytest.mark.slow
 def test_a_damaged_image_is_told_when_it_is_read(tmp_path) -> None:
     write_dataset(tmp_path)
     path = tmp_path / "frames" / "train-00000-of-00002.parquet"
@@ -266,6 +267,7 @@ def test_workers_yield_what_one_process_yields(root, kind, start) -> None:
             assert same, key
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [RemqaDataset, FrameDataset, ExpressionDataset])
 def test_a_shuffled_loader_needs_no_collate(root, kind) -> None:
     dataset = kind(root, "train", transform=lambda sample: sample)
@@ -285,6 +287,7 @@ def test_a_dataset_is_small_when_it_is_pickled(root) -> None:
     assert pickle.loads(stored)[0] == first
 
 
+@pytest.mark.slow
 def test_the_package_needs_torch_only_for_the_datasets() -> None:
     import subprocess
     import sys

@@ -38,6 +38,7 @@ def test_gymnasiums_checker_has_nothing_to_say(small_rooms: Path, small_views: P
     env.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("split", ["train", "test"])
 def test_every_state_and_action_is_as_in_the_live_environment(small_rooms: Path, small_views: Path, split: str) -> None:
     compared = dict(compare(small_rooms, small_views, split, steps=200))
@@ -146,6 +147,7 @@ def test_an_observation_is_the_agents_own_or_a_view_that_cannot_be_written_to(
             seen[key][:] = 0
 
 
+@pytest.mark.slow
 def test_only_questions_whose_room_is_cached_are_played(small_rooms: Path, tmp_path: Path) -> None:
     out = tmp_path / "views"
     cache_views(small_rooms, out, Wanted(split="train", configurations=(1,), size_px=16))

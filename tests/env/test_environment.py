@@ -80,6 +80,7 @@ def test_a_room_is_as_it_was_when_it_is_played_again(env: RemqaEnv) -> None:
         assert np.array_equal(value, again[key])
 
 
+@pytest.mark.slow
 def test_with_views_that_are_kept_everything_looks_the_same(env: RemqaEnv) -> None:
     """Also where something has been done, or an observation was written over, and more is seen than is kept."""
     other = RemqaEnv(**SMALL, max_steps=5, views_kept=3, privileged=True)
@@ -110,6 +111,7 @@ def test_with_views_that_are_kept_everything_looks_the_same(env: RemqaEnv) -> No
     other.close()
 
 
+@pytest.mark.slow
 def test_an_episode_ends_with_done_or_after_the_last_step(env: RemqaEnv) -> None:
     env.reset(seed=0)
     assert env.step(DONE)[2:4] == (True, False)
@@ -127,6 +129,7 @@ def test_what_the_room_refuses_is_in_info_and_costs_a_step(env: RemqaEnv) -> Non
     assert env.steps == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("action", "error"),
     [

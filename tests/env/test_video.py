@@ -32,12 +32,14 @@ def noise(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(play, "film", lambda *asked: iter(frames))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("noise")
 def test_a_whole_film_gets_its_name(tmp_path: Path) -> None:
     assert play.write_film(tmp_path, "Q", tmp_path / "film.mp4") == FRAMES
     assert (tmp_path / "film.mp4").stat().st_size > FILM_BYTES
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("noise")
 @pytest.mark.parametrize("suffix", [".mp4", ".webm"])
 def test_browsers_can_play_a_film(tmp_path: Path, suffix: str) -> None:
@@ -73,6 +75,7 @@ def test_a_film_can_be_a_picture_that_moves(tmp_path: Path) -> None:
     assert np.corrcoef(shown.frames[0][..., :3].ravel(), first.ravel())[0, 1] > 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("noise", "small_disk")
 @pytest.mark.parametrize("suffix", [".mp4", ".webp"])
 def test_a_film_on_a_full_disk_is_an_error_and_leaves_the_old_one(tmp_path: Path, suffix: str) -> None:

@@ -11,6 +11,8 @@ from remqa_data.export.glb import Y_UP, glb_bytes, room_scene
 from remqa_data.export.links import link_origins
 from remqa_data.sim.physics.world import World
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def opened(kitchen):

@@ -8,6 +8,8 @@ from remqa_data.export.mjcf import KEYFRAME
 from remqa_data.export.rooms import write_room
 from remqa_data.sim.physics.world import World
 
+pytestmark = pytest.mark.slow
+
 mujoco = pytest.importorskip("mujoco")
 KINDS = {"revolute": mujoco.mjtJoint.mjJNT_HINGE, "prismatic": mujoco.mjtJoint.mjJNT_SLIDE}
 

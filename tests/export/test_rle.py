@@ -8,6 +8,7 @@ from remqa_data.export.rle import compressed, run_lengths
 mask = pytest.importorskip("pycocotools.mask")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [(1, 1), (3, 7), (150, 150), (300, 200)])
 @pytest.mark.parametrize("labels", [1, 2, 5, 1000])
 def test_every_label_has_the_text_that_pycocotools_writes(shape, labels) -> None:

@@ -9,6 +9,8 @@ from remqa_data.geometry.rotations import quaternion_of
 from remqa_data.sim.physics.bullet import BulletClient, pybullet
 from remqa_data.sim.physics.world import World
 
+pytestmark = pytest.mark.slow
+
 KINDS = {"revolute": pybullet.JOINT_REVOLUTE, "prismatic": pybullet.JOINT_PRISMATIC}
 
 

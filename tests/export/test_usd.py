@@ -13,6 +13,8 @@ from remqa_data.sim.physics.world import World
 pytest.importorskip("pxr")
 from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def stage(kitchen_files):
@@ -50,6 +52,7 @@ def farthest_apart(stage, world: World) -> float:
     return max(apart)
 
 
+@pytest.mark.slow
 def test_links_are_where_they_are_closed_and_open(stage, kitchen, world, tmp_path) -> None:
     assert farthest_apart(stage, world) < 1e-5
     write_room(kitchen, tmp_path / "open.usd", opened=["all"])

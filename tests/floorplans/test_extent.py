@@ -63,6 +63,7 @@ def test_a_thing_that_was_left_at_the_origin_does_not_widen_its_room() -> None:
     assert y0 > floor.low[1] - 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["FloorPlan1", "FloorPlan3", "FloorPlan26", "FloorPlan29", "FloorPlan221", "FloorPlan425"]
 )

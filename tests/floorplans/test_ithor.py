@@ -118,6 +118,7 @@ def test_the_same_room_every_time() -> None:
     assert load_scene(name).to_json() == first
 
 
+@pytest.mark.slow
 def test_floors_carry_what_stands_on_them() -> None:
     """The bottoms of most furniture are at floor level, whatever the floor's own recorded box says."""
     for name in SOME:

@@ -12,6 +12,7 @@ def row(**changes):
     return base | changes
 
 
+@pytest.mark.slow
 def test_120_scenes_and_all_objects() -> None:
     names = scene_names()
     assert len(names) == 120

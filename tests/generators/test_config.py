@@ -36,6 +36,7 @@ def test_a_preset_is_loaded_by_its_name_and_a_file_of_that_name_comes_first(tmp_
         load_config("tny")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper.yaml", "tiny.yaml"])
 def test_the_configurations_can_be_allotted(name) -> None:
     config = load_config(CONFIGS / name)
@@ -45,6 +46,7 @@ def test_the_configurations_can_be_allotted(name) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 7, 12, 30, 60, 119])
 def test_fewer_rooms_ask_in_proportion_and_can_be_allotted(count) -> None:
     whole = load_config(CONFIGS / "paper.yaml")
@@ -69,6 +71,7 @@ def test_a_list_of_rooms_is_not_made_longer() -> None:
         load_config(CONFIGS / "tiny.yaml").with_scenes(7)
 
 
+@pytest.mark.slow
 def test_more_questions_than_are_ever_asked_are_one_line() -> None:
     with pytest.raises(
         ConfigError, match=r"^scenes: 1,000,000 rooms would be asked 13,.* questions of a kind: EXISTENCE"
@@ -76,6 +79,7 @@ def test_more_questions_than_are_ever_asked_are_one_line() -> None:
         load_config("paper").with_layouts("sampled").with_scenes(1_000_000)
 
 
+@pytest.mark.slow
 @given(st.integers().filter(lambda n: not 1 <= n <= 120))
 def test_numbers_of_rooms_that_there_are_not(count) -> None:
     with pytest.raises(ConfigError, match="between 1 and 120"):

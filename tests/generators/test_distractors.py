@@ -52,6 +52,7 @@ def test_nothing_that_is_asked_for_or_taken_for_it_or_named_is_a_distractor() ->
         assert "Cup" not in types  # templates/expressions.yaml: a mug may be taken for one
 
 
+@pytest.mark.slow
 def test_a_remote_control_stands_in_for_a_phone_more_often_than_a_plate() -> None:
     drawn: Counter[str] = Counter()
     for seed in range(200):

@@ -107,6 +107,7 @@ def configs() -> Iterator[tuple[str, str]]:
 CONFIGS = dict(configs())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CONFIGS)
 def test_a_configuration_that_cannot_be_used_is_one_line(name: str) -> None:
     started = time.process_time()

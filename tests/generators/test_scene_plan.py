@@ -27,6 +27,7 @@ def planner() -> RoomPlanner:
     return RoomPlanner(Job(quota, config), load_scene(ROOM))
 
 
+@pytest.mark.slow
 def test_a_plan_that_fails_keeps_what_fits_and_does_not_try_it_again(
     planner: RoomPlanner, monkeypatch: pytest.MonkeyPatch
 ) -> None:

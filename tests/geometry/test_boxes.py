@@ -126,6 +126,7 @@ box = st.tuples(number, number, number, size, size, size).map(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(box, min_size=1, max_size=4), st.lists(box, min_size=1, max_size=4), st.tuples(number, number, number))
 def test_measures_are_symmetric_and_do_not_depend_on_where_the_room_is(a, b, shift) -> None:
     moved = np.tile(np.array(shift), 2)

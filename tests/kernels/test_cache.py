@@ -66,6 +66,7 @@ def test_a_command_says_that_its_workers_will_compile_only_while_nothing_is_comp
         assert ("workers compile their kernels, once" in capsys.readouterr().err) == said
 
 
+@pytest.mark.slow
 def test_a_kernel_compiles_where_neither_package_nor_home_can_be_written(tmp_path) -> None:
     (tmp_path / "file").touch()
     code = (

@@ -3,6 +3,8 @@
 import ast
 from pathlib import Path
 
+import pytest
+
 import remqa_data
 from remqa_data.compiled import SOURCES
 
@@ -33,6 +35,7 @@ def source_of(module: str, name: str) -> str:
     return f"{path}/{name}" if (PACKAGE / path / f"{name}.py").is_file() else path
 
 
+@pytest.mark.slow
 def test_machine_code_is_renewed_when_any_module_changes_that_it_comes_from() -> None:
     expected = {"compiled"}.union(*(depended_on(path) for path in PACKAGE.rglob("*.py")))
     assert len(expected) > 8

@@ -102,6 +102,7 @@ def random_frame(seed: int) -> tuple[np.ndarray, np.ndarray, Camera]:
     return depth.astype(np.float32), draw.integers(-1, 3, (9, 13)).astype(np.int32), camera
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.integers(0, 10**6), min_size=1, max_size=4), st.sampled_from([0.05, 0.1, 0.3]))
 def test_labels_are_those_that_counting_unprojected_pixels_one_by_one_gives(seeds: list[int], voxel_m: float) -> None:
@@ -362,6 +363,7 @@ def test_in_rooms_the_navigation_grid_is_the_true_one_but_for_a_few_cells(explor
     assert parts <= 1 + 0.05 * len(truth.cells)
 
 
+@pytest.mark.slow
 def test_a_picture_of_the_plan_shows_types_path_and_legend(explored, tmp_path: Path) -> None:
     _, voxels, truth, _ = explored
     plan = voxels.plan()

@@ -32,6 +32,7 @@ def test_a_signal_is_handled_when_what_it_would_break_off_is_done(number: int) -
         signal.signal(number, before)
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_interrupted_as_it_starts_ends_without_a_word(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

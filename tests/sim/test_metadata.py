@@ -111,6 +111,7 @@ def test_facing_is_where_the_front_looks(yaw_deg: float, facing_deg: float) -> N
         assert object_metadata(world)["Mug|1"].facing_deg == pytest.approx(facing_deg, abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", ["FloorPlan1", "FloorPlan203", "FloorPlan310", "FloorPlan412"])
 def test_supports_agree_with_ai2thor(room: str) -> None:
     # The oracle is the floor plan: AI2-THOR's parentReceptacles at the start of an episode.

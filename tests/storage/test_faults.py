@@ -192,6 +192,7 @@ def test_a_fault_ends_in_the_same_bytes_or_an_error(
     print("same bytes" if error is None else f"{type(error).__name__}: {error}")
 
 
+@pytest.mark.slow
 def test_missing_credentials_are_called_so(
     servers: tuple[FaultyS3, str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

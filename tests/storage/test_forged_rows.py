@@ -16,6 +16,8 @@ from tests.helpers import hostile_reading
 from tests.helpers.forged_rows import IMAGES, Forgery, forge, image_forgeries, schema_forgeries
 from tests.helpers.hostile_reading import QUICK, READERS, ReadingProcess, read_rows_of
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("remqa_data.datasets.torch_datasets")  # before the forks, which would each import it
 
 CASES = {forgery.name: forgery for forgery in (*schema_forgeries(), *image_forgeries())}

@@ -127,6 +127,7 @@ def test_links_and_what_is_no_file_are_refused(
     assert os.path.lexists(root / name) or name == "croissant.json"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     shutil.which("unshare") is None or subprocess.run(["unshare", "-rm", "true"], check=False).returncode != 0,
     reason="needs a mount namespace of its own",

@@ -11,6 +11,7 @@ from tests.helpers.damaged_files import files_of, flip
 from tests.helpers.dataset_rows import frame_row, question_row, write_dataset
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [("Kitchen1", "Kitchen2", "Kitchen3"), ("Kitchen3", "Kitchen1", "Kitchen2")])
 def test_the_bytes_do_not_depend_on_the_order_in_which_scenes_finish(finished, tmp_path, order) -> None:
     write_dataset(tmp_path, order)

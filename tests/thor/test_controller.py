@@ -12,6 +12,7 @@ def test_it_is_ai2thors_controller(kitchen) -> None:
     assert kitchen.scenes_in_build == set(kitchen.ithor_scenes())
 
 
+@pytest.mark.slow
 def test_scenes_are_loaded_by_name(kitchen) -> None:
     event = kitchen.reset("FloorPlan402")
     assert event.metadata["sceneName"] == "FloorPlan402_physics"
@@ -33,6 +34,7 @@ def test_reset_restores_everything(kitchen) -> None:
     assert np.array_equal(again.frame, start.frame)
 
 
+@pytest.mark.slow
 def test_the_same_actions_give_the_same_events(kitchen) -> None:
     actions = ["RotateLeft", "MoveAhead", "MoveAhead", "LookDown", "MoveRight", "Crouch", "RotateRight"]
     first = [kitchen.step(action) for action in actions]
@@ -154,6 +156,7 @@ def test_third_party_cameras(kitchen) -> None:
     assert kitchen.reset().metadata["thirdPartyCameras"] == []
 
 
+@pytest.mark.slow
 def test_a_rolled_camera_turns_its_picture(kitchen) -> None:
     """A quarter counter-clockwise, as Unity's positive z is, turns what is seen clockwise; two quarters are upside down."""
     event = kitchen.reset(renderInstanceSegmentation=True)
@@ -170,6 +173,7 @@ def test_a_rolled_camera_turns_its_picture(kitchen) -> None:
     assert event.metadata["thirdPartyCameras"][0]["rotation"]["z"] == 90.0
 
 
+@pytest.mark.slow
 def test_an_orthographic_camera_looks_anywhere(kitchen) -> None:
     """From the side a mug is as many pixels high as its box, however far away the camera is."""
     kitchen.reset(renderInstanceSegmentation=True)

@@ -10,6 +10,8 @@ import pytest
 from remqa_data.thor.session import LEAVES_ROOM_AS_IT_IS
 from remqa_data.thor.state.objects import ObjectRecords
 
+pytestmark = pytest.mark.slow
+
 FRIDGE = "Fridge|-02.10|+00.00|+01.07"
 APPLE = "Apple|-00.47|+01.15|+00.48"
 CHANGES = (

@@ -23,6 +23,7 @@ def pixel_of(position, camera_position, orthographic_size, shape) -> tuple[int, 
     return round(shape[0] * (1 - up / orthographic_size)), round(shape[1] * across / orthographic_size)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(300, 300), (320, 200)])
 def test_the_map_is_what_a_camera_at_its_properties_sees(kitchen, bathroom, size) -> None:
     for controller in (kitchen, bathroom):
@@ -77,6 +78,7 @@ def test_the_agent_acts_and_sees_as_without_a_map(kitchen) -> None:
     assert kitchen.reset().metadata["cameraOrthSize"] == -1.0
 
 
+@pytest.mark.slow
 def test_ceilings_do_not_hide_a_room_from_above(kitchen, bathroom) -> None:
     for controller in (kitchen, bathroom):
         controller.reset(renderInstanceSegmentation=True)

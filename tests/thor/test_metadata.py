@@ -52,6 +52,7 @@ def check(metadata: dict) -> None:
     assert json.loads(json.dumps(metadata)) == metadata
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["default", "arm"])
 def test_every_event_follows_the_schema(kitchen, mode) -> None:
     check(kitchen.reset(agentMode=mode, renderInstanceSegmentation=True).metadata)
@@ -95,6 +96,7 @@ def yaw_off(record, row) -> float:
     return float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["FloorPlan1", "FloorPlan301"])
 def test_rotations_are_those_that_ai2thor_recorded_whichever_side_is_the_front(name) -> None:
     """Cabinets, drawers and windows were made with their front on any side of their own frame."""
@@ -116,6 +118,7 @@ def test_rotations_are_those_that_ai2thor_recorded_whichever_side_is_the_front(n
         assert (before - turned) % 360 == pytest.approx(90, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "height"), [("FloorPlan1", 0.901), ("FloorPlan3", 1.124), ("FloorPlan12", 0.98), ("FloorPlan221", 0.998)]
 )

@@ -5,6 +5,7 @@ import pytest
 from tests.helpers.object_goal import ObjectGoalAgent
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("object_type", ["Apple", "Mug"])
 def test_fetches_what_lies_in_sight(kitchen, object_type) -> None:
     fetched = ObjectGoalAgent(kitchen).fetch(object_type)

@@ -178,12 +178,14 @@ def test_every_name_of_the_compatible_receptacles_is_a_type() -> None:
     assert set(rules["tables"]) <= receptacles
 
 
+@pytest.mark.slow
 def test_says_what_clients_look_for_when_there_is_no_place(kitchen) -> None:
     kitchen.step("PickupObject", objectId="Book|+00.15|+01.10|+00.62", forceAction=True)
     event = kitchen.step("PutObject", objectId="Bowl|+00.27|+01.10|-00.75", forceAction=True)
     assert event.metadata["errorMessage"] == "No valid positions to place object found"
 
 
+@pytest.mark.slow
 def test_drops(before_apple) -> None:
     before_apple.step("PickupObject", objectId=APPLE)
     before_apple.step("Teleport", position={"x": 1.5, "y": 0.9, "z": 0.0}, rotation={"x": 0, "y": 180, "z": 0})
@@ -305,6 +307,7 @@ def before_microwave(kitchen):
     return kitchen
 
 
+@pytest.mark.slow
 def test_a_microwave_heats_what_was_put_in_and_gives_it_back(before_microwave) -> None:
     controller = before_microwave
     closed = controller.step("PutObject", objectId=MICROWAVE)

@@ -17,6 +17,7 @@ def in_plain_sight(controller) -> list[str]:
     return [name for name in shown if agent.plan_distance(name) <= 1.5]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(300, 300), (400, 130)])
 def test_a_step_without_pictures_sees_what_a_picture_shows(kitchen, size) -> None:
     kitchen.reset(width=size[0], height=size[1])

@@ -76,6 +76,7 @@ def test_the_pixels_that_show_it_are_those_whose_depth_lies_within() -> None:
     assert not at(0.0).any()  # where nothing is
 
 
+@pytest.mark.slow
 def test_most_should_show_from_before_it_and_near_it() -> None:
     memory = memory_of([thing("Fridge|1", (0.0, 0.1, 0.0), (0.8, 0.8, 1.8))], BOUNDS)
     fridge = choose_instance(program_of("the fridge"), memory)

@@ -1,3 +1,5 @@
+import pytest
+
 from remqa_data.agents.knowledge.instance import choose_instance
 from remqa_data.language.referring import program_of
 from tests.helpers.room_records import kitchen
@@ -14,6 +16,7 @@ def chosen(text: str, *, without: tuple[str, ...] = (), unseen: tuple[str, ...] 
     return choose_instance(program_of(text), type(memory)(known.graph, memory.labels, memory.plan, memory.body))
 
 
+@pytest.mark.slow
 def test_the_anchor_of_the_expression_chooses_the_instance() -> None:
     boxes = {record.id: record.box for record in kitchen()}
     for text, name in (
@@ -36,6 +39,7 @@ def test_where_several_fit_the_first_is_taken() -> None:
     assert found.found_by == "graph, roughly"
 
 
+@pytest.mark.slow
 def test_what_the_graph_lacks_is_found_by_its_label_on_the_map() -> None:
     found = chosen("the toaster", without=("Toaster|1",))
     assert found.found_by == "map"
@@ -45,5 +49,6 @@ def test_what_the_graph_lacks_is_found_by_its_label_on_the_map() -> None:
     assert found.facing_deg is None
 
 
+@pytest.mark.slow
 def test_what_nobody_has_seen_is_nowhere() -> None:
     assert chosen("the toaster", unseen=("Toaster|1",)) is None

@@ -24,6 +24,7 @@ def test_most_is_seen_from_straight_ahead() -> None:
     assert share_from((0, -6)) > share_from((-5, -4)) > 0
 
 
+@pytest.mark.slow
 def test_what_stands_between_hides() -> None:
     screen = thing("ShowerCurtain|1", (0.0, -0.8, 0.0), (2.0, 0.1, 1.9))
     assert share_from((0, -6), screen) < 0.2 * share_from((0, -6))

@@ -54,6 +54,7 @@ def matcher_of(kind: type[Matcher]) -> Matcher:
     return kind(WORDS, TYPES).eval()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", MATCHERS)
 def test_the_order_of_the_objects_does_not_matter(kind: type[Matcher]) -> None:
     matcher, numbers = matcher_of(kind), torch.tensor([[2, 3, 4], [5, 6, 0]])
@@ -142,6 +143,7 @@ def test_a_box_is_chosen_from_once() -> None:
     assert candidates(found, 1) == [0]
 
 
+@pytest.mark.slow
 def test_boxes_that_overlap_the_chosen_one_say_where_it_ends_the_better_they_fit() -> None:
     boxes = np.array([[10, 10, 40, 40], [10, 10, 50, 40], [60, 60, 90, 90], [70, 10, 80, 20]], dtype=np.float32)
     unlike = -math.log(3) / VOTING_SHARPNESS  # weighs a third
@@ -153,7 +155,7 @@ def test_boxes_that_overlap_the_chosen_one_say_where_it_ends_the_better_they_fit
     assert judged.meant_in(found).tolist() == [pytest.approx([10, 10, 42.5, 40]), boxes[3].tolist()]
     edge = boxes + np.array([0, 0, 300 - 40, 0], dtype=np.float32)  # all end at the same side, or beyond it
     edge[:, 2] = 300
-    for count in range(2, 200):
+    for count in (2, 10, 17, 33, 58, 77):  # in most of these the mean alone would be beyond
         many = np.repeat(edge[:1], count, axis=0)
         among = Match(torch.linspace(0, 0.3, count)[None], torch.ones((1, 3)), torch.ones((1, 3, 1)))
         seen = regions(many, np.ones(count, dtype=np.float32))

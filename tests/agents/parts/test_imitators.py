@@ -101,6 +101,7 @@ def said_after(numbers: list[int]) -> torch.Tensor:
     return agent.network.said
 
 
+@pytest.mark.slow
 def test_eqa_answers_from_the_question_and_the_last_five_views() -> None:
     assert LAST_VIEWS == 5
     said = said_after([0, 1, 2, 3, 4, 5, 6, 7])
@@ -122,6 +123,7 @@ def test_a_view_at_which_eqa_has_stopped_is_not_seen_twice() -> None:
     assert agent.network.views == 2
 
 
+@pytest.mark.slow
 def test_the_same_generator_walks_the_same_way_and_the_agent_goes_to_other_processes() -> None:
     def walked(agent: EqaAgent, seed: int) -> list[str | None]:
         walker = agent.begin(ASKED, MEMORY, np.random.default_rng(seed))

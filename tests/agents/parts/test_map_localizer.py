@@ -31,6 +31,7 @@ def test_a_ring_is_pointed_at_on_itself_and_not_in_its_hole() -> None:
     assert mask[int(y * 11), int(x * 11)]
 
 
+@pytest.mark.slow
 def test_nothing_is_seen_where_the_target_is_not_in_view_or_was_never_seen() -> None:
     memory = memory_of([FRIDGE], (-2.0, -3.0, 2.0, 0.5))
     instance = choose_instance(ASKED.target, memory)

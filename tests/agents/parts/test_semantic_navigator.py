@@ -84,6 +84,7 @@ def test_a_step_that_is_refused_is_not_tried_again() -> None:
     assert len(free) < len(actions) < len(free) + 20
 
 
+@pytest.mark.slow
 def test_where_the_target_is_not_in_sight_the_next_goal_is_tried() -> None:
     memory = memory_of([FRIDGE], BOUNDS)
     instance = choose_instance(QUESTION.target, memory)
@@ -107,6 +108,7 @@ def test_who_stands_where_the_map_says_that_nobody_can_finds_the_way_out() -> No
     assert pose.cell[1] > -6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["Is there a mug in the safe?", "Is there a mug in the microwave?"])
 def test_nobody_walks_to_what_was_never_seen(text: str) -> None:
     walker = SemanticMapNavigator().begin(read_question(text), memory_of([FRIDGE], BOUNDS), RNG)
@@ -126,6 +128,7 @@ def test_what_is_opened_is_reached_from_its_front_and_not_from_where_it_slides_o
     assert found < around
 
 
+@pytest.mark.slow
 def test_into_what_is_open_it_looks_from_before_it_each_time_from_another_cell() -> None:
     fridge = thing("Fridge|1", (0.0, 0.1, 0.0), (0.8, 0.8, 1.8))
     memory = memory_of([fridge], BOUNDS)

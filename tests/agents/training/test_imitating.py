@@ -72,6 +72,7 @@ def test_best_moves_are_all_that_come_nearer_and_done_at_the_target() -> None:
     assert [set(np.flatnonzero(row)) for row in found] == [{AHEAD}, {LEFT, RIGHT}, {RIGHT}, {DONE}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_who_is_led_walks_a_shortest_way_and_who_is_not_may_stop_anywhere(form: ImitatorForm) -> None:
     task = task_in_the_corridor(form)
@@ -112,6 +113,7 @@ def test_the_way_through_the_corridor_is_learnt(form: ImitatorForm) -> None:
         assert min(deeds_right(task)) > 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_the_same_generators_make_the_same_walks(form: ImitatorForm) -> None:
     task = task_in_the_corridor(form)

@@ -90,6 +90,7 @@ def test_pictures_without_what_is_meant_teach_nothing_and_stop_nobody() -> None:
     assert float(losses["right"]) == 0.0
 
 
+@pytest.mark.slow
 def test_boxes_learn_to_end_where_their_objects_do_and_how_well_they_fit() -> None:
     """Four boxes of one thing that are off by a half to each side, and one of nothing, told apart by what is seen in them."""
     torch.manual_seed(0)

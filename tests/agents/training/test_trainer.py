@@ -15,6 +15,7 @@ from remqa_data.errors import ConfigError
 from tests.helpers.small_training import SCHEDULE, Sums, checksum
 
 
+@pytest.mark.slow
 def test_it_learns_and_writes_its_curves(tmp_path: Path) -> None:
     score = train(Sums(), replace(SCHEDULE, epochs=40), tmp_path)
     assert score["val_error"] < 0.1
@@ -24,6 +25,7 @@ def test_it_learns_and_writes_its_curves(tmp_path: Path) -> None:
     assert float(curves[-1]["loss"]) < float(curves[0]["loss"]) / 4
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_weights_and_another_seed_others(tmp_path: Path) -> None:
     found = []
     for place, seed in enumerate((3, 3, 4)):
@@ -33,6 +35,7 @@ def test_the_same_seed_gives_the_same_weights_and_another_seed_others(tmp_path: 
     assert found[0] == found[1] != found[2]
 
 
+@pytest.mark.slow
 def test_other_processes_make_the_same_batches(tmp_path: Path) -> None:
     here, elsewhere, stopped = Sums(), Sums(), Sums()
     train(here, SCHEDULE, tmp_path / "here")
@@ -72,6 +75,7 @@ def test_it_learns_in_bfloat16_with_weights_of_float32(tmp_path: Path, monkeypat
     assert checksum(tasks[0].model) == checksum(tasks[1].model) != checksum(tasks[2].model)
 
 
+@pytest.mark.slow
 def test_a_processor_that_would_imitate_bfloat16_learns_in_float32(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -84,6 +88,7 @@ def test_a_processor_that_would_imitate_bfloat16_learns_in_float32(
     assert learnt[False, "bfloat16"] == learnt[False, "float32"] != learnt[True, "bfloat16"]
 
 
+@pytest.mark.slow
 def test_a_run_that_was_stopped_goes_on_where_it_was_to_the_same_weights(tmp_path: Path) -> None:
     whole, stopped = Sums(), Sums()
     train(whole, SCHEDULE, tmp_path / "whole")
@@ -130,6 +135,7 @@ def test_only_the_same_training_is_gone_on_with(tmp_path: Path) -> None:
         train(Sums(), SCHEDULE, tmp_path, fingerprint="another dataset", resume=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", [b"", b"junk" * 100, b"PK\x03\x04" + b"\0" * 50, "half", "other"])
 def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path, damage: bytes | str) -> None:
     train(Sums(), SCHEDULE, tmp_path)

@@ -144,6 +144,7 @@ def test_an_actor_critic_learns_to_walk_the_corridor(seed: int) -> None:
     assert learnt(task, 70, 64) > 0.9
 
 
+@pytest.mark.slow
 def test_the_same_generators_make_the_same_walks() -> None:
     task = task_in_the_corridor(ReinforcingTask, "scene_priors")
     first, again, other = (
@@ -185,6 +186,7 @@ def test_what_walks_see_that_are_over_is_not_looked_at(form) -> None:
     assert again.moves.isfinite().all()
 
 
+@pytest.mark.slow
 def test_savn_walks_and_learns_with_the_same_corrections() -> None:
     """What it thought on its way is what training works out again."""
     task = task_in_the_corridor(AdaptingTask, "savn")

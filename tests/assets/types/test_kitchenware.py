@@ -57,6 +57,7 @@ def test_a_recorded_level_is_the_floor_of_a_vessel(type_: str) -> None:
     assert asset.spaces[0].box[2] + size[2] / 2 == pytest.approx(level, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_the_lid_of_a_kettle_clears_bow_handle_and_spout_while_it_opens(variant: int) -> None:
     asset = build(AssetSpec("Kettle", typical_size("Kettle"), variant))

@@ -114,6 +114,7 @@ def test_results_are_not_written_into_the_dataset(data: Path, tmp_path: Path) ->
     assert not (data / "results").exists()
 
 
+@pytest.mark.slow
 def test_a_dataset_is_named_by_its_first_digits(data: Path, tmp_path: Path) -> None:
     sha256 = dataset_sha256(load_manifest(data))
     for told, code in ((sha256, 0), (sha256[:16], 0), (sha256[:15], 2), (sha256[:16] + "x", 2)):

@@ -19,6 +19,7 @@ def test_wilson_interval_where_all_or_none_succeed() -> None:
     assert (every.low, every.high, every.interval) == (pytest.approx(1 - 0.1611, abs=5e-5), 1.0, "wilson")
 
 
+@pytest.mark.slow
 def test_the_interval_covers_the_truth_about_95_times_in_100() -> None:
     draws = np.random.default_rng(1)
     hits = 0
@@ -36,6 +37,7 @@ def test_scenes_that_are_alike_inside_widen_the_interval() -> None:
     assert by_scene.high - by_scene.low > 3 * (by_question.high - by_question.low)
 
 
+@pytest.mark.slow
 def test_the_interval_over_runs_covers_the_truth_where_runs_and_scenes_differ() -> None:
     draws = np.random.default_rng(3)
     hits = 0

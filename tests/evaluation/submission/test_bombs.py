@@ -42,6 +42,7 @@ def refusal(path: Path) -> str:
     return str(caught.value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_footer_honest", [True, False])
 def test_a_text_of_100_mb_is_refused_whatever_the_footer_says(is_footer_honest: bool, tmp_path: Path) -> None:
     path = write_bomb(tmp_path / "bomb.parquet", long_answer(100), is_footer_honest=is_footer_honest)
@@ -51,6 +52,7 @@ def test_a_text_of_100_mb_is_refused_whatever_the_footer_says(is_footer_honest: 
     assert "unpacks to 104,857," in refusal(path)
 
 
+@pytest.mark.slow
 def test_a_list_of_five_million_actions_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "bomb.parquet"
     pq.write_table(long_list(5_000_000), path, store_schema=False, data_page_size=1 << 30, write_statistics=False)
@@ -61,6 +63,7 @@ def test_a_list_of_five_million_actions_is_refused(tmp_path: Path) -> None:
     assert "too many values for its rows" in refusal(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["1.0", "2.0"])
 @pytest.mark.parametrize("compression", ["zstd", "snappy", "none"])
 def test_pages_say_what_an_honest_footer_says(version: str, compression: str, tmp_path: Path) -> None:

@@ -261,6 +261,7 @@ def test_files_that_are_not_there_or_have_another_name(data: Path, tmp_path: Pat
     assert_refused(data, other, ".jsonl or .parquet")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("poses", "wanted"),
     [

@@ -146,6 +146,7 @@ def test_the_order_in_which_violated_places_are_packed_again_is_no_hash_order(mo
     assert (rounds == sorted(rounds[0])).all()
 
 
+@pytest.mark.slow
 def test_a_share_of_the_loose_things_moves() -> None:
     scene, places = load_scene("FloorPlan318"), places_of("FloorPlan318")
     positions = {o.id: o.position for o in scene.objects}
@@ -158,12 +159,14 @@ def test_a_share_of_the_loose_things_moves() -> None:
     assert moved(1.0) >= 5
 
 
+@pytest.mark.slow
 def test_too_many_things_are_refused_with_the_place() -> None:
     place = next(place for place in places_of("FloorPlan7") if place.type == "Microwave")
     with pytest.raises(ArrangementError, match=r"FloorPlan7: no room in Microwave.*wish for fewer"):
         arrange(load_scene("FloorPlan7"), places_of("FloorPlan7"), [Hidden(place, "Pot", 9)], np.random.default_rng(0))
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     st.lists(st.tuples(st.floats(0.02, 0.2), st.floats(0.02, 0.2)), min_size=1, max_size=6),

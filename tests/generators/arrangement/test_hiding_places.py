@@ -20,6 +20,8 @@ from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 from tests.helpers.places import places_of
 
+pytestmark = pytest.mark.slow
+
 ROOMS = ("FloorPlan7", "FloorPlan205", "FloorPlan324", "FloorPlan417")
 
 

@@ -33,6 +33,7 @@ def rooms_full(answer_of) -> list[AskedQuestion]:
     return made
 
 
+@pytest.mark.slow
 def test_questions_whose_words_tell_the_answer_are_told_apart() -> None:
     (score,) = blind_scores(rooms_full(lambda type_, place, rng: "yes" if type_ in TYPES[:4] else "no"))
     assert (score.kind, score.questions) == ("EXISTENCE", 160)

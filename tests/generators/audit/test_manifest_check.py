@@ -8,6 +8,7 @@ from remqa_data.generators.audit.manifest_check import folder_failures
 from remqa_data.storage.manifest import load_manifest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "path", [".lock", ".lock/0b5e6d1c", ".gitattributes", ".git/HEAD", ".cache/huggingface/x", "questions/.gitignore"]
 )

@@ -70,6 +70,7 @@ def lots_needed(answers: Mapping[str, int]) -> int:
     return max(math.ceil(count / per_answer) for count in answers.values())
 
 
+@pytest.mark.slow
 def test_the_published_totals() -> None:
     rooms = capacities(scene_names())
     quotas = allot(rooms, PUBLISHED)
@@ -77,6 +78,7 @@ def test_the_published_totals() -> None:
     assert sum(quota.total(kind) for quota in quotas for kind in KINDS) == 4072
 
 
+@pytest.mark.slow
 def test_a_room_without_anything_to_open_owes_only_spatial_questions() -> None:
     assert not any(o.type in {"Cabinet", "Drawer", "Fridge", "Box", "Toilet"} for o in recorded_objects("FloorPlan320"))
     (quota,) = [q for q in allot(capacities(scene_names()), PUBLISHED) if q.scene == "FloorPlan320"]
@@ -134,6 +136,7 @@ def test_a_room_with_too_few_lots_takes_more_than_it_takes_easily() -> None:
     assert [quota.total("EXISTENCE") for quota in quotas] == [44 - 4 * FEWEST_LOTS, 4 * FEWEST_LOTS]
 
 
+@pytest.mark.slow
 def test_rooms_of_the_benchmark_are_asked_16_to_60_questions_or_all_that_they_can_be() -> None:
     rooms = capacities(scene_names())
     asked = [sum(map(quota.total, KINDS)) for quota in allot(rooms, PUBLISHED)]

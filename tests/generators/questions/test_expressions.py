@@ -176,6 +176,7 @@ def by_hand(graph: SceneGraph, kind: str, relation: str, anchor_type: str) -> se
     }
 
 
+@pytest.mark.slow
 def test_every_expression_of_a_room_picks_out_its_target(room: SceneGraph) -> None:
     everything = all_expressions(room)
     assert {"bare", "relation", "superlative"} <= {e.kind for e in everything}
@@ -195,6 +196,7 @@ def test_every_expression_of_a_room_picks_out_its_target(room: SceneGraph) -> No
     assert len({e.text: e.target_id for e in everything}) == len({e.text for e in everything})
 
 
+@pytest.mark.slow
 def test_expressions_do_not_depend_on_the_order_of_the_nodes(room: SceneGraph) -> None:
     backwards = SceneGraph.from_objects(reversed(room.objects.values()))
     one, two = Expressions(room), Expressions(backwards)

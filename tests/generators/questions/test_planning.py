@@ -30,6 +30,8 @@ from remqa_data.sim.physics.world import World
 from remqa_data.storage.shards import read_table
 from tests.helpers.stand_in_places import StandIn, stand_in_places, stand_in_types
 
+pytestmark = pytest.mark.slow
+
 PAPER = Path(__file__).parents[3] / "configs" / "paper.yaml"
 SAMPLE = choose_scenes(12)
 SPARE = dict.fromkeys(KINDS, 1)
@@ -73,7 +75,6 @@ def quotas():
     return allot(rooms, {split: {k: n - n // 4 for k, n in by_kind.items()} for split, by_kind in totals.items()})
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("index", range(12))
 def test_groups_meet_the_quota_and_leave_no_doubt(index) -> None:
     quota = quotas()[index]
@@ -106,7 +107,6 @@ def types_by_place(groups) -> dict[tuple[str, str], set[str]]:
     return found
 
 
-@pytest.mark.slow
 def test_what_clashes_is_not_asked_for_in_one_place() -> None:
     clashes: dict[tuple[str, str], set[frozenset[str]]] = {}
     for _ in range(6):  # whatever comes together is ruled out, again and again
@@ -124,7 +124,6 @@ def inner_plan(quota: SceneQuota, fits):
     return plan_groups(places, phrases, types, quota, rng_for(quota.scene), 4, {}, None, fits)
 
 
-@pytest.mark.slow
 def test_some_spatial_questions_ask_how_two_things_lie_and_both_are_wished_for_whatever_the_answer() -> None:
     found = 0
     for quota in quotas()[:6]:
@@ -156,7 +155,6 @@ def _check_inner_wishes(groups, configuration: int) -> None:
         assert not confusable(question.type, partner.type)
 
 
-@pytest.mark.slow
 def test_where_nothing_can_lie_as_asked_other_spatial_questions_step_in() -> None:
     quota = max(quotas(), key=lambda q: q.total("SPATIAL"))
     groups = inner_plan(quota, lambda place, type_, partner: False)
@@ -164,7 +162,6 @@ def test_where_nothing_can_lie_as_asked_other_spatial_questions_step_in() -> Non
     assert sum(len(g.asked) for g in groups if g.question.kind == "SPATIAL") == quota.total("SPATIAL")
 
 
-@pytest.mark.slow
 def test_the_same_generator_gives_the_same_plan_and_another_one_another() -> None:
     assert plan(quotas()[0]) == plan(quotas()[0])
     assert plan(quotas()[0]) != plan(quotas()[0], seed=1)
@@ -249,7 +246,6 @@ def test_selection_keeps_what_was_asked_unless_something_was_refused() -> None:
     assert select(groups, everything, quota) == {g.name: g.asked for g in groups if g.asked}
 
 
-@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.data())
 def test_selection_is_exact_whatever_is_refused_or_says_why_not(data) -> None:
@@ -281,7 +277,6 @@ def test_a_spare_group_steps_in_for_one_that_was_refused() -> None:
     assert spare.name in select(groups, passed, quota)
 
 
-@pytest.mark.slow
 def test_mean_lengths_and_manipulations_of_a_tenth_of_the_benchmark() -> None:
     words: dict[str, list[int]] = {kind: [] for kind in KINDS}
     manipulations: Counter[str] = Counter()

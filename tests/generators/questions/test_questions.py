@@ -67,6 +67,7 @@ def test_words_of_how_two_things_lie(partner, text) -> None:
     assert question.types == {"Egg", partner.type}
 
 
+@pytest.mark.slow
 def test_every_question_type_makes_a_sentence_without_leftovers() -> None:
     assert len(question_types()) == 60
     for name in question_types():

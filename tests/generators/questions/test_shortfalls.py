@@ -39,6 +39,7 @@ def sums(answers: Iterable[tuple[str, Answers]]) -> dict[tuple[str, str], Counte
     return found
 
 
+@pytest.mark.slow
 @given(st.lists(st.fixed_dictionaries({kind: st.integers(0, 8) for kind in KINDS}), min_size=7, max_size=7))
 def test_what_some_rooms_lack_others_have(can: list[dict[str, int]]) -> None:
     rooms, able = [capacity(name, 5) for name in NAMES], dict(zip(NAMES, can, strict=True))

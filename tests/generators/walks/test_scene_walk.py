@@ -84,6 +84,7 @@ def test_the_stored_room_draws_the_stored_frame(walked: SceneWalk) -> None:
     assert np.abs(decode_rgb(frame.rgb.bytes).astype(int) - drawn.rgb).mean() < 4  # JPEG
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_rows(walked: SceneWalk) -> None:
     again = make_walk()
     assert again.scene == walked.scene

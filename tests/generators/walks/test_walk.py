@@ -112,6 +112,7 @@ def test_every_frame_sees_three_objects_besides_the_floor(frames: list[WalkFrame
         assert sum(thing.type != "Floor" for thing in frame.metadata.objects) >= 3
 
 
+@pytest.mark.slow
 def test_together_the_frames_see_nearly_all_that_can_be_seen(
     room: tuple[WorldView, ReachableGrid], frames: list[WalkFrame]
 ) -> None:
@@ -154,6 +155,7 @@ def test_the_same_generator_gives_the_same_frames(
         assert np.array_equal(one.observation.depth, other.observation.depth)
 
 
+@pytest.mark.slow
 def test_another_generator_gives_other_frames(room: tuple[WorldView, ReachableGrid]) -> None:
     view, grid = room
     start = grid.cells[len(grid.cells) // 2]
@@ -171,6 +173,7 @@ def test_headings_horizons_and_stride_come_from_the_settings(room: tuple[WorldVi
     assert all(order.index(pose.cell) % 7 == 0 for pose in poses)
 
 
+@pytest.mark.slow
 def test_poses_that_see_too_little_give_no_frame(room: tuple[WorldView, ReachableGrid]) -> None:
     view, grid = room
     strict = WalkSettings(frames=60, min_objects=20, stride=5)

@@ -73,6 +73,7 @@ def go_near(agent: Agent, object_id: str, distance_m: float = 0.9) -> None:
     agent.place((px, py), yaw, min(max(round(down / 30) * 30, -30), 60))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["FloorPlan1", "FloorPlan406"])
 def test_a_step_ahead_succeeds_where_the_grid_has_an_edge_and_nowhere_else(name: str) -> None:
     agent = agent_in(at_rest(name))
@@ -88,6 +89,7 @@ def test_a_step_ahead_succeeds_where_the_grid_has_an_edge_and_nowhere_else(name:
     agent.world.close()
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @example(steps=[(0.0, 0.0, -1e-300)])
 @given(steps=st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-180, 180)), max_size=12))
@@ -182,6 +184,7 @@ def test_an_open_door_is_in_the_way(agent: Agent) -> None:
     assert agent.grid.cells == before.cells
 
 
+@pytest.mark.slow
 def test_a_bowl_is_picked_up_put_on_the_table_and_dropped(agent: Agent) -> None:
     bowl, counter = first_of(agent, "Bowl"), first_of(agent, "CounterTop")
     assert agent.drop().error == "nothing is held"

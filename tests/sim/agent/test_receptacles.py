@@ -13,6 +13,8 @@ from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.view import WorldView
 
+pytestmark = pytest.mark.slow
+
 CUTLERY = ("Fork", "Spoon", "ButterKnife", "Knife")
 
 

@@ -24,6 +24,7 @@ def first_of(scene: Scene, type_: str) -> str:
     return next(o.id for o in scene.objects if o.type == type_)
 
 
+@pytest.mark.slow
 def test_the_oracles_way_to_the_fridge_ends_in_the_same_picture_every_time(kitchen: Scene) -> None:
     fridge = first_of(kitchen, "Fridge")
     replay = Replay(kitchen, AgentPose((0, 4), 0, 0))
@@ -75,6 +76,7 @@ def test_what_is_picked_up_is_gone_from_the_picture_and_what_is_moved_is_elsewhe
     replay.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("action", "message"),
     [

@@ -194,6 +194,7 @@ def _owned(obstacles: Obstacles) -> tuple[list[int], list[float]]:
 # ---- moving the hand
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=25)
 @given(st.floats(0.3, 0.6), st.floats(-50, 50), st.floats(-0.3, 0.3))
 @example(0.5625, -28.0, -0.125)  # here and below the ways to the first postures lead through the agent's own column
@@ -314,6 +315,7 @@ def test_the_hands_ball_touches_what_it_reaches_and_nothing_else_does() -> None:
         assert (np.linalg.norm(gaps, axis=1) - BALL_RADII_M).min() > 0
 
 
+@pytest.mark.slow
 def test_a_mug_behind_a_pane_is_blocked() -> None:
     pane = (0.4, -3.0, 0.0, 0.42, 3.0, 2.5)
     with World(room(mug(0.5, 0.0, 0.9), walls=[pane])) as world:
@@ -334,6 +336,7 @@ def test_an_unknown_object_is_an_error() -> None:
             Arm(world).move_hand(BASE, (0.5, 0.0, 0.75), ignore=["Mug|2"])
 
 
+@pytest.mark.slow
 def test_a_movement_depends_on_the_room_and_the_arm_only_and_leaves_the_room_alone() -> None:
     scene = load_scene("FloorPlan402")
     with World(scene) as one, World(scene) as other:

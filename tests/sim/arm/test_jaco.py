@@ -60,6 +60,7 @@ def test_the_stretched_arm_is_as_long_as_its_data_sheet_says() -> None:
     assert heights == pytest.approx([0, 0.15675, 0.2755, 0.6855, 0.8928, 0.99655, 1.1003, 1.2603])
 
 
+@pytest.mark.slow
 @given(angles)
 def test_every_posture_brings_the_hand_there_and_the_one_it_came_from_is_among_them(joints) -> None:
     hand = jaco.link_poses(np.array([joints]))[0, jaco.HAND]
@@ -73,6 +74,7 @@ def test_every_posture_brings_the_hand_there_and_the_one_it_came_from_is_among_t
     assert np.abs(elbows[:-1] - elbows[-1]).max(axis=(1, 2)).min() < 1e-5
 
 
+@pytest.mark.slow
 @given(angles)
 def test_postures_at_a_pose_bring_the_hand_there_turned_as_it_is(joints) -> None:
     pose = jaco.link_poses(np.array([joints]))[0, jaco.HAND]

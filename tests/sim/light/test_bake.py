@@ -75,6 +75,7 @@ def _above(height_m: float) -> float:
     return float(4 * part / (2 * np.pi))
 
 
+@pytest.mark.slow
 def test_no_light_comes_through_the_walls_of_a_closed_room() -> None:
     """Cubes are so large that the points on a face leave no hole: nothing sends light, and nothing of the sky comes in."""
     faces, low, high = room(albedo=0.5), np.array((-2.0, -1.5, -1.25)), np.array((2.0, 1.5, 1.25))
@@ -139,6 +140,7 @@ def test_probes_that_no_surface_looks_at_need_no_light_for_the_second_reflection
     assert np.array_equal(usual.is_valid, whole.is_valid)
 
 
+@pytest.mark.slow
 def test_faces_that_share_a_vertex_share_its_light() -> None:
     """What is looked up for all faces at once is what each finds alone."""
     volume = bake(room(albedo=0.5, glow=1.0, lit="ceiling"), NO_LAMPS, (-2, -1.5, -1.25), (2, 1.5, 1.25), 0.4)
@@ -155,6 +157,7 @@ def test_faces_that_share_a_vertex_share_its_light() -> None:
     assert np.ptp(together.light) > 0.1
 
 
+@pytest.mark.slow
 def test_samples_of_a_face_lie_in_rows_from_its_third_corner() -> None:
     assert [sample_of(*np.int32([2, i, j])) for i in range(3) for j in range(3 - i)] == [0, 1, 2, 3, 4, 5]
     vertices = np.array([(0, 0, 0), (1, 0, 0), (0, 0.1, 0)], np.float32).T

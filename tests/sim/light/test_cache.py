@@ -42,6 +42,7 @@ def assert_same(a: Volume, b: Volume) -> None:
         assert np.asarray(one).tobytes() == np.asarray(other).tobytes()
 
 
+@pytest.mark.slow
 def test_what_another_process_has_baked_is_read_to_the_bit(bathroom: Scene, lit: Lit) -> None:
     first, _ = lit(bathroom)
     again, baked = lit(bathroom)

@@ -133,6 +133,7 @@ poses = st.tuples(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(grids(), poses, poses)
 def test_no_other_search_finds_a_shorter_way(grid: ReachableGrid, a: tuple[int, ...], b: tuple[int, ...]) -> None:

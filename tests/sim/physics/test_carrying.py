@@ -94,6 +94,7 @@ def test_what_stands_on_a_cupboard_or_its_board_stays_when_its_door_opens() -> N
         assert moved_by_opening(world, "Cabinet|1") == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["FloorPlan204", "FloorPlan411"])
 def test_in_recorded_rooms_drawers_take_along_what_metadata_says_is_in_them(name: str) -> None:
     with settled(load_scene(name)) as world:

@@ -157,6 +157,7 @@ def states(world: World) -> dict[str, object]:
     return world.save().states
 
 
+@pytest.mark.slow
 def test_save_and_restore_are_exact_and_so_is_what_follows(kitchen: Scene) -> None:
     with World(kitchen) as world:
         world.settle(60)
@@ -175,6 +176,7 @@ def test_save_and_restore_are_exact_and_so_is_what_follows(kitchen: Scene) -> No
         assert states(world) == first
 
 
+@pytest.mark.slow
 def test_a_stored_scene_gives_the_same_world_bit_for_bit(kitchen: Scene) -> None:
     with World(kitchen) as world, World(Scene.from_json(kitchen.to_json())) as again:
         world.settle(40)
@@ -221,6 +223,7 @@ def test_100_loads_keep_memory_flat(kitchen: Scene) -> None:
     assert grown < 20e6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", range(4))
 def test_each_door_of_a_wide_fridge_opens_and_leaves_what_stands_on_the_shelves(variant: int) -> None:
     """Its doors and its body have more boxes than one of PyBullet's links takes."""

@@ -51,6 +51,7 @@ def test_look_at_puts_the_target_in_the_middle():
     assert depth == pytest.approx(np.linalg.norm([2.0, -0.8, -1.2]))
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.tuples(*[st.floats(-8, 8)] * 6, st.integers(1, 150)), min_size=1, max_size=30),
     st.sampled_from([150.0, 231.7]),

@@ -97,6 +97,7 @@ def test_faces_that_share_an_edge_leave_no_gap_and_no_pixel_to_what_is_behind():
         assert (frame.instances != 1).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "camera", [Camera((0.4, 0.4, 1.5), 45, 25), TopDownCamera((2.5, 2.0), 2.3, 5.0)], ids=["room", "map"]
 )

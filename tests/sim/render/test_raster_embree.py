@@ -18,6 +18,7 @@ CAMERAS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_room_agrees_with_embree(seed):
     parts, poses = furnished_room(seed)

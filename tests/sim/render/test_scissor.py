@@ -30,6 +30,7 @@ def renderer() -> Renderer:
     return Renderer(parts, poses, lights=[LAMP])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("camera", CAMERAS)
 @given(sides)
 @settings(deadline=None)
@@ -53,6 +54,7 @@ def test_within_a_scissor_all_is_as_in_the_whole_picture(
     assert np.array_equal(renderer.render_labels(camera, labels, scissor=scissor), cut.instances)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("camera", CAMERAS)
 def test_shadows_of_what_moved_and_came_back_are_those_of_a_new_room(camera: AnyCamera) -> None:
     parts, poses = furnished_room(4)

@@ -1,5 +1,6 @@
 import numpy as np
 import pandas as pd
+import pytest
 
 from remqa_data.generators.audit.recount.chance import CUES, cue_scores
 
@@ -13,11 +14,13 @@ def views(rng: np.random.Generator, **tells: float) -> pd.DataFrame:
     return pd.DataFrame({"kind": "EXISTENCE", "scene": rooms, "answer": answers, **cues})
 
 
+@pytest.mark.slow
 def test_a_cue_that_goes_with_the_answer_tells_it() -> None:
     telling = {score.cue for score in cue_scores(views(np.random.default_rng(0), end_bytes=2.0)) if score.tells}
     assert telling == {"end_bytes"}
 
 
+@pytest.mark.slow
 def test_cues_that_are_luck_stay_at_chance() -> None:
     found = [cue_scores(views(np.random.default_rng(seed))) for seed in range(4)]
     assert sum(score.tells for scores in found for score in scores) <= 4  # of 28, at 2.5 in 100 and a little more
