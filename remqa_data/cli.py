@@ -162,7 +162,7 @@ def export(
             "-o",
             "--output",
             metavar="FILE",
-            help="The file to write: .glb, .xml (MJCF, MuJoCo), .urdf or .usd (extra: usd).",
+            help="The file to write: .glb, .xml (MJCF, MuJoCo), .urdf, or .usd, .usda, .usdc (extra: usd).",
         ),
     ] = Path("scene.glb"),
     data: Annotated[Path | None, typer.Option(metavar="DIR", help="A dataset whose room is meant.")] = None,
@@ -254,7 +254,7 @@ def browse(
 
 @app.command()
 def preview(
-    scene: Annotated[str, typer.Argument(help="A floor plan, such as FloorPlan1.")],
+    scene: Annotated[str, typer.Argument(help="A floor plan such as FloorPlan1, or a sampled room.")],
     picture: Annotated[
         Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")
     ] = Path("preview.png"),

@@ -265,7 +265,9 @@ class MissingExtraError(RemqaError, ImportError):
 
     def __init__(self, package: str, extra: str, instead: str = "") -> None:
         hint = f", {instead}" if instead else ""
-        super().__init__(f"{package} is not installed; run: pip install 'remqa-data[{extra}]'{hint}")
+        super().__init__(
+            f"{package} is not installed; run: pip install 'remqa-data[{extra}]', or in a clone: pip install '.[{extra}]'{hint}"
+        )
 
 
 class OpenCVError(RemqaError, ImportError):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from remqa_data.errors import ResultsError
-from remqa_data.evaluation.report.tables import Grid, in_words, rounded
+from remqa_data.evaluation.report.tables import Grid, counted, in_words, rounded
 from remqa_data.evaluation.scoring.results import NOT_REPLAYED, OVERALL, Results, load_results
 from remqa_data.evaluation.scoring.statistics import Difference, difference
 from remqa_data.evaluation.submission.tracks import TRACKS
@@ -114,8 +114,8 @@ def comparison_notes(first: Path, second: Path, compared: list[Comparison]) -> l
     return [
         *lines,
         _verdict(compared, TRACKS[results[0].track].main_measures),
-        f"Paired over {one.questions} questions in {one.scenes} scenes; intervals by bootstrap over scenes, p by swapping "
-        "the two in whole scenes.",
+        f"Paired over {counted(one.questions, 'question')} in {counted(one.scenes, 'scene')}; intervals by bootstrap over "
+        "scenes, p by swapping the two in whole scenes.",
         "Detectable: the smallest true difference that a test at 5 % finds in 80 % of such test splits.",
     ]
 

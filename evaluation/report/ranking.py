@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from remqa_data.errors import ResultsError
 from remqa_data.evaluation.report.comparison import load_comparable
-from remqa_data.evaluation.report.tables import Grid, asked_things, cell, in_words, markdown_rows, rounded
+from remqa_data.evaluation.report.tables import Grid, cell, counted, in_words, markdown_rows, rounded
 from remqa_data.evaluation.scoring.measures import measures_of
 from remqa_data.evaluation.scoring.results import Metric, Results
 from remqa_data.evaluation.submission.tracks import TRACKS
@@ -44,8 +46,11 @@ def rank(paths: Sequence[Path]) -> list[Ranked]:
     Raises
     ------
     ResultsError
-        If a file is none, or they are not about the same questions.
+        If a file is none or is named twice, or they are not about the same questions.
     """
+    for path, count in Counter(paths).items():
+        if count > 1:
+            raise ResultsError(f"{path} is named {count} times")
     entries = list(zip(paths, load_comparable(paths), strict=True))
     scores = [_decisive(results).value for _, results in entries]
     known = [score for score in scores if score is not None]
@@ -72,8 +77,10 @@ def ranking_grid(ranked: Sequence[Ranked]) -> Grid:
 
 def ranking_notes(ranked: Sequence[Ranked]) -> list[str]:
     """What a reader of the order must know."""
-    metric, things = _decisive(ranked[0].results), asked_things(ranked[0].results)
-    lines = [f"Ranked by {in_words(metric.name)} over {metric.questions} {things} in {metric.scenes} scenes."]
+    first = ranked[0].results
+    metric = _decisive(first)
+    over, rooms = counted(metric.questions, TRACKS[first.track].asks), counted(metric.scenes, "scene")
+    lines = [f"Ranked by {in_words(metric.name)} over {over} in {rooms}."]
     lines.append("Intervals that overlap decide nothing: remqa-eval compare says whether a difference is luck.")
     lines += [f"{one.path} was not replayed and has no rank." for one in ranked if one.rank is None]
     return lines

@@ -91,6 +91,11 @@ def test_results_that_somebody_has_edited_are_one_line(three: list[Path], tmp_pa
         compare(*paths)
 
 
+def test_a_file_that_is_named_twice_is_refused(three: list[Path]) -> None:
+    with pytest.raises(ResultsError, match="is named 2 times"):
+        rank([three[0], three[1], three[0]])
+
+
 def test_only_results_of_the_same_questions_are_ordered(three: list[Path], tmp_path: Path) -> None:
     other = json.loads(three[0].read_text())
     other["dataset"]["seed"] += 1

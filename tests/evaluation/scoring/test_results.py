@@ -178,7 +178,8 @@ def test_a_missing_extra_is_told_before_anything_is_scored(data, tmp_path, monke
     monkeypatch.setattr("remqa_data.evaluation.scoring.scoring.score", lambda *_, **__: pytest.fail("it was scored"))
     done = CliRunner().invoke(app, [str(path), "--data", str(data), "-o", str(tmp_path / "out")])
     assert done.exit_code == 2
-    assert "jinja2 is not installed; run: pip install 'remqa-data[report]', or leave the report out with" in done.stderr
+    said = "jinja2 is not installed; run: pip install 'remqa-data[report]', or in a clone: pip install '.[report]'"
+    assert f"{said}, or leave the report out with" in done.stderr
 
 
 def test_results_are_there_even_if_the_report_fails(data, tmp_path, monkeypatch) -> None:
