@@ -18,6 +18,8 @@ from remqa_data.extras import require
 
 MINUTES = "minutes"
 SHIPPED = "remqa_data.agents.weights"
+NOT_LEARNT = ("running_mean", "running_var", "num_batches_tracked", "near")
+"""How names end of what is stored and no parameter: means of batch normalisation, and which types are seen together."""
 
 
 class Cost(NamedTuple):
@@ -65,7 +67,8 @@ def cost_of(path: Path) -> Cost:
     try:
         with safetensors.safe_open(path, framework="numpy") as file:
             about = json.loads(file.metadata()["remqa"])
-            sizes = [prod(file.get_slice(name).get_shape()) for name in file.keys()]  # noqa: SIM118 - it is no mapping
+            learnt = [name for name in file.keys() if name.rpartition(".")[2] not in NOT_LEARNT]  # noqa: SIM118 - no mapping
+            sizes = [prod(file.get_slice(name).get_shape()) for name in learnt]
         score = dict(about["score"])
         return Cost(about["config"]["title"], sum(sizes), path.stat().st_size / 1e6, score.pop(MINUTES), score)
     except (OSError, KeyError, TypeError, ValueError, safetensors.SafetensorError) as error:
