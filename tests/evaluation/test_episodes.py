@@ -11,8 +11,10 @@ from remqa_data.env import RemqaEnv
 from remqa_data.env.video import write_film
 from remqa_data.errors import SubmissionError, UnknownNameError
 from remqa_data.evaluation.episodes import submitted_commands
-from remqa_data.evaluation.submission.reader import Header, open_submission, write_submission
+from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
+from remqa_data.evaluation.submission.reader import Header, write_submission
 from remqa_data.evaluation.submission.reference import reference_rows
+from remqa_data.storage.manifest import load_manifest
 
 pytestmark = pytest.mark.slow
 
@@ -83,8 +85,7 @@ def test_what_cannot_be_played_is_told_in_one_line(
     write_submission(answers, Header(track="qa", split="test"), [asked])
     with pytest.raises(SubmissionError, match="in track 'qa' nobody walks"):
         submitted_commands(answers, two_rooms, rows[0]["question_id"])
-    sha256 = open_submission(oracle).header.dataset
-    assert sha256 is not None
+    sha256 = dataset_sha256(load_manifest(two_rooms))
     for name in (sha256, sha256[:16]):
         write_submission(other, Header(track="remqa", split="test", dataset=name), rows)
         assert submitted_commands(other, two_rooms, rows[0]["question_id"])
