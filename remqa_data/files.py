@@ -110,8 +110,8 @@ def beside(root: Path, what: str) -> Path:
     """
     if is_remote(root):
         raise OutputError(f"{root} is not on this machine: say where to write with --output")
-    whole = root.absolute()
-    return whole.with_name(f"{whole.name}-{what}") if root.name in ("", "..") else root.with_name(f"{root.name}-{what}")
+    named = root.resolve() if root.name in ("", "..") else root
+    return named.with_name(f"{named.name}-{what}")
 
 
 def local_path(path: Path) -> str:

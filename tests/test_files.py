@@ -119,6 +119,7 @@ def test_what_is_made_of_a_dataset_lies_beside_it(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert beside(Path("out/tiny"), "coco") == Path("out/tiny-coco")
     assert beside(Path(), "coco") == tmp_path.with_name(f"{tmp_path.name}-coco")
+    assert beside(Path(".."), "coco") == tmp_path.parent.with_name(f"{tmp_path.parent.name}-coco")
     for root in ("s3://bucket/tiny", Path("s3://bucket/tiny")):
         with pytest.raises(OutputError, match="is not on this machine: say where to write with --output"):
             beside(root, "coco")

@@ -157,8 +157,8 @@ def _task(
     if isinstance(network, DetectorConfig):
         torch.manual_seed(seed)
         return DetectionTask(roots, network.side_px, device)
-    views = views or views_beside(roots[0])
     if isinstance(network, WalkerConfig | AdaptiveWalkerConfig | ImitatorConfig):
+        views = views or views_beside(roots[0])
         encoder = trained("view_encoder", ViewEncoder, folder, roots[0])
         if isinstance(network, AdaptiveWalkerConfig):
             before = trained(network.begins_with, ActorCritic, folder, roots[0])

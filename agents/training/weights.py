@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from importlib import resources
 from pathlib import Path
@@ -153,17 +154,13 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
     ConfigError
         If the file is no such network, or has learnt from another dataset: its rooms may be those that it is asked about.
     """
-    try:
-        with safe_open(path, framework="pt") as file:
-            stored: Mapping[str, Any] = json.loads(file.metadata()[KEY])
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - it is no mapping
-        about = _about(stored)
+    with _opened(path) as file:
+        about = _about(file)
+        tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - it is no mapping
         model = empty_network(about)
         model.load_state_dict(
             {name: tensor.float() if tensor.is_floating_point() else tensor for name, tensor in tensors.items()}
         )
-    except (OSError, KeyError, TypeError, ValueError, RuntimeError, _safetensors_error()) as error:
-        raise ConfigError(f"{path} is no network that remqa-agent has trained: {type(error).__name__}") from None
     if root is not None and not force and (sha256 := dataset_sha256(load_manifest(root))) != about.datasets[0]:
         raise ConfigError(
             f"{path} has learnt from the dataset {about.datasets[0][:12]}, which scored it; {root} is {sha256[:12]}. Rooms "
@@ -172,8 +169,19 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
     return model.eval(), about
 
 
-def _about(stored: Mapping[str, Any]) -> About:
-    """What a file says of itself; an error of some kind if it says nothing that is understood here."""
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """The file of a network; what is wrong with it, and with what is made of it, is a ConfigError."""
+    try:
+        with safe_open(path, framework="pt") as file:
+            yield file
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError, _safetensors_error()) as error:
+        raise ConfigError(f"{path} is no network that remqa-agent has trained: {type(error).__name__}") from None
+
+
+def _about(file: Any) -> About:
+    """What an opened file says of itself; an error of some kind if it says nothing that is understood here."""
+    stored: Mapping[str, Any] = json.loads(file.metadata()[KEY])
     about = About(**{**stored, **{name: tuple(stored[name]) for name in ("datasets", "types", "words", "answers")}})
     if about.format != FORMAT or not about.datasets:
         msg = f"format {about.format} of {len(about.datasets)} datasets"
@@ -196,7 +204,8 @@ def weights_behind(names: Sequence[str], folder: Path | None = None) -> dict[str
         if name not in found:
             path = weights_path(name, folder)
             found[name] = sha256_of(path)
-            waiting += load_network(path)[1].needs
+            with _opened(path) as file:
+                waiting += _about(file).needs
     return dict(sorted(found.items()))
 
 

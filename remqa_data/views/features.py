@@ -41,11 +41,9 @@ def load_function(name: str) -> Features:
         raise ConfigError(f"--features {name!r}: name a function as module:function")
     try:
         found = getattr(importlib.import_module(module), function)
-    except ModuleNotFoundError as error:
-        if error.name == "torch":
-            raise MissingExtraError("torch", "agents") from None
-        raise ConfigError(f"--features {name}: {one_line(error)}") from None
     except (ImportError, AttributeError, TypeError, ValueError) as error:  # the last two: of a name such as ".a"
+        if isinstance(error, ModuleNotFoundError) and error.name == "torch":
+            raise MissingExtraError("torch", "agents") from None
         raise ConfigError(f"--features {name}: {one_line(error)}") from None
     if not callable(found):
         raise ConfigError(f"--features {name}: this is a {type(found).__name__}, no function")

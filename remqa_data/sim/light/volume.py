@@ -15,7 +15,7 @@ import numpy as np
 
 from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, F64, U8, Flags
-from remqa_data.sim.light.voxels import SIDES, Voxels, cast
+from remqa_data.sim.light.voxels import SIDES, Voxels, cast, sides_against
 
 AHEAD_M = 0.06
 """A surface looks up its light so far before itself."""
@@ -85,7 +85,7 @@ def gather(voxels: Voxels, volume: Volume, directions: F64, in_air: F64, sky: fl
                     if cube == -2:
                         red = green = blue = sky
                     elif facing > 0.0:
-                        side_x, side_y, side_z = (1 if dx > 0 else 0), (3 if dy > 0 else 2), (5 if dz > 0 else 4)
+                        side_x, side_y, side_z = sides_against(dx, dy, dz)
                         a = abs(dx) * cover[cube, side_x] / facing
                         b = abs(dy) * cover[cube, side_y] / facing
                         c = abs(dz) * cover[cube, side_z] / facing

@@ -230,7 +230,7 @@ def cast(
     tx = ((i + 1 - px) if dx > 0 else (px - i)) * step_x if dx != 0 else big
     ty = ((j + 1 - py) if dy > 0 else (py - j)) * step_y if dy != 0 else big
     tz = ((m + 1 - pz) if dz > 0 else (pz - m)) * step_z if dz != 0 else big
-    side_x, side_y, side_z = (1 if dx > 0 else 0), (3 if dy > 0 else 2), (5 if dz > 0 else 4)
+    side_x, side_y, side_z = sides_against(dx, dy, dz)
     # From farther out than beside the room, the first step leads into no cube of it.
     if i < -1 or j < -1 or m < -1 or i > nx or j > ny or m > nz:
         return (-1 if min(tx, ty, tz) > longest else -2), 0.0
@@ -259,6 +259,12 @@ def cast(
             )
             if facing > 0.0 or voxels.kind[cube] == WALL:
                 return cube, facing
+
+
+@exact
+def sides_against(dx: float, dy: float, dz: float) -> tuple[int, int, int]:
+    """The sides of a cube that look against a direction."""
+    return 1 if dx > 0 else 0, 3 if dy > 0 else 2, 5 if dz > 0 else 4
 
 
 @exact
