@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from importlib import resources
 from math import prod
 from pathlib import Path
 from typing import NamedTuple
 
 from remqa_data.agents.runner import pace_path
-from remqa_data.agents.training.config import networks
+from remqa_data.agents.training.config import networks, shipped_path
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.report.tables import Grid
 from remqa_data.evaluation.submission.reader import open_submission
 from remqa_data.extras import require
 
 MINUTES = "minutes"
-SHIPPED = "remqa_data.agents.weights"
 NOT_LEARNT = ("running_mean", "running_var", "num_batches_tracked", "near")
 """How names end of what is stored and no parameter: means of batch normalisation, and which types are seen together."""
 
@@ -46,12 +44,11 @@ class Cost(NamedTuple):
 
 def known_costs(folder: Path | None = None) -> list[Cost]:
     """Of the networks of the package that are trained; those in a folder come before those of the package."""
-    shipped = Path(str(resources.files(SHIPPED)))
-    places = [place for place in (folder, shipped) if place is not None]
     found = []
     for name in networks():
-        paths = [path for place in places if (path := place / f"{name}.safetensors").is_file()]
-        found += [cost_of(path) for path in paths[:1]]
+        shipped = shipped_path(name)
+        places = [folder / shipped.name, shipped] if folder else [shipped]
+        found += [cost_of(path) for path in [path for path in places if path.is_file()][:1]]
     return found
 
 

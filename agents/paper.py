@@ -12,6 +12,8 @@ from functools import lru_cache
 from remqa_data.template_files import template_text
 
 SOURCE = "paper_results.csv"
+PAPER = " (paper)"
+"""After the name of a system of the paper, in tables."""
 
 
 @lru_cache(maxsize=1)

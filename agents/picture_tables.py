@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from remqa_data.agents.paper import paper_results
+from remqa_data.agents.paper import PAPER, paper_results
 from remqa_data.agents.seen import SEEN_SPLIT
-from remqa_data.errors import ResultsError, SubmissionError
 from remqa_data.evaluation.report.tables import Grid, cell, rounded
-from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
-from remqa_data.evaluation.scoring.results import Results, load_results, make_results, write_results
-from remqa_data.evaluation.scoring.scoring import score
+from remqa_data.evaluation.scoring.ground_truth import load_ground_truth
+from remqa_data.evaluation.scoring.kept_results import score_once
+from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.submission.reader import open_submission
 from remqa_data.evaluation.submission.tracks import Track
-from remqa_data.version import __version__
 
-PAPER = " (paper)"
 PRECISION = "prec@0.5"
 SPLITS = ("val", "test")
 ACCURACY = "answer_accuracy"
@@ -36,15 +33,7 @@ def score_pictures(folder: Path, root: Path, track: Track) -> list[Results]:
     for path in sorted((folder / track).glob("*.jsonl")):
         submission = open_submission(path)
         truth = load_ground_truth(root, track, submission.header.split)
-        sha256 = dataset_sha256(truth.manifest)
-        if submission.header.track != track or submission.header.dataset not in (None, sha256):
-            raise SubmissionError(path, "the header", f"the predictions are not for track {track!r} of {root}")
-        known = path.with_suffix(".results.json")
-        results = _known(known, submission.sha256(), sha256)
-        if results is None:
-            results = make_results(submission, truth, score(submission, truth), replay=False)
-            write_results(known, results)
-        found.append(results)
+        found.append(score_once(submission, truth))
     return found
 
 
@@ -72,13 +61,3 @@ def qa_grid(results: Sequence[Results]) -> Grid:
         for found in results
     )
     return Grid("Answers from stored views", ("System", "Split", *kinds), rows)
-
-
-def _known(path: Path, submission: str, dataset: str) -> Results | None:
-    """Results of the same file on the same data by the same version."""
-    try:
-        results = load_results(path)
-    except ResultsError:
-        return None
-    same = results.submission.sha256, results.dataset.sha256, results.versions["remqa-data"]
-    return results if same == (submission, dataset, __version__) else None

@@ -14,33 +14,24 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.agents.config import SEED as OF_SEED
-from remqa_data.agents.paper import paper_results
+from remqa_data.agents.paper import PAPER, paper_results
 from remqa_data.errors import ResultsError, SubmissionError
 from remqa_data.evaluation.report.html import write_tables_page
 from remqa_data.evaluation.report.tables import STAGES as FAILS_AT
 from remqa_data.evaluation.report.tables import Grid, cell, failed_at, markdown_rows, notes, rounded
-from remqa_data.evaluation.scoring.ground_truth import GroundTruth, dataset_sha256, load_ground_truth
+from remqa_data.evaluation.scoring.ground_truth import GroundTruth, load_ground_truth
+from remqa_data.evaluation.scoring.kept_results import score_once
 from remqa_data.evaluation.scoring.measures import STEP_LIMITS
-from remqa_data.evaluation.scoring.results import (
-    OVERALL,
-    Metric,
-    Results,
-    load_results,
-    make_results,
-    write_results,
-)
-from remqa_data.evaluation.scoring.scoring import score
+from remqa_data.evaluation.scoring.results import OVERALL, Metric, Results
 from remqa_data.evaluation.scoring.statistics import Estimate, estimate, estimate_over_runs
-from remqa_data.evaluation.submission.reader import Submission, open_submission
+from remqa_data.evaluation.submission.reader import open_submission
 from remqa_data.files import atomic_path
 from remqa_data.geometry.types import F64
 from remqa_data.metrics import spl
-from remqa_data.version import __version__
 
 STAGES = ("S_N", "S_L", "S_QA")
 BESIDE = ("S_M", "S_MQA", "answer_accuracy")
 """What the paper does not tell."""
-PAPER = " (paper)"
 SUCCEEDED = "succeeded"
 PAGE_TITLE = "REMQA: what agents score beside the paper"
 SEED = 0
@@ -277,15 +268,7 @@ def _split(systems: Sequence[Scored]) -> str:
 
 
 def _scored(path: Path, truth: GroundTruth, workers: int, progress: Callable[[int], None] | None) -> Scored:
-    submission = open_submission(path)
-    sha256 = dataset_sha256(truth.manifest)
-    submission.check(track=truth.track, split=truth.split, dataset=sha256)
-    known = path.with_suffix(".results.json")
-    results = _known_results(known, submission, sha256)
-    if results is None:
-        scores = score(submission, truth, workers=workers, progress=progress)
-        results = make_results(submission, truth, scores, replay=True)
-        write_results(known, results)
+    results = score_once(open_submission(path), truth, workers=workers, progress=progress)
     scenes = np.unique(np.array(results.samples["scene"]), return_inverse=True)[1]
     return Scored(results, walks_within(results, truth), scenes)
 
@@ -293,13 +276,3 @@ def _scored(path: Path, truth: GroundTruth, workers: int, progress: Callable[[in
 def _played_of(path: Path, truth: GroundTruth) -> GroundTruth:
     batches = open_submission(path).batches(replay=True, max_rows=len(truth.ids))
     return truth.only([question_id for batch in batches for question_id in batch.rows["question_id"].to_pylist()])
-
-
-def _known_results(path: Path, submission: Submission, dataset: str) -> Results | None:
-    """The results of an earlier replay of the same file on the same data by the same version."""
-    try:
-        results = load_results(path)
-    except ResultsError:
-        return None
-    same = results.submission.sha256, results.dataset.sha256, results.versions["remqa-data"], results.replayed
-    return results if same == (submission.sha256(), dataset, __version__, True) else None

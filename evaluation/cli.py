@@ -108,7 +108,7 @@ def score(
     announce_compiling(worker_count(workers) if replays else 1)
     with Counting(len(truth.ids), "replaying") as on_replayed:
         scores = run(submission, truth, replay=not no_replay, workers=worker_count(workers), progress=on_replayed)
-    results = make_results(submission, truth, scores, replay=not no_replay, seed=seed)
+    results = make_results(submission, truth, scores, seed=seed)
     write_results(out / "results.json", results)  # first, so that nothing after it can lose what was replayed
     with atomic_path(out / "results.md") as temporary:
         temporary.write_text(markdown(results), encoding="utf-8")

@@ -31,6 +31,20 @@ SEEN = 128
 """Numbers of a view."""
 
 
+class Asking(NamedTuple):
+    """n questions that were read.
+
+    Attributes
+    ----------
+    sentence : (n, read)
+    names : (n, NAMED, 1 + types)
+        See `Eye.names`.
+    """
+
+    sentence: Tensor
+    names: Tensor
+
+
 class Eye(nn.Module):
     """What views show, and where in them what is looked for is.
 
@@ -56,6 +70,10 @@ class Eye(nn.Module):
     def names(self, question: Tensor) -> Tensor:
         """(n, NAMED, 1 + types) logits of the types that (n, read) questions name; 0 is none."""
         return self.naming(question).unflatten(1, (NAMED, -1))  # type: ignore[no-any-return]
+
+    def ask(self, question: Tensor) -> Asking:
+        """(n, read) questions, and what they name."""
+        return Asking(question, self.names(question))
 
     def forward(self, features: Tensor, names: Tensor) -> Tensor:
         """(v, SEEN) of (v, PARTS^2, CHANNELS) features of views, by (v, NAMED, 1 + types) `names` of what is looked for."""

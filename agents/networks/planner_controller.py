@@ -14,7 +14,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from remqa_data.agents.networks.actor_critic import MOVES
-from remqa_data.agents.networks.imitation import SEEN, Chosen, Eye, Lead, led
+from remqa_data.agents.networks.imitation import SEEN, Asking, Chosen, Eye, Lead, led
 from remqa_data.agents.networks.language import HIDDEN as READ
 from remqa_data.agents.networks.language import WordReader
 
@@ -26,20 +26,6 @@ MOST_REPEATS = 5
 """So many times a move is done before the planner is asked again in any case."""
 LAST_VIEWS = 5
 """The answer comes from so many."""
-
-
-class Asking(NamedTuple):
-    """n questions that were read.
-
-    Attributes
-    ----------
-    sentence : (n, 2 READ)
-    names : (n, NAMED, 1 + types)
-        See `Eye.names`.
-    """
-
-    sentence: Tensor
-    names: Tensor
 
 
 class Planned(NamedTuple):
@@ -81,8 +67,7 @@ class PlannerController(nn.Module):
 
     def read(self, numbers: Tensor) -> Asking:
         """Read (n, w) int64 numbers of words."""
-        sentence = self.reader(numbers).sentence
-        return Asking(sentence, self.eye.names(sentence))
+        return self.eye.ask(self.reader(numbers).sentence)
 
     def rest(self, walks: int) -> Tensor:
         """The planner's state at first."""

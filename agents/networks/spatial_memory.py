@@ -14,7 +14,7 @@ import torch
 from torch import Tensor, nn
 
 from remqa_data.agents.networks.actor_critic import MOVES
-from remqa_data.agents.networks.imitation import DEEDS, SEEN, Chosen, Eye, Lead, led
+from remqa_data.agents.networks.imitation import DEEDS, SEEN, Asking, Chosen, Eye, Lead, led
 from remqa_data.agents.networks.language import HIDDEN as READ
 from remqa_data.agents.networks.language import WordReader
 
@@ -39,20 +39,6 @@ UNWRITTEN = -1e4
 
 WAYS = ((0, 1), (1, 0), (0, -1), (-1, 0))
 """Steps to the east and north of each heading; each one is to the right of the one before."""
-
-
-class Asking(NamedTuple):
-    """n questions that were read.
-
-    Attributes
-    ----------
-    sentence : (n, 2 READ)
-    names : (n, NAMED, 1 + types)
-        See `Eye.names`.
-    """
-
-    sentence: Tensor
-    names: Tensor
 
 
 class Memory(NamedTuple):
@@ -124,8 +110,7 @@ class MemoryPlanner(nn.Module):
 
     def read(self, numbers: Tensor) -> Asking:
         """Read (n, w) int64 numbers of words."""
-        sentence = self.reader(numbers).sentence
-        return Asking(sentence, self.eye.names(sentence))
+        return self.eye.ask(self.reader(numbers).sentence)
 
     def nothing(self, walks: int) -> Memory:
         """What is remembered at first."""

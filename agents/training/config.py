@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -15,6 +16,9 @@ from remqa_data.storage.manifest import config_hash
 
 PRESETS = "remqa_data.configs.agents.training"
 COMMITTEES = "remqa_data.configs.agents.committees"
+SHIPPED = "remqa_data.agents.weights"
+SUFFIX = ".safetensors"
+"""Of files of weights."""
 CURVES = "curves.csv"
 """Where training writes what it measures after each epoch, in a folder of the network's name."""
 
@@ -253,6 +257,11 @@ def seeded_name(name: str, seed: int) -> str:
 def networks() -> tuple[str, ...]:
     """Names of the networks that come with the package, such as "detector"."""
     return preset_names(PRESETS)
+
+
+def shipped_path(name: str) -> Path:
+    """The file of a network that comes with the package, if it is trained."""
+    return Path(str(resources.files(SHIPPED) / f"{name}{SUFFIX}"))
 
 
 def committees() -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.adapting import AdaptingTask
 from remqa_data.agents.training.answering import AnsweringTask
 from remqa_data.agents.training.config import (
+    SUFFIX,
     AdaptiveWalkerConfig,
     AnswererConfig,
     DetectorConfig,
@@ -36,7 +37,6 @@ from remqa_data.agents.training.trainer import Schedule, Task, train
 from remqa_data.agents.training.viewing import ViewingTask
 from remqa_data.agents.training.weights import (
     DETECTOR,
-    SUFFIX,
     About,
     halved,
     load_network,

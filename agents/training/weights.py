@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -23,6 +22,7 @@ from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.networks.planner_controller import PlannerController
 from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.config import (
+    SUFFIX,
     AdaptiveWalkerConfig,
     AnswererConfig,
     DetectorConfig,
@@ -35,6 +35,7 @@ from remqa_data.agents.training.config import (
     ViewEncoderConfig,
     WalkerConfig,
     load_committee_config,
+    shipped_path,
 )
 from remqa_data.agents.training.grounding import GROUNDERS
 from remqa_data.agents.training.imitating import DOERS
@@ -55,8 +56,6 @@ else:
 
 KEY = "remqa"
 FORMAT = 1
-SUFFIX = ".safetensors"
-SHIPPED = "remqa_data.agents.weights"
 DETECTOR = "detector"
 """The network that most others are built upon."""
 
@@ -129,7 +128,7 @@ def weights_path(name: str, folder: Path | None = None) -> Path:
     ConfigError
         If there are none.
     """
-    shipped = Path(str(resources.files(SHIPPED) / f"{name}{SUFFIX}"))
+    shipped = shipped_path(name)
     places = [Path(name), *([folder / f"{name}{SUFFIX}"] if folder else []), shipped]
     for place in places:
         if place.suffix == SUFFIX and place.is_file():

@@ -126,16 +126,15 @@ class Results(_Record):
         return next(name for name in TRACKS[self.track].main_measures if name in measured)
 
 
-def make_results(submission: Submission, truth: GroundTruth, scores: Scores, *, replay: bool, seed: int = 0) -> Results:
+def make_results(submission: Submission, truth: GroundTruth, scores: Scores, *, seed: int = 0) -> Results:
     """Means, intervals and breakdowns of what was scored; `seed` is that of the resampling."""
-    replayed = replay if TRACKS[truth.track].walks else None
     asked, answered = len(truth.ids), int(scores.answered.sum())
     refused = scores.refused
     return Results(
         track=truth.track,
         split=truth.split,
-        replayed=replayed,
-        note=NOT_REPLAYED if replayed is False else "",
+        replayed=scores.replayed,
+        note=NOT_REPLAYED if scores.replayed is False else "",
         submission=SubmissionInfo(file=submission.path.name, sha256=submission.sha256(), agent=submission.header.agent),
         dataset=DatasetInfo(
             sha256=dataset_sha256(truth.manifest),

@@ -47,12 +47,15 @@ class Scores:
         answered.
     refused : int
         Actions that the simulator refused, over all rows.
+    replayed : bool or None
+        Whether walks were replayed, and not believed; None where nobody walks.
     """
 
     answered: Bools
     measures: Columns
     details: Columns
     refused: int = 0
+    replayed: bool | None = None
 
 
 def score(
@@ -85,24 +88,25 @@ def score(
     DatasetError
         If the dataset cannot be read.
     """
-    replay = replay or not TRACKS[truth.track].walks
+    walks = TRACKS[truth.track].walks
+    replay = replay or not walks
     filled = _Filled(len(truth.ids), points=truth.track in ("remqa", "rec"))
     attempts: dict[Room, list[Attempt]] = {}
     for batch in submission.batches(replay=replay, max_rows=len(truth.ids)):
         places = _places(submission, truth, batch, filled.answered)
         filled.add_predictions(places, batch.rows)
-        if TRACKS[truth.track].walks and replay:
+        if walks and replay:
             for place, row in zip(places.tolist(), batch.rows.to_pylist(), strict=True):
                 attempt, room = attempt_of(truth, place, row["actions"], row.get("manipulation"))
                 attempts.setdefault(room, []).append(attempt)
-        elif TRACKS[truth.track].walks:
+        elif walks:
             _fill_claimed(submission, truth, filled, places, batch)
     if attempts:
         for done in replay_all(truth.root, truth.split, attempts, workers, progress):
             filled.add_replayed(truth, done)
     answers = filled.answers(truth)
     measures = {m.name: m.of(answers) for m in measures_of(truth.track) if replay or not m.takes_replay}
-    return Scores(filled.answered, measures, _details(answers), filled.refused)
+    return Scores(filled.answered, measures, _details(answers), filled.refused, replay if walks else None)
 
 
 def attempt_of(

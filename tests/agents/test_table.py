@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from remqa_data.agents import table
 from remqa_data.agents.leaderboard import leaderboard
 from remqa_data.agents.paper import paper_results
 from remqa_data.agents.table import failures_grid, navigation_grid, remqa_grid, score_systems, write_tables
 from remqa_data.errors import SubmissionError
+from remqa_data.evaluation.scoring import kept_results
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
 from remqa_data.evaluation.scoring.results import make_results
 from remqa_data.evaluation.scoring.scoring import score
@@ -68,8 +68,10 @@ def test_what_was_replayed_is_not_replayed_again_unless_it_has_changed(
     path = oracle(two_rooms, tmp_path / "oracle.jsonl")
     score_systems(tmp_path, two_rooms)
     replays: list[str] = []
-    score = table.score
-    monkeypatch.setattr(table, "score", lambda *given, **named: (replays.append("again"), score(*given, **named))[1])
+    score = kept_results.score
+    monkeypatch.setattr(
+        kept_results, "score", lambda *given, **named: (replays.append("again"), score(*given, **named))[1]
+    )
     score_systems(tmp_path, two_rooms)
     assert replays == []
     path.write_text(path.read_text().replace("MoveAhead", "MoveBack"))
@@ -96,7 +98,7 @@ def test_what_the_leaderboard_says_is_what_scoring_again_gives(two_rooms: Path, 
         submission = open_submission(tmp_path / f"{entry['title']}.jsonl")
         assert entry["submission_sha256"] == submission.sha256()
         assert entry["dataset_sha256"] == dataset_sha256(truth.manifest)
-        again = make_results(submission, truth, score(submission, truth), replay=True)
+        again = make_results(submission, truth, score(submission, truth))
         for name in ("S_N", "S_L", "S_QA", "S_M", "S_MQA"):
             assert entry["overall"][name] == again.metric(name).value
             assert entry["COUNTING"][name] == again.metric(name, "kind", "COUNTING").value

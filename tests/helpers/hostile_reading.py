@@ -89,7 +89,7 @@ def evaluate(root: Path, track: str = "remqa") -> None:
     write_submission(path, Header(track=track, split="test"), rows[:2])  # type: ignore[arg-type]
     submission = open_submission(path)
     truth = load_ground_truth(root, track, "test")  # type: ignore[arg-type]
-    results = make_results(submission, truth, score(submission, truth), replay=True)
+    results = make_results(submission, truth, score(submission, truth))
     write_report(root / "report.html", results, submission, truth)
 
 

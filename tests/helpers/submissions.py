@@ -23,4 +23,4 @@ def scored(data: Path, path: Path, *, replay: bool = True, workers: int = 1) -> 
 def results_of(data: Path, path: Path, *, replay: bool = True) -> Results:
     submission = open_submission(path)
     truth = load_ground_truth(data, submission.header.track, submission.header.split)
-    return make_results(submission, truth, score(submission, truth, replay=replay), replay=replay)
+    return make_results(submission, truth, score(submission, truth, replay=replay))

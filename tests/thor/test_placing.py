@@ -60,18 +60,90 @@ def test_what_has_no_pose_leaves_the_scene(kitchen) -> None:
 def test_poses_that_are_refused_change_nothing(kitchen) -> None:
     start, all_poses = kitchen.last_event, poses(kitchen.last_event)
     (bread,) = [p for p in all_poses if p["objectName"].startswith("Bread")]
-    (apple,) = [p for p in all_poses if p["objectName"].startswith("Apple")]
     for wrong, words in (
         ([{**bread, "objectName": "Bread_1"}], "No Pickupable or Moveable object of name Bread_1 found in scene."),
         ([{**bread, "objectName": FRIDGE}], "No Pickupable or Moveable object"),
-        ([bread, bread], "two poses"),
-        ([{**apple, "position": bread["position"]}, bread], "the poses put an object into"),
     ):
         event = kitchen.step("SetObjectPoses", objectPoses=wrong)
         assert words in event.metadata["errorMessage"]
         assert event.metadata["objects"] == start.metadata["objects"]
     with pytest.raises(ValueError, match=r"objectPoses\.0\.position"):
         kitchen.step("SetObjectPoses", objectPoses=[{"objectId": APPLE, "rotation": {"x": 0, "y": 0, "z": 0}}])
+
+
+def test_what_cannot_be_found_is_told_and_the_rest_is_put_in_its_place(kitchen) -> None:
+    (bread,) = [p for p in poses(kitchen.last_event) if p["objectName"].startswith("Bread")]
+    event = kitchen.step("SetObjectPoses", objectPoses=[bread, {**bread, "objectName": "Bread_1"}])
+    assert event.metadata["errorMessage"] == "No Pickupable or Moveable object of name Bread_1 found in scene."
+    assert [o["name"] for o in event.metadata["objects"] if o["pickupable"]] == [bread["objectName"]]
+
+
+def test_what_is_put_into_something_goes_to_where_there_is_room(kitchen) -> None:
+    all_poses = poses(kitchen.last_event)
+    (bread,) = [p for p in all_poses if p["objectName"].startswith("Bread")]
+    apple = {**bread, "objectName": APPLE}
+    for force in (False, True):
+        event = kitchen.step("SetObjectPoses", objectPoses=[apple, bread], forceAction=force)
+        assert event, event.metadata["errorMessage"]
+        assert_at_rest_and_apart(kitchen, [APPLE, event.objects_by_type("Bread")[0]["objectId"]])
+        assert np.linalg.norm(np.subtract(position(event, APPLE), list(bread["position"].values()))) < 0.6
+
+
+def test_recorded_poses_that_are_a_little_off_are_no_obstacle(kitchen) -> None:
+    rng = np.random.default_rng(0)
+    loose = [o for o in kitchen.last_event.metadata["objects"] if o["pickupable"]]
+    for _ in range(4):
+        noisy = [
+            {
+                "objectName": o["name"],
+                "position": {axis: value + rng.normal(0, 0.03) for axis, value in o["position"].items()},
+                "rotation": o["rotation"],
+            }
+            for o in loose
+        ]
+        event = kitchen.step("SetObjectPoses", objectPoses=noisy, skipMoveable=True)
+        assert event, event.metadata["errorMessage"]
+        assert {o["name"] for o in event.metadata["objects"] if o["pickupable"]} == {o["name"] for o in loose}
+
+
+def test_an_object_with_several_poses_is_copied(kitchen) -> None:
+    start = kitchen.last_event
+    all_poses = poses(start)
+    mug = start.objects_by_type("Mug")[0]
+    (pose,) = [p for p in all_poses if p["objectName"] == mug["name"]]
+    kitchen.step("DirtyObject", objectId=mug["objectId"], forceAction=True)
+    kitchen.step("SetMassProperties", objectId=mug["objectId"], mass=3.0, drag=0.0, angularDrag=0.0)
+    beside = [
+        {
+            **pose,
+            "position": {**pose["position"], axis: pose["position"][axis] + 0.15},
+            "rotation": {"x": 0, "y": turn, "z": 0},
+        }
+        for axis, turn in (("x", 90), ("z", 180))
+    ]
+    event = kitchen.step("SetObjectPoses", objectPoses=[*all_poses, *beside])
+    assert event, event.metadata["errorMessage"]
+    numbers = (len(all_poses), len(all_poses) + 1)
+    copies = [event.get_object(f"{mug['objectId']}_copy_{number}") for number in numbers]
+    assert [copy["name"] for copy in copies] == [f"{mug['name']}(Clone)_copy_{number}" for number in numbers]
+    original = event.get_object(mug["objectId"])
+    assert position(event, mug["objectId"]) == pytest.approx(list(mug["position"].values()), abs=0.002)
+    for copy, wanted in zip(copies, beside, strict=True):
+        assert list(copy["position"].values()) == pytest.approx(list(wanted["position"].values()), abs=0.01)
+        assert copy["rotation"]["y"] == pytest.approx(wanted["rotation"]["y"], abs=1.0)
+        assert copy["parentReceptacles"] == original["parentReceptacles"]
+        assert all(
+            copy[field] == original[field] for field in ("objectType", "assetId", "isDirty", "mass", "pickupable")
+        )
+        assert copy["isDirty"]
+    assert_at_rest_and_apart(kitchen, [copy["objectId"] for copy in copies])
+    again = kitchen.step("SetObjectPoses", objectPoses=[*all_poses, *beside])
+    assert [o["objectId"] for o in again.metadata["objects"]] == [o["objectId"] for o in event.metadata["objects"]]
+    alone = kitchen.step("SetObjectPoses", objectPoses=poses(again)[:-1])  # by the names that copies have
+    assert len(alone.metadata["objects"]) == len(again.metadata["objects"]) - 1
+    event = kitchen.step("PickupObject", objectId=copies[0]["objectId"], forceAction=True)
+    assert event.metadata["inventoryObjects"] == [{"objectId": copies[0]["objectId"], "objectType": "Mug"}]
+    assert len(kitchen.reset().metadata["objects"]) == len(start.metadata["objects"])
 
 
 def test_a_pose_without_a_rotation_is_that_of_0_and_other_arguments_mean_nothing(kitchen) -> None:

@@ -109,11 +109,69 @@ def test_what_is_held_is_put_down_too(kitchen) -> None:
     assert event.get_object(APPLE) is None
 
 
+def test_what_there_is_too_little_of_is_copied(kitchen) -> None:
+    before = kitchen.last_event
+    wishes = [
+        {"objectType": "Apple", "count": 5},
+        {"objectType": "Mug", "count": 4},
+        {"objectType": "Fridge", "count": 3},
+    ]
+    event = kitchen.step("InitialRandomSpawn", randomSeed=1, numDuplicatesOfType=wishes)
+    assert event, event.metadata["errorMessage"]
+    assert len(event.objects_by_type("Apple")) == 5
+    assert len(event.objects_by_type("Mug")) == 4
+    assert len(event.objects_by_type("Fridge")) == 1
+    copies = {
+        o["objectId"]: o for o in event.metadata["objects"] if o["objectId"] not in things(before) and o["pickupable"]
+    }
+    assert f"{APPLE}_copy_0" in copies
+    assert len(copies) == 7
+    for o in copies.values():
+        original = before.get_object(o["objectId"].rpartition("_copy_")[0])
+        assert o["name"].startswith(f"{original['name']}(Clone)_random_copy_")
+        assert o["parentReceptacles"]
+    assert_at_rest_and_apart(kitchen, copies)
+    again = kitchen.step("InitialRandomSpawn", randomSeed=2, numRepeats=wishes)
+    assert {o["objectId"] for o in again.metadata["objects"]} == {o["objectId"] for o in event.metadata["objects"]}
+    kitchen.reset()
+    same = kitchen.step("InitialRandomSpawn", randomSeed=1, numDuplicatesOfType=wishes)
+    assert same.metadata["objects"] == event.metadata["objects"]
+
+
+def test_copies_that_find_no_place_are_not_there(kitchen) -> None:
+    wishes = [{"objectType": "Pot", "count": 60}]
+    others = sorted(
+        {o["objectType"] for o in kitchen.last_event.metadata["objects"] if o["receptacle"]} - {"StoveBurner"}
+    )
+    event = kitchen.step("InitialRandomSpawn", numDuplicatesOfType=wishes, excludedReceptacles=others)
+    assert event, event.metadata["errorMessage"]
+    pots = event.objects_by_type("Pot")
+    assert 1 <= len(pots) < 60
+    assert_at_rest_and_apart(kitchen, [o["objectId"] for o in pots])
+    again = kitchen.step("InitialRandomSpawn", numDuplicatesOfType=wishes, randomSeed=3)
+    assert len(again.objects_by_type("Pot")) > len(pots)
+    room = kitchen.server.session._simulator.room
+    assert sum(room.world.type_of(name) == "Pot" for name in room.world.ids) == 60  # those of before were taken again
+
+
+def test_so_many_receptacles_stay_free(kitchen) -> None:
+    for count, expected in ((0, 0), (2, 2), (100, len(COUNTERS))):
+        before = kitchen.reset()
+        free = [{"objectType": "CounterTop", "count": count}]
+        event = kitchen.step("InitialRandomSpawn", randomSeed=1, minFreePerReceptacleType=free)
+        assert event, event.metadata["errorMessage"]
+        elsewhere = moved(event, before)  # what finds no place elsewhere stays
+        assert len(elsewhere) > 5
+        holding = {parent for name in elsewhere for parent in event.get_object(name)["parentReceptacles"] or ()}
+        assert len(set(COUNTERS) - holding) == expected
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         ({"numPlacementAttempts": 0}, "positive integer"),
-        ({"numDuplicatesOfType": [{"objectType": "Apple", "count": 2}]}, "objects cannot be copied here"),
+        ({"numDuplicatesOfType": [{"objectType": "Apple", "count": 500}]}, "no more than 100 are made at once"),
+        ({"numDuplicatesOfType": [{"objectType": "Aple", "count": 2}]}, "did you mean"),
         ({"excludedObjectIds": ["Apple|0"]}, "is not the objectId on any object"),
         ({"excludedReceptacles": ["CounterTopp"]}, "did you mean"),
     ],

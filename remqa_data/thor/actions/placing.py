@@ -6,8 +6,10 @@ end up in something else is refused, and the room is as before.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import NotRequired
 
 import numpy as np
@@ -22,7 +24,7 @@ from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import lattice, open_spaces
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
-from remqa_data.thor.actions.targets import not_there, of_type
+from remqa_data.thor.actions.targets import copy_id_of, not_there, of_type
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.frames import PartialVector, to_room, to_thor, turn_of_euler, whole
@@ -32,6 +34,11 @@ SAME_M, SAME_COSINE = 1e-4, 1.0 - 1e-9
 """A pose that is so near to where an object is, or was when the room was loaded, is that pose."""
 AT_REST_M = 0.001
 """What physics moves by no more was at rest."""
+NEAR_M, NEAR_STEP_M = 0.06, 0.02
+FAR_M, FAR_STEP_M = 0.4, 0.1
+"""What is put into something is put aside, and up to twice as far up: so far in such steps, then farther in longer ones."""
+MOST_STUCK_M = 0.02
+"""What physics leaves in something by no more than this, among many things that were put somewhere at once, may stay there."""
 ON_FLOOR_M = 0.02
 """A ray from above meets a receptacle so near to the floor of its space where nothing lies."""
 
@@ -99,24 +106,19 @@ def set_object_poses(
 ) -> ActionResult:
     """Put all that is pickupable or moveable where it is said to be; what is not mentioned leaves the scene.
 
-    With `forceAction`, things may be put into each other, and physics drives them apart. With `skipMoveable`, what is only
-    moveable stays if it is not mentioned.
+    An object that is given several poses is copied. What is put into something is moved to the nearest place where there is
+    room, or with `forceAction` left to physics to drive out. With `skipMoveable`, what is only moveable stays if it is not
+    mentioned. As in AI2-THOR, a name that there is not is told, and the rest done.
     """
-    room, world = simulator.room, simulator.room.world
-    poses: dict[str, ObjectPose] = {}
-    for pose in objectPoses:
-        name = pose.get("objectId") or pose.get("objectName") or ""
-        object_id = room.records.id_of(name)
-        if object_id is None or not object_type(world.type_of(object_id)).is_loose:
-            return ActionResult(False, f"No Pickupable or Moveable object of name {name} found in scene.")
-        if object_id in room.records.sliced:
-            return ActionResult(False, f"{object_id} has been sliced")
-        if object_id in poses:
-            return ActionResult(False, f"{name} is given two poses: objects cannot be copied here")
-        poses[object_id] = pose
+    poses, copies, complaint = _poses_by_id(simulator, objectPoses)
     if not poses:
-        return ActionResult(True)
-    before, away, moved = world.save(), dict(room.records.away), []
+        return ActionResult(not complaint, complaint)
+    room = simulator.room
+    there = {name for name in room.world.ids if name not in room.records.away}
+    new = {name: original for name, original in copies.items() if name not in there}
+    room.copy(new, "(Clone)_copy_", simulator.settings)
+    world, away = room.world, dict(room.records.away)
+    before, moved = world.save(), []
     for object_id, pose in poses.items():
         state = _wanted(room, object_id, pose)
         if state is not world.state(object_id) or object_id in world.held:
@@ -129,12 +131,41 @@ def set_object_poses(
     }
     for name in gone:
         world.put_away(name)
-    blocker = _put_down(room, moved, forceAction)
+    if not forceAction:
+        _move_out(room, moved)
+    blocker = _come_to_rest(room, moved, MOST_STUCK_M)
     if blocker is not None:
         world.restore(before)
+        for name in new:
+            world.put_away(name)
         return ActionResult(False, f"the poses put an object into {blocker}")
     room.show_all_but({**{name: state for name, state in away.items() if name not in poses}, **gone})
-    return ActionResult(True)
+    return ActionResult(not complaint, complaint)
+
+
+def _poses_by_id(
+    simulator: SimulatorState, wanted: Sequence[ObjectPose]
+) -> tuple[dict[str, ObjectPose], dict[str, str], str]:
+    """The poses by the ids of the objects, which of them are copies of which, and why the last one that has none has none."""
+    world, records = simulator.room.world, simulator.room.records
+    poses: dict[str, ObjectPose] = {}
+    copies: dict[str, str] = {}
+    complaint = ""
+    for number, pose in enumerate(wanted):
+        name = pose.get("objectId") or pose.get("objectName") or ""
+        object_id = records.id_of(name)
+        if object_id is None or not object_type(world.type_of(object_id)).is_loose:
+            complaint = f"No Pickupable or Moveable object of name {name} found in scene."
+            continue
+        if object_id in records.sliced:
+            complaint = f"{object_id} has been sliced"
+            continue
+        if object_id in poses:
+            copy_id = copy_id_of(object_id, number, poses)
+            copies[copy_id] = object_id
+            object_id = copy_id
+        poses[object_id] = pose
+    return poses, copies, complaint
 
 
 def place_object_at_point(
@@ -286,8 +317,8 @@ def _leaves(type_name: str, skips_moveable: bool) -> bool:
 
 def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectState:
     """The state that a pose asks for: the one that the object has, or had when the room was loaded, if that is it."""
-    now = room.world.state(object_id)
-    loaded = room.at_rest.states.get(object_id, now)  # a slice was not there then
+    now = room.records.away.get(object_id, room.world.state(object_id))
+    loaded = room.at_rest.states.get(object_id, now)  # slices and copies were not there then
     position, quaternion = room.records.pose_of(
         object_id, to_room(whole(pose["position"])), turn_of_euler(whole(pose.get("rotation", {})))
     )
@@ -299,13 +330,45 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
     return wanted
 
 
+def _move_out(room: LoadedFloorPlan, moved: Sequence[str]) -> None:
+    """Move what is in something to the nearest place where it is not, the lowest first; what finds none stays."""
+    world = room.world
+    for name in sorted(moved, key=lambda name: (float(world.box(name)[0, 2]), name)):
+        state = world.state(name)
+        if state is room.at_rest.states.get(name) or not handling.sunk_into(world, name):
+            continue
+        for shift in _shifts():
+            x, y, z = arithmetic.snapped(np.add(state.position, shift)).tolist()
+            world.move_alone(name, (x, y, z))
+            if not handling.sunk_into(world, name):
+                break
+        else:
+            world.put_back(name, state)
+
+
+@lru_cache(maxsize=1)
+def _shifts() -> tuple[Vec3, ...]:
+    """Where else an object may be put, the nearest place first, metres."""
+    found: set[Vec3] = set()
+    for far, step in ((NEAR_M, NEAR_STEP_M), (FAR_M, FAR_STEP_M)):
+        count = round(far / step)
+        found |= {
+            (x * step, y * step, z * step)
+            for x in range(-count, count + 1)
+            for y in range(-count, count + 1)
+            for z in range(2 * count + 1)
+            if (x or y or z) and math.hypot(x, y) <= count
+        }
+    return tuple(sorted(found, key=lambda shift: (math.hypot(*shift), shift)))
+
+
 def _put_down(room: LoadedFloorPlan, moved: Sequence[str], force: bool = False) -> str | None:
     """Let what was moved come to rest; what is in its way before that, if it is not forced, or where it ends."""
     return (None if force else _sunken(room.world, moved)) or _come_to_rest(room, moved)
 
 
-def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str]) -> str | None:
-    """Let what was moved fall, and furniture stand still then; what an object is in afterwards, if it is in any."""
+def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
+    """Let what was moved fall, and furniture stand still then; what an object is in afterwards by more than metres."""
     world = room.world
     furniture = [
         name for name in moved if world.state(name).is_fixed and world.state(name) is not room.at_rest.states.get(name)
@@ -315,7 +378,7 @@ def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str]) -> str | None:
     _settle(world)
     for name in furniture:
         world.set_fixed(name, True)
-    return _sunken(world, [name for name in moved if world.state(name) is not room.at_rest.states.get(name)])
+    return _sunken(world, [name for name in moved if world.state(name) is not room.at_rest.states.get(name)], most_m)
 
 
 def _settle(world: World) -> None:
@@ -327,6 +390,6 @@ def _settle(world: World) -> None:
         world.restore(before)
 
 
-def _sunken(world: World, moved: Sequence[str]) -> str | None:
-    """What one of some objects is in, by more than things that touch are."""
-    return next((other for name in moved for other in handling.sunk_into(world, name)), None)
+def _sunken(world: World, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
+    """What one of some objects is in by more than metres, by default more than things that touch are."""
+    return next((other for name in moved for other, gap in world.overlapping(name) if gap < -most_m), None)

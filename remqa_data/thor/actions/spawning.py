@@ -18,8 +18,9 @@ from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import open_spaces
 from remqa_data.sim.physics.state import ObjectState
-from remqa_data.sim.physics.world import World
+from remqa_data.sim.physics.world import AWAY, World
 from remqa_data.thor.actions.compatible import is_compatible
+from remqa_data.thor.actions.targets import copy_id_of, of_type
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.simulator import SimulatorState, generator
 
@@ -27,6 +28,8 @@ AT_REST_M = 0.001
 """What physics moves by no more was at rest."""
 MOST_SETTLING = 5
 """So often all are given time to come to rest."""
+MOST_COPIES = 100
+"""No more are made at once."""
 
 
 class ObjectTypeCount(TypedDict):
@@ -46,6 +49,8 @@ def initial_random_spawn(
     excludedReceptacles: list[str] | None = None,
     excludedObjectIds: list[str] | None = None,
     allowFloor: bool = False,
+    numRepeats: list[ObjectTypeCount] | None = None,
+    minFreePerReceptacleType: list[ObjectTypeCount] | None = None,
 ) -> ActionResult:
     """Put what can be picked up somewhere else, at random; what finds no place stays where it is.
 
@@ -61,35 +66,67 @@ def initial_random_spawn(
         How many places are tried for each object.
     placeStationary : bool
         Means nothing: all is at rest after every action.
-    numDuplicatesOfType : list of ObjectTypeCount
-        No more than there are: nothing can be copied.
+    numDuplicatesOfType, numRepeats : list of ObjectTypeCount
+        How many there are to be of types of which there are fewer: what is missing is copied, and what then finds no place is
+        not there.
     excludedReceptacles : list of str
         Types of receptacles on and into which nothing is put; what finds no place elsewhere stays on them.
     excludedObjectIds : list of str
         Objects that stay where they are.
     allowFloor : bool
         Means nothing: nothing is put on the floor.
+    minFreePerReceptacleType : list of ObjectTypeCount
+        So many receptacles of a type, or all if there are fewer, get nothing.
     """
-    world, away = simulator.room.world, simulator.room.records.away
+    room, rng = simulator.room, generator(randomSeed)
     if numPlacementAttempts < 1:
         return ActionResult(False, "numPlacementAttempts must be a positive integer.")
-    for wish in numDuplicatesOfType or []:
-        count = sum(world.type_of(name) == wish["objectType"] for name in world.ids if name not in away)
-        if wish["count"] > count:
-            return ActionResult(
-                False,
-                f"{wish['count']} of {wish['objectType']} are asked for and there are {count}: objects cannot be copied here",
-            )
     excluded = set(excludedObjectIds or [])
     for name in excluded:
-        world.type_of(name)  # names the nearest ids if there is no such object
+        room.world.type_of(name)  # names the nearest ids if there is no such object
     for type_name in excludedReceptacles or []:
         object_type(type_name)
-    if (refusal := simulator.room.let_go(simulator.room.agents)) is not None:
+    if (refusal := room.let_go(room.agents)) is not None:
         return refusal
-    surfaces = _surfaces(world, {*away}, set(excludedReceptacles or []), forceVisible)
-    loose = [name for name in world.ids if name not in away and _may_move(world, name, excluded)]
-    return _spawn(world, loose, surfaces, numPlacementAttempts, generator(randomSeed))
+    kept_free = _drawn(simulator, minFreePerReceptacleType or [], rng)
+    copies = _copies(simulator, [*(numDuplicatesOfType or []), *(numRepeats or [])], rng)
+    if len(copies) > MOST_COPIES:
+        return ActionResult(False, f"{len(copies)} copies are asked for: no more than {MOST_COPIES} are made at once")
+    room.copy(copies, "(Clone)_random_copy_", simulator.settings)
+    world, away = room.world, dict(room.records.away)
+    surfaces = _surfaces(world, {*away, *kept_free}, set(excludedReceptacles or []), forceVisible)
+    loose = [name for name in world.ids if name in copies or (name not in away and _may_move(world, name, excluded))]
+    spawned = _spawn(world, loose, surfaces, numPlacementAttempts, rng)
+    unplaced = [name for name in copies if _waits(world, name)]
+    for name in unplaced:
+        world.put_away(name)
+    room.show_all_but({name: state for name, state in away.items() if name in unplaced or name not in copies})
+    return spawned
+
+
+def _drawn(simulator: SimulatorState, wishes: Sequence[ObjectTypeCount], rng: np.random.Generator) -> set[str]:
+    """So many objects of each type as are wished for, at random."""
+    drawn = [
+        rng.permutation(of_type(simulator, object_type(wish["objectType"]).name))[: max(0, wish["count"])].tolist()
+        for wish in wishes
+    ]
+    return {name for names in drawn for name in names}
+
+
+def _copies(simulator: SimulatorState, wishes: Sequence[ObjectTypeCount], rng: np.random.Generator) -> dict[str, str]:
+    """What is copied, by the ids of the copies, so that there are as many of each type as are wished for.
+
+    Of what there is nothing, or cannot be picked up, there is nothing to copy.
+    """
+    copies: dict[str, str] = {}
+    there = {name for name in simulator.room.world.ids if name not in simulator.room.records.away}
+    for wish in wishes:
+        kind = object_type(wish["objectType"])
+        names = of_type(simulator, kind.name) if kind.pickupable else []
+        for number in range(min(wish["count"] - len(names), MOST_COPIES + 1) if names else 0):
+            original = names[int(rng.integers(len(names)))]
+            copies[copy_id_of(original, number, {*there, *copies})] = original
+    return copies
 
 
 ACTIONS: dict[str, Action] = {"InitialRandomSpawn": initial_random_spawn}
@@ -126,6 +163,9 @@ def _spawn(
     before = world.save()
     order = [loose[index] for index in rng.permutation(len(loose))]
     moved = [name for name in order if _put_anew(world, name, surfaces, tries, rng)]
+    for name in loose:
+        if _waits(world, name):
+            world.put_away(name)
     owners = {surface.owner for surface in surfaces}
     _settle(world)
     for name in moved:
@@ -140,6 +180,11 @@ def _spawn(
         world.restore(before)
         return ActionResult(False, f"no room was found for {sunken}: try another seed")
     return ActionResult(True)
+
+
+def _waits(world: World, object_id: str) -> bool:
+    """Whether an object is a copy that was put nowhere yet."""
+    return world.state(object_id).position[2] == AWAY[2]
 
 
 def _put_anew(

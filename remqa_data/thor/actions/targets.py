@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Collection
+
 from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.state.simulator import SimulatorState
@@ -30,6 +33,12 @@ def _absence(simulator: SimulatorState, object_id: str) -> ActionResult | None:
     if object_id in records.sliced:
         return ActionResult(False, f"{object_id} has been sliced")
     return ActionResult(False, f"{object_id} is not in the scene") if object_id in records.away else None
+
+
+def copy_id_of(object_id: str, number: int, taken: Collection[str]) -> str:
+    """The id of a copy of an object, as AI2-THOR numbers it; with a greater number where that is taken."""
+    ids = (f"{object_id}_copy_{k}" for k in itertools.count(number))
+    return next(name for name in ids if name not in taken)
 
 
 def of_type(simulator: SimulatorState, type_name: str) -> list[str]:

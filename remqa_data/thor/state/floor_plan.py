@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from remqa_data.sim.arm.postures import COLUMN_TOP_M
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose
 from remqa_data.sim.physics.state import ObjectState
-from remqa_data.sim.physics.world import Snapshot, World
+from remqa_data.sim.physics.world import AWAY, Snapshot, World
 from remqa_data.sim.render.camera import AnyCamera, Camera, OrthographicCamera, are_outside
 from remqa_data.sim.render.view import Figure, Observation, WorldView
 from remqa_data.thor.object_states.appearance import shapes_of
@@ -38,6 +39,8 @@ AGENT_MIDDLE_M = 0.900999
 """AI2-THOR describes its agent by its middle, which is so high above the floor."""
 APART_M = 0.5
 """Agents begin at least so far from each other."""
+APART_AWAY_M = 10.0
+"""Copies that are to be put somewhere wait so far from each other, out of the room."""
 BELOW_CEILING_M = 0.05
 """Where the map camera is."""
 HOVERS_M = {"FloorPlan12": 0.079}
@@ -178,6 +181,35 @@ class LoadedFloorPlan:
         self.show_all_but(records.away)
         self.looks.change(look)
         self.embody(settings)
+
+    def copy(self, copies: Mapping[str, str], suffix: str, settings: Settings) -> None:
+        """Let there be copies of objects, out of the scene; one that was made before, and is out of it, is taken again.
+
+        They are free to fall: each is to be put somewhere, or taken away, before physics goes on.
+
+        Parameters
+        ----------
+        copies : mapping of str to str
+            Whose copy each one is, by its id: that of the original, "_copy_" and a number.
+        suffix : str
+            What the original's `name` is followed by, before that number.
+        settings : Settings
+            Of the agents.
+        """
+        world, records, away = self.world, self.records, dict(self.records.away)
+        spots = {copy_id: (APART_AWAY_M * number, 0.0, AWAY[2]) for number, copy_id in enumerate(copies, 1)}
+        added = []
+        for copy_id, original in copies.items():
+            if copy_id in world.ids:
+                world.put_back(copy_id, replace(away[copy_id], position=spots[copy_id], is_fixed=False))
+                continue
+            state = away[copy_id] = away.get(original, world.state(original))
+            records.copy_of(original, copy_id, records.name_of(original) + suffix + copy_id.rpartition("_")[2])
+            spec = world.assets[original].spec
+            added.append(SceneObject(copy_id, spec, spots[copy_id], openness=state.openness, is_fixed=False))
+        if added:
+            self.add(added, settings)
+        self.show_all_but(away)
 
     def show_conditions(self) -> None:
         """Let pictures show what objects are in: stains, liquids, what glows, ..."""

@@ -46,6 +46,13 @@ class InHand(NamedTuple):
     is_seen: bool
 
 
+class Copy(NamedTuple):
+    """What an object is that was copied: of which one it is a copy, and its `name` in the metadata."""
+
+    original: str
+    name: str
+
+
 class ObjectRecords:
     """The metadata of all objects of a world.
 
@@ -62,12 +69,15 @@ class ObjectRecords:
         The objects that are out of the scene, with the state that they were in; they are not listed.
     sliced : set of str
         Those of them that have been sliced: they are listed all the same, where they were.
+    copies : dict of str to Copy
+        The objects that were copied, by their ids.
     """
 
     def __init__(self, world: World) -> None:
         self.conditions = Conditions(world)
         self.away: dict[str, ObjectState] = {}
         self.sliced: set[str] = set()
+        self.copies: dict[str, Copy] = {}
         self._world = world
         self._masses: dict[str, float] = {}
         self._frames = _frames(world.scene)
@@ -85,9 +95,11 @@ class ObjectRecords:
     def take_over(self, before: ObjectRecords) -> None:
         """Go on from the records of the same room with fewer objects."""
         self.conditions.take_over(before.conditions)
-        self.sliced = before.sliced
-        for name, mass_kg in before._masses.items():
-            self.set_mass(name, mass_kg)
+        self.sliced, self.copies, self._masses = before.sliced, before.copies, before._masses
+        for object_id, copy in self.copies.items():
+            if copy.original in self._frames:
+                self._frames[object_id] = self._frames[copy.original]
+        self._write_anew()
         for object_id in self.sliced:
             self._moving[object_id] = before._moving[object_id]
             self._positions[self._world.ids.index(object_id)] = to_room(self._moving[object_id]["position"])
@@ -120,6 +132,18 @@ class ObjectRecords:
         """The object with this `name` or id, if there is one."""
         names = {str(record["name"]): object_id for object_id, record in self._static.items()}
         return name if name in self._static else names.get(name)
+
+    def copy_of(self, object_id: str, copy_id: str, name: str) -> None:
+        """Say that an object that is not there yet will be a copy of one, and like it in all that is known of that."""
+        self.copies[copy_id] = Copy(object_id, name)
+        if object_id in self._masses:
+            self._masses[copy_id] = self._masses[object_id]
+        if changed := self.conditions.of(object_id):
+            self.conditions.change(copy_id, **changed)
+
+    def name_of(self, object_id: str) -> str:
+        """The `name` of an object."""
+        return str(self._static[object_id]["name"])
 
     def turn(self, object_id: str) -> F64:
         """(3, 3) how AI2-THOR says an object is turned, in its frame."""
@@ -212,6 +236,8 @@ class ObjectRecords:
         records = {name: _static(self._world, name, controlled.get(name)) for name in self._world.ids}
         for name, mass_kg in self._masses.items():
             records[name]["mass"] = mass_kg
+        for name, copy in self.copies.items():
+            records[name]["name"] = copy.name
         return records
 
     def _pose_and_boxes(self, object_id: str) -> Metadata:

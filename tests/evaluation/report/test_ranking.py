@@ -23,9 +23,10 @@ def results_with(data: Path, path: Path, *, replay: bool = True, **right: int) -
     """A results.json of the track remqa in which so many of the 10 questions fulfil each measure, the others none."""
     truth = load_ground_truth(data, "remqa", "test")
     names = [measure.name for measure in measures_of("remqa") if replay or measure.name not in REPLAYED]
-    scores = Scores(np.ones(10, dtype=bool), {name: np.arange(10) < right.get(name, 0) for name in names}, {})
+    measures = {name: np.arange(10) < right.get(name, 0) for name in names}
+    scores = Scores(np.ones(10, dtype=bool), measures, {}, replayed=replay)
     submission = open_submission(written(path.with_suffix(".jsonl"), "remqa", [], agent=path.stem))
-    write_results(path, make_results(submission, truth, scores, replay=replay))
+    write_results(path, make_results(submission, truth, scores))
     return path
 
 
