@@ -220,3 +220,20 @@ def test_a_camera_in_the_room_sees_the_agent_and_one_in_its_eye_does_not(two) ->
     assert 0.001 < changed.mean() < 0.05
     two.step("Initialize", makeAgentsVisible=False, renderDepthImage=True)
     assert (two.last_event.third_party_depth_frames[0] >= np.maximum(before, moved.third_party_depth_frames[0])).all()
+
+
+def test_agents_may_be_let_through_each_other(two) -> None:
+    x, z = place(two.last_event, 1)
+    start = two.step("TeleportFull", x=x, y=0.9, z=z, rotation=0, horizon=0, standing=True, forceAction=True, agentId=0)
+    assert start, start.metadata["errorMessage"]
+    free = [a for a in ("MoveAhead", "MoveBack", "MoveLeft", "MoveRight") if two.step(a, agentId=0)]
+    two.step("TeleportFull", x=x, y=0.9, z=z, rotation=0, horizon=0, standing=True, forceAction=True, agentId=0)
+    assert free
+    back = {"MoveAhead": "MoveBack", "MoveBack": "MoveAhead", "MoveLeft": "MoveRight", "MoveRight": "MoveLeft"}[free[0]]
+    for _ in range(2):
+        assert two.step(free[0], agentId=0)
+    blocked = two.step(back, moveMagnitude=0.5, agentId=0)
+    assert blocked.metadata["errorMessage"].startswith("Agent 1 is blocking Agent 0")
+    through = two.step(back, moveMagnitude=0.5, allowAgentsToIntersect=True, agentId=0)
+    assert through, through.metadata["errorMessage"]
+    assert place(through, 0) == pytest.approx((x, z))

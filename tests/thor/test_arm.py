@@ -293,3 +293,20 @@ def test_the_hand_sphere_stays_as_large_when_the_room_is_loaded_anew(armed) -> N
     apple = next(o["objectId"] for o in armed.last_event.metadata["objects"] if o["objectType"] == "Apple")
     event = armed.step("SliceObject", objectId=apple, forceAction=True)
     assert event.metadata["arm"]["handSphereRadius"] == pytest.approx(0.2)
+
+
+def test_what_an_arm_does_otherwise(before_apple) -> None:
+    shoulder = [before_apple.step("MoveArmBaseUp", distance=by).metadata["arm"]["joints"][0] for by in (5, -5, 0.2)]
+    heights = [joint["position"]["y"] for joint in shoulder]
+    assert heights == pytest.approx([1.801, 0.451, 0.651], abs=0.002)
+    event = before_apple.step("MoveArm", position={"x": 0.0, "y": 0.0, "z": 0.4}, coordinateSpace="foo")
+    assert event.metadata["errorMessage"] == "Invalid coordinateSpace: foo"
+    assert not before_apple.step("PickupObject", x=0.5, y=0.5)
+    event = before_apple.step("ReleaseObject")
+    assert (event.metadata["lastActionSuccess"], event.metadata["actionReturn"]) == (True, None)
+    assert before_apple.step("MoveAgent").metadata["errorMessage"] == "Must specify ahead or right!"
+    before = before_apple.step("TeleportFull", **BEFORE_APPLE).metadata["agent"]
+    assert before_apple.step("RotateRight", degrees=0).metadata["agent"] == before
+    event = before_apple.step("MoveAhead", moveMagnitude=-0.25)
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["agent"]["position"]["x"] == pytest.approx(before["position"]["x"] - 0.25)

@@ -23,9 +23,9 @@ pytestmark = pytest.mark.slow
             "action: OpenObject is missing the following arguments: objectId",
         ),
         (
-            {"action": "DirectionalPush", "objectId": "Apple|1"},
+            {"action": "SetMassProperties"},
             "MissingArguments",
-            "action: DirectionalPush is missing the following arguments: moveMagnitude,pushAngle",
+            "action: SetMassProperties is missing the following arguments: objectId,mass",
         ),
         (
             {"action": "RotateRight", "degree": 30},

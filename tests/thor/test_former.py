@@ -118,3 +118,12 @@ def test_the_agent_walks_and_turns_by_any_amount(armed) -> None:
     assert moved, moved.metadata["errorMessage"]
     now = moved.metadata["agent"]["position"]
     assert math.dist([now["x"], now["z"]], [before["position"]["x"], before["position"]["z"]]) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_what_is_held_turns_about_the_agents_axes(holding, axis) -> None:
+    event = holding.step("RotateHand", x=0, y=0, z=0)
+    assert event, event.metadata["errorMessage"]
+    event = holding.step("RotateHandRelative", **{axis: 30})
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["heldObjectPose"]["localRotation"][axis] == pytest.approx(30.0, abs=0.1)

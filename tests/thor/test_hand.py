@@ -261,7 +261,10 @@ def test_what_takes_something_in_the_hand(kitchen) -> None:
         assert kitchen.step(action).metadata["errorMessage"] == "nothing is held"
     assert kitchen.step("ThrowObject", moveMagnitude=50.0).metadata["errorMessage"] == "Nothing in Hand to Throw!"
     kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
-    assert "newtons" in kitchen.step("ThrowObject", moveMagnitude=0).metadata["errorMessage"]
+    assert "newtons" in kitchen.step("ThrowObject", moveMagnitude=-1).metadata["errorMessage"]
+    event = kitchen.step("ThrowObject", moveMagnitude=0)  # without a force it falls
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["inventoryObjects"] == []
 
 
 def test_an_arm_moves_what_it_holds_itself(armed) -> None:

@@ -158,3 +158,34 @@ def test_looks_outlast_what_happens_in_the_room(kitchen) -> None:
     kitchen.step("CloseObject", objectId="Fridge|-02.10|+00.00|+01.07", forceAction=True)
     kitchen.step("RotateRight")
     assert np.array_equal(kitchen.step("RotateLeft").frame, look)
+
+
+def test_a_hidden_object_is_in_no_picture_and_is_there(rooms) -> None:
+    assert rooms
+    for controller in rooms:
+        before = controller.last_event
+        name = most_seen(before)
+        event = controller.step("HideObject", objectId=name)
+        assert name not in event.instance_masks
+        behind = before.instance_masks[name]
+        assert (event.depth_frame[behind] > before.depth_frame[behind]).mean() > 0.9
+        assert np.array_equal(event.instance_segmentation_frame[~behind], before.instance_segmentation_frame[~behind])
+        assert event.metadata["objects"] == before.metadata["objects"]
+        controller.step("ToggleMapView")
+        above = controller.step("ToggleMapView")
+        assert np.array_equal(above.frame, event.frame)
+        event = controller.step("UnhideObject", objectId=name)
+        assert np.array_equal(event.frame, before.frame)
+    kitchen = rooms[0]
+    fridge, egg = "Fridge|-02.10|+00.00|+01.07", "Egg|-02.04|+00.81|+01.24"
+    before_fridge = {"x": -0.75, "y": 0.9, "z": 1.2, "rotation": 270, "horizon": 30, "standing": True}
+    kitchen.step("TeleportFull", **before_fridge)
+    shown = kitchen.step("OpenObject", objectId=fridge, forceAction=True)
+    assert egg in shown.instance_masks
+    event = kitchen.step("HideObject", objectId=fridge)
+    assert not {egg, fridge} & set(event.instance_masks)
+    assert {egg, fridge} <= set(kitchen.step("UnhideObject", objectId=fridge).instance_masks)
+    kitchen.step("HideObject", objectId=fridge)
+    kitchen.reset()
+    assert fridge in kitchen.step("TeleportFull", **before_fridge).instance_masks
+    assert not kitchen.step("HideObject", objectId="Fridge|0")

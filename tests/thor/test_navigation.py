@@ -205,3 +205,39 @@ def test_looks_somewhere_whatever_it_looked_at_before(kitchen) -> None:
         assert (agent["rotation"]["y"], agent["cameraHorizon"]) == (pytest.approx(45.0), 30.0)
     assert not kitchen.step("RotateLook", rotation=90, horizon=80)
     assert kitchen.last_event.metadata["agent"] == agent
+
+
+def test_positions_are_found_breadth_first(kitchen) -> None:
+    event = kitchen.step("Teleport", position={"x": 1.5, "y": 0.9, "z": 0.0}, rotation=90)
+    found = kitchen.step("GetReachablePositions").metadata["actionReturn"]
+    assert found[0] == event.metadata["agent"]["position"]
+    steps = [round(abs(p["x"] - 1.5) / 0.25) + round(abs(p["z"]) / 0.25) for p in found]
+    assert len(steps) > 100
+    assert steps[:5] == [0, 1, 1, 1, 1]
+    assert (found[1]["x"], found[2]["z"]) == (1.75, 0.25)  # right, then ahead of who looks along z
+    turned = kitchen.step("GetReachablePositions", directionsRelativeAgent=True).metadata["actionReturn"]
+    assert turned[1]["z"] == pytest.approx(-0.25)  # the right of who looks along x
+    assert {(round(p["x"], 6), round(p["z"], 6)) for p in turned} == {(p["x"], p["z"]) for p in found}
+    few = len(found) * 0.25**2
+    assert kitchen.step("GetReachablePositions", maxStepCount=int(few) + 1)
+    assert not kitchen.step("GetReachablePositions", maxStepCount=int(few) - 1)
+
+
+def test_nobody_goes_farther_from_an_object_than_is_said(kitchen) -> None:
+    kitchen.step("Teleport", position={"x": 1.0, "y": 0.9, "z": 0.0}, rotation=90)
+    near = {"objectId": "Stool|+00.74|+00.00|+00.56"}
+    event = kitchen.step("MoveAhead", **near, maxAgentsDistance=1.0)
+    assert (
+        event.metadata["errorMessage"] == f"Agent movement would bring it beyond the max distance of {near['objectId']}"
+    )
+    assert kitchen.step("MoveAhead", **near)
+    assert kitchen.step("MoveAhead", **near, maxAgentsDistance=3.0)
+    assert (
+        kitchen.step("MoveBack", objectId="Stool|1", maxAgentsDistance=3.0).metadata["errorMessage"]
+        == "No object with ID Stool|1"
+    )
+
+
+def test_a_type_that_there_is_not_has_no_way_to_it(kitchen) -> None:
+    assert "Nonsense" in kitchen.step("GetShortestPath", objectType="Nonsense").metadata["errorMessage"]
+    assert "unknown object type" in kitchen.last_event.metadata["errorMessage"]

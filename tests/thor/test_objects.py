@@ -206,7 +206,9 @@ def test_pushes_along_the_heading(kitchen) -> None:
     assert event, event.metadata["errorMessage"]
     assert event.get_object(STOOL)["position"]["x"] > after["x"]
     assert not kitchen.step("PushObject", objectId=FRIDGE, moveMagnitude=100.0)
-    assert not kitchen.step("PushObject", objectId=STOOL, moveMagnitude=0)
+    assert not kitchen.step("PushObject", objectId=STOOL, moveMagnitude=-5)
+    event = kitchen.step("PushObject", objectId=STOOL)
+    assert event.metadata["actionReturn"] == event.get_object(STOOL)["position"]
 
 
 def test_switches_on_and_off(kitchen) -> None:
@@ -264,8 +266,57 @@ def test_reaches_for_what_it_sees_and_pushes_it(kitchen) -> None:
     assert (
         event.get_object(STOOL)["position"]["x"] > before.get_object(STOOL)["position"]["x"]
     )  # towards who looks along -x
-    wall = kitchen.step("TouchThenApplyForce", x=0.02, y=0.02, handDistance=20.0, **force).metadata["actionReturn"]
-    assert wall["didHandTouchSomething"]
+    far = kitchen.step("TouchThenApplyForce", x=0.02, y=0.02, handDistance=20.0, **force)
+    assert far.metadata["errorMessage"] == "Object successfully hit, but it is outside of the Agent's interaction range"
+    assert not far.metadata["actionReturn"]["didHandTouchSomething"]
+    kitchen.step("LookUp")
+    wall = kitchen.step("TouchThenApplyForce", x=0.5, y=0.02, handDistance=20.0, **force)
+    assert wall.metadata["actionReturn"]["didHandTouchSomething"], wall.metadata["errorMessage"]
+
+
+@pytest.mark.slow
+def test_what_is_put_down_goes_near_what_the_frame_shows_or_anywhere(kitchen) -> None:
+    places = {}
+    for key, how in {
+        "nearest": {"objectId": ISLAND},
+        "same": {"objectId": ISLAND, "randomSeed": 0},
+        "seed 1": {"objectId": ISLAND, "randomSeed": 1},
+        "seed 1 again": {"objectId": ISLAND, "randomSeed": 1},
+        "seed 2": {"objectId": ISLAND, "randomSeed": 2},
+        "left": {"x": 0.25, "y": 0.62, "putNearXY": True},
+        "right": {"x": 0.75, "y": 0.62, "putNearXY": True},
+    }.items():
+        kitchen.reset()
+        kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+        assert kitchen.step("Teleport", position={"x": -1.0, "y": 0.9, "z": 0.0}, rotation=90, horizon=30)
+        shown = kitchen.step("GetCoordinateFromRaycast", x=how["x"], y=how["y"]) if "x" in how else None
+        event = kitchen.step("PutObject", **how)
+        assert event, (key, event.metadata["errorMessage"])
+        places[key] = tuple(event.get_object(APPLE)["position"].values())
+        assert event.get_object(APPLE)["parentReceptacles"] == [ISLAND]
+        if shown is not None:
+            at = shown.metadata["actionReturn"]
+            assert math.dist((at["x"], at["z"]), (places[key][0], places[key][2])) < 0.2
+    assert places["same"] == places["nearest"]
+    assert places["seed 1"] == places["seed 1 again"]
+    assert len({places[key] for key in ("nearest", "seed 1", "seed 2", "left", "right")}) == 5
+    kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    refused = kitchen.step("PutObject", objectId=ISLAND, putNearXY=True)
+    assert "needs x and y" in refused.metadata["errorMessage"]
+
+
+@pytest.mark.slow
+def test_what_is_for_some_things_takes_no_others(kitchen) -> None:
+    kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    for name in ("CoffeeMachine", "StoveBurner", "Toaster"):
+        target = kitchen.last_event.objects_by_type(name)[0]["objectId"]
+        event = kitchen.step("PutObject", objectId=target, forceAction=True)
+        assert event.metadata["errorMessage"] == f"{APPLE} is not a valid Object Type to be placed in {target}"
+    kitchen.reset()
+    mug = kitchen.last_event.objects_by_type("Mug")[0]["objectId"]
+    kitchen.step("PickupObject", objectId=mug, forceAction=True)
+    machine = kitchen.last_event.objects_by_type("CoffeeMachine")[0]["objectId"]
+    assert kitchen.step("PutObject", objectId=machine, forceAction=True)
 
 
 @pytest.mark.slow

@@ -181,7 +181,7 @@ def test_what_is_let_go_by_force_is_out_of_the_hand_and_the_agent_can_walk_on(ki
     assert shut_in <= 1
 
 
-def test_pushes_are_forced_and_say_what_was_touched(kitchen) -> None:
+def test_pushes_are_forced_and_say_where_things_are_then(kitchen) -> None:
     kitchen.step("Teleport", position={"x": 1.5, "y": 0.9, "z": 0.0}, rotation=0)
     for action, more in (("PushObject", {}), ("PullObject", {}), ("DirectionalPush", {"pushAngle": 20})):
         kitchen.reset()
@@ -190,8 +190,7 @@ def test_pushes_are_forced_and_say_what_was_touched(kitchen) -> None:
         assert not kitchen.step(action, objectId=mug, moveMagnitude=10, **more)
         event = kitchen.step(action, objectId=mug, moveMagnitude=10, forceAction=True, **more)
         assert event, event.metadata["errorMessage"]
-        touched = {"didHandTouchSomething": True, "objectId": mug, "armsLength": 0.0}
-        assert event.metadata["actionReturn"] == touched
+        assert event.metadata["actionReturn"] == event.get_object(mug)["position"]
     kitchen.step("PickupObject", objectId=mug, forceAction=True)
     refused = kitchen.step("PushObject", objectId=mug, moveMagnitude=10, forceAction=True)
     assert "use Throw" in refused.metadata["errorMessage"]

@@ -279,10 +279,40 @@ def test_what_is_held_is_teleported_only_if_that_is_asked_for(kitchen) -> None:
     event = kitchen.step("TeleportObject", objectId=APPLE, position=there, allowTeleportOutOfHand=True)
     assert event, event.metadata["errorMessage"]
     assert event.metadata["inventoryObjects"] == []
-    for wrong, text in ((FRIDGE, "neither pickupable nor moveable"), ("Apple|9", "is not the objectId on any object")):
+    for wrong, text in ((FRIDGE, "is in the way"), ("Apple|9", "is not the objectId on any object")):
         assert text in kitchen.step("TeleportObject", objectId=wrong, position=there).metadata["errorMessage"]
     with pytest.raises(ValueError, match="missing the following arguments: position"):
         kitchen.step("TeleportObject", objectId=APPLE)
+
+
+def test_what_is_built_in_stays_where_it_is_put(kitchen) -> None:
+    start = kitchen.last_event
+    fridge = start.get_object(FRIDGE)
+    inside = fridge["receptacleObjectIds"]
+    assert inside
+    pose = {"position": fridge["position"], "rotation": fridge["rotation"]}
+    event = kitchen.step("TeleportObject", objectId=FRIDGE, **pose)
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["objects"] == start.metadata["objects"]
+    away = {**fridge["position"], "x": fridge["position"]["x"] + 1.0}
+    event = kitchen.step(
+        "TeleportObject", objectId=FRIDGE, position=away, rotation=fridge["rotation"], forceAction=True
+    )
+    assert event, event.metadata["errorMessage"]
+    assert position(event, FRIDGE) == pytest.approx(list(away.values()), abs=1e-4)
+    assert event.get_object(FRIDGE)["receptacleObjectIds"] == inside
+    for name in inside:
+        assert position(event, name)[0] - position(start, name)[0] == pytest.approx(1.0, abs=0.05)
+
+
+def test_nothing_is_put_out_of_the_room(kitchen) -> None:
+    start = kitchen.last_event
+    for action in ("PlaceObjectAtPoint", "TeleportObject"):
+        event = kitchen.step(action, objectId=APPLE, position={"x": 50, "y": 1, "z": 0})
+        assert event.metadata["errorMessage"] == "Position coordinate (50, 1, 0) is not within scene bounds"
+        assert event.metadata["objects"] == start.metadata["objects"]
+    for wrong in ([], None):
+        assert "must not be empty" in kitchen.step("RemoveFromScene", objectIds=wrong or []).metadata["errorMessage"]
 
 
 def test_what_is_not_there_answers_no_question(kitchen) -> None:

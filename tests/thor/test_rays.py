@@ -64,7 +64,35 @@ def test_a_ray_meets_what_stands_in_its_way(kitchen) -> None:
     wall = kitchen.step("PerformRaycast", origin={"x": 1.0, "y": 2.3, "z": 0.0}, destination={"x": 9, "y": 2.3, "z": 0})
     assert "a part of the building" in wall.metadata["errorMessage"]
     event = kitchen.step("PerformRaycast", origin=eye, destination={**eye, "x": -0.7})
-    assert "nothing is hit between (-0.75, 1, 1.07) and (-0.7, 1, 1.07)" in event.metadata["errorMessage"]
+    assert (
+        "no object is hit from (-0.75, 1, 1.07) towards (-0.7, 1, 1.07), but a part" in event.metadata["errorMessage"]
+    )
+    near = kitchen.step("PerformRaycast", origin=eye, destination={**eye, "x": -0.8}).metadata["actionReturn"]
+    assert near["objectId"] == FRIDGE  # the ray goes on
+    assert near["hitPoint"]["x"] == pytest.approx(hit["hitPoint"]["x"])
+    assert "the same point" in kitchen.step("PerformRaycast", origin=eye, destination=eye).metadata["errorMessage"]
+
+
+def test_what_is_visible_is_named_nearest_first(kitchen) -> None:
+    event = kitchen.step("TeleportFull", **BEFORE_FRIDGE, standing=True)
+    eye = np.array([event.metadata["cameraPosition"][axis] for axis in "xyz"])
+
+    def away(name: str) -> float:
+        return float(np.linalg.norm(eye - [event.get_object(name)["position"][axis] for axis in "xyz"]))
+
+    seen = kitchen.step("GetVisibleObjects", maxDistance=3.0).metadata["actionReturn"]
+    assert len(seen) > 5
+    assert [away(name) for name in seen] == sorted(map(away, seen))
+    some = kitchen.step("GetVisibleObjects", maxDistance=3.0, objectIds=[seen[3], seen[1], "Mug|1"]).metadata[
+        "actionReturn"
+    ]
+    assert some == [seen[1], seen[3]]
+    camera = {"position": event.metadata["cameraPosition"], "rotation": {"x": 30, "y": 270, "z": 0}}
+    kitchen.step("AddThirdPartyCamera", **camera)
+    for action in ("GetVisibleObjects", "ObjectsVisibleFromThirdPartyCamera"):
+        third = kitchen.step(action, maxDistance=3.0, thirdPartyCameraIndex=0).metadata["actionReturn"]
+        assert third == seen
+    assert not kitchen.step("GetVisibleObjects", thirdPartyCameraIndex=1)
 
 
 def test_what_is_held_is_in_no_rays_way(kitchen) -> None:
@@ -73,7 +101,7 @@ def test_what_is_held_is_in_no_rays_way(kitchen) -> None:
     ray = {"origin": {**place, "y": place["y"] + 0.5}, "destination": place}
     assert kitchen.step("PerformRaycast", **ray).metadata["actionReturn"]["objectId"] == apple
     kitchen.step("PickupObject", objectId=apple, forceAction=True)
-    assert not kitchen.step("PerformRaycast", **ray)
+    assert kitchen.step("PerformRaycast", **ray).metadata["actionReturn"]["objectId"].startswith("CounterTop")
 
 
 @pytest.mark.slow

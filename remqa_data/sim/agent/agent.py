@@ -160,8 +160,11 @@ class Agent(Body):
         """Ids of what comes along when an object is picked up."""
         return []
 
-    def put(self, receptacle_id: str, force: bool = False) -> ActionResult:
-        """Put what is held into or onto a receptacle: at the nearest free place that the agent sees, or else at any."""
+    def put(self, receptacle_id: str, force: bool = False, near: tuple[float, float] | None = None) -> ActionResult:
+        """Put what is held into or onto a receptacle: at the nearest free place that the agent sees, or else at any.
+
+        That is the nearest one to the agent, or to another x and y, metres.
+        """
         if self.held is None:
             return ActionResult(False, "nothing is held")
         if not object_type(self.world.type_of(receptacle_id)).receptacle:
@@ -169,7 +172,7 @@ class Agent(Body):
         refusal = None if force else self.refusal(receptacle_id) or self.reach(receptacle_id)
         if refusal is not None:
             return refusal
-        near = (self.x, self.y)
+        near = near or (self.x, self.y)
         return self._released(put_into(self.world, self.held, receptacle_id, near, self.are_seen, self._is_beside))
 
     def drop(self) -> ActionResult:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Literal
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.thor.actions import navigation
 from remqa_data.thor.actions import objects as actions_objects
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.arm_metadata import hand_facing
@@ -25,9 +25,9 @@ from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import SWAP, PartialVector, Vector, facing, to_room, turn_of_euler, whole
 from remqa_data.thor.state.simulator import SimulatorState
 
-Space = Literal["armBase", "world", "wrist"]
-"""Where a position is given: in the room; from the shoulder, with x to the agent's right and z ahead of it; or from the
-hand, with x to its right and z out of the palm."""
+SPACES = ("armBase", "world", "wrist")
+"""Where a position is given: from the shoulder, with x to the agent's right and z ahead of it; in the room; or from the hand,
+with x to its right and z out of the palm."""
 
 LEAST_RADIUS_M, MOST_RADIUS_M = 0.04, 0.5
 IS_THERE_M = 1e-4
@@ -35,18 +35,22 @@ IS_THERE_M = 1e-4
 
 
 def move_arm(
-    simulator: SimulatorState, position: PartialVector, coordinateSpace: Space = "armBase", returnToStart: bool = True
+    simulator: SimulatorState, position: PartialVector, coordinateSpace: str = "armBase", returnToStart: bool = True
 ) -> ActionResult:
     """Bring the hand to a position, metres."""
+    if coordinateSpace not in SPACES:
+        return ActionResult(False, f"Invalid coordinateSpace: {coordinateSpace}")
     arm, base = simulator.agent.arm, simulator.agent.base
     origin = arm.hand(base) if coordinateSpace == "wrist" else arm.shoulder(base)
     return _reach(simulator, _in_room(simulator, whole(position), coordinateSpace, origin), returnToStart)
 
 
 def move_arm_relative(
-    simulator: SimulatorState, offset: PartialVector, coordinateSpace: Space = "armBase", returnToStart: bool = True
+    simulator: SimulatorState, offset: PartialVector, coordinateSpace: str = "armBase", returnToStart: bool = True
 ) -> ActionResult:
     """Bring the hand somewhere, as seen from where it is."""
+    if coordinateSpace not in SPACES:
+        return ActionResult(False, f"Invalid coordinateSpace: {coordinateSpace}")
     hand = simulator.agent.arm.hand(simulator.agent.base)
     if coordinateSpace == "world":
         x, y, z = (np.asarray(hand) + np.asarray(to_room(whole(offset)))).tolist()
@@ -66,20 +70,29 @@ def move_arm_base(
 
 
 def move_arm_base_up(simulator: SimulatorState, distance: float, returnToStart: bool = True) -> ActionResult:
-    """Slide the shoulder up, metres."""
+    """Slide the shoulder up, metres, as far as it goes."""
     height = simulator.agent.arm.state.base_height_m + distance
+    height = min(max(height, AGENT.shoulder_low_m), AGENT.shoulder_high_m)
     return _or_back(simulator, returnToStart, lambda: simulator.agent.set_arm_base(height))
 
 
 def move_arm_base_down(simulator: SimulatorState, distance: float, returnToStart: bool = True) -> ActionResult:
-    """Slide the shoulder down, metres."""
+    """Slide the shoulder down, metres, as far as it goes."""
     return move_arm_base_up(simulator, -distance, returnToStart)
 
 
 def pick_up_object(
-    simulator: SimulatorState, objectIdCandidates: list[str] | None = None, objectId: str | None = None
+    simulator: SimulatorState,
+    objectIdCandidates: list[str] | None = None,
+    objectId: str | None = None,
+    x: float | None = None,
+    y: float | None = None,
+    forceAction: bool = False,
+    manualInteract: bool = False,
 ) -> ActionResult:
-    """Take hold of the nearest object that the hand touches, of those that are named, if any."""
+    """Take hold of the nearest object that the hand touches, of those that are named, if any; no point of a frame names one."""
+    if (x, y) != (None, None):
+        return ActionResult(False, "an arm takes what its hand touches: x and y name nothing")
     agent, world = simulator.agent, simulator.room.world
     names = [objectId] if objectId is not None else objectIdCandidates
     touched = agent.arm.touched(agent.arm.hand(agent.base))
@@ -91,8 +104,11 @@ def pick_up_object(
 
 
 def release_object(simulator: SimulatorState) -> ActionResult:
-    """Let go of what the hand holds."""
-    return actions_objects.drop_object(simulator)
+    """Let go of what the hand holds, if it holds something."""
+    if simulator.agent.held is None:
+        return ActionResult(True)
+    dropped = actions_objects.drop_object(simulator)
+    return ActionResult(dropped.success, dropped.error)
 
 
 def set_hand_sphere_radius(simulator: SimulatorState, radius: float) -> ActionResult:
@@ -104,10 +120,12 @@ def set_hand_sphere_radius(simulator: SimulatorState, radius: float) -> ActionRe
 
 
 def move_agent(
-    simulator: SimulatorState, ahead: float = 0.0, right: float = 0.0, forceAction: bool = False
+    simulator: SimulatorState, ahead: float | None = None, right: float | None = None, forceAction: bool = False
 ) -> ActionResult:
     """Walk straight, metres; the arm folds first."""
-    return simulator.agent.move(ahead, right, forceAction)
+    if ahead is None and right is None:
+        return ActionResult(False, "Must specify ahead or right!")
+    return simulator.agent.move(ahead or 0.0, right or 0.0, forceAction)
 
 
 def rotate_agent(simulator: SimulatorState, degrees: float) -> ActionResult:
@@ -134,6 +152,7 @@ def rotate_elbow_relative(simulator: SimulatorState, degrees: float, returnToSta
 
 ACTIONS: dict[str, Action] = {
     "MoveAgent": move_agent,
+    **navigation.ANY_WAY,
     "MoveArm": move_arm,
     "MoveArmBase": move_arm_base,
     "MoveArmBaseDown": move_arm_base_down,
@@ -148,13 +167,13 @@ ACTIONS: dict[str, Action] = {
 }
 
 
-def _in_room(simulator: SimulatorState, position: Vector, space: Space, origin: Vec3) -> Vec3:
+def _in_room(simulator: SimulatorState, position: Vector, space: str, origin: Vec3) -> Vec3:
     """A position of AI2-THOR in the room, metres."""
     if space == "world":
         return to_room(position)
     agent = simulator.agent
     axes = _hand_axes(agent) if space == "wrist" else facing(agent.yaw_deg)
-    away = axes @ np.array([position["x"], position["z"], position["y"]])
+    away = axes @ np.array(to_room(position))
     x, y, z = (np.asarray(origin) + away).tolist()
     return x, y, z
 

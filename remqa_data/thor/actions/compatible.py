@@ -17,6 +17,7 @@ class _Rules(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     tables: frozenset[str]
+    specific: frozenset[str]
     compatible: dict[str, frozenset[str]]
 
 
@@ -29,6 +30,15 @@ def is_compatible(type_name: str, receptacle_type: str) -> bool:
     rules = _rules()
     named = rules.compatible.get(type_name)
     return named is None or receptacle_type in named or ("tables" in named and receptacle_type in rules.tables)
+
+
+def is_specific(receptacle_type: str) -> bool:
+    """Whether a type of receptacle takes only what is compatible with it, even if one is forced to.
+
+    >>> is_specific("StoveBurner"), is_specific("Fridge")
+    (True, False)
+    """
+    return receptacle_type in _rules().specific
 
 
 @cache

@@ -85,7 +85,7 @@ def rotate_hand(simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z: fl
 
 def rotate_hand_relative(simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> ActionResult:
     """Turn what is held about the agent's axes, degrees."""
-    return hand.rotate_held_object(simulator, pitch=x, yaw=y, roll=z)
+    return hand.rotate_held_object(simulator, pitch=x, yaw=y, roll=-z)
 
 
 def move_mid_level_arm(
@@ -131,6 +131,7 @@ def rotate_continuous(simulator: SimulatorState, degrees: float, **ignored: Any)
 ACTIONS: dict[str, Action] = {
     "Look": look,
     "Move": move,
+    "MoveGlobal": move,
     "MoveHand": move_hand,
     "MoveHandAhead": hand.move_held_object_ahead,
     "MoveHandBack": hand.move_held_object_back,
@@ -139,6 +140,7 @@ ACTIONS: dict[str, Action] = {
     "MoveHandLeft": hand.move_held_object_left,
     "MoveHandRight": hand.move_held_object_right,
     "MoveHandUp": hand.move_held_object_up,
+    "OpenObjectImmediate": objects.open_object,
     "PlaceHeldObject": objects.put_object,
     "PositionsFromWhichItemIsInteractable": positions_from_which_item_is_interactable,
     "Rotate": rotate,

@@ -127,7 +127,7 @@ def throw_object(simulator: SimulatorState, moveMagnitude: float, forceAction: b
     agent, world = simulator.agent, simulator.room.world
     if agent.held is None:
         return ActionResult(False, "Nothing in Hand to Throw!")
-    if moveMagnitude <= 0.0:
+    if moveMagnitude < 0.0:
         return ActionResult(False, f"moveMagnitude {moveMagnitude:g} is not a force: give newtons")
     mass = simulator.room.records.mass_kg(agent.held)
     ahead = agent.camera().rotation()[2]

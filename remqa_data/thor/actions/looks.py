@@ -61,6 +61,22 @@ def unemphasize_all(simulator: SimulatorState) -> ActionResult:
     return _show(simulator, replace(simulator.room.looks.look, masked=frozenset(), emphasized=None))
 
 
+def hide_object(simulator: SimulatorState, objectId: str) -> ActionResult:
+    """Leave an object out of all pictures, with what is in it if it can be opened; it is there all the same."""
+    if (refusal := not_there(simulator, objectId)) is not None:
+        return refusal
+    look, hidden = simulator.room.looks.look, _with_what_is_inside(simulator, objectId)
+    return _show(simulator, replace(look, hidden=look.hidden | hidden))
+
+
+def unhide_object(simulator: SimulatorState, objectId: str) -> ActionResult:
+    """Let an object be in pictures again, with what is in it if it can be opened."""
+    if (refusal := not_there(simulator, objectId)) is not None:
+        return refusal
+    look, shown = simulator.room.looks.look, _with_what_is_inside(simulator, objectId)
+    return _show(simulator, replace(look, hidden=look.hidden - shown))
+
+
 def set_random_seed(simulator: SimulatorState, seed: int) -> ActionResult:
     """Let what is random from now on follow from a seed."""
     simulator.seed(seed)
@@ -156,7 +172,9 @@ def reset_lighting(simulator: SimulatorState) -> ActionResult:
 
 
 ACTIONS: dict[str, Action] = {
+    "ChangeColorOfMaterials": randomize_colors,
     "EmphasizeObject": emphasize_object,
+    "HideObject": hide_object,
     "MaskObject": mask_object,
     "RandomizeColors": randomize_colors,
     "RandomizeLighting": randomize_lighting,
@@ -166,8 +184,15 @@ ACTIONS: dict[str, Action] = {
     "ResetMaterials": reset_materials,
     "SetRandomSeed": set_random_seed,
     "UnemphasizeAll": unemphasize_all,
+    "UnhideObject": unhide_object,
     "UnmaskObject": unmask_object,
 }
+
+
+def _with_what_is_inside(simulator: SimulatorState, object_id: str) -> frozenset[str]:
+    """An object and, if it can be opened, what is in it."""
+    world = simulator.room.world
+    return frozenset([object_id, *(world.contents(object_id) if world.assets[object_id].is_openable else ())])
 
 
 def _show(simulator: SimulatorState, look: Look) -> ActionResult:

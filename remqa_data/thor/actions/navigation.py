@@ -5,10 +5,14 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import PartialVector, facing, whole, yaw_to_room
+from remqa_data.thor.state.frames import PartialVector, Vector, facing, to_room, to_thor, whole, yaw_to_room
 from remqa_data.thor.state.simulator import SimulatorState
 
 BLOCKED = " is blocking Agent from moving"
@@ -92,8 +96,8 @@ def stand(simulator: SimulatorState) -> ActionResult:
     return simulator.agent.stand()
 
 
-def _walk(ahead: int = 0, right: int = 0) -> Action:
-    """The action of walking one way, looking ahead; by default one cell of the grid."""
+def _walk(ahead: int = 0, right: int = 0, *, any_way: bool = False) -> Action:
+    """The action of walking one way, looking ahead; by default one cell of the grid, and also the other way if any will do."""
 
     def walk(
         simulator: SimulatorState,
@@ -102,10 +106,32 @@ def _walk(ahead: int = 0, right: int = 0) -> Action:
         objectId: str = "",
         maxAgentsDistance: float = -1.0,
         manualInteract: bool = False,
+        allowAgentsToIntersect: bool = False,
     ) -> ActionResult:
-        return _then_rest(simulator, _move(simulator, ahead, right, moveMagnitude), manualInteract)
+        distance = simulator.settings.grid_size if moveMagnitude is None else moveMagnitude
+        if distance <= 0.0 and not any_way:
+            return ActionResult(
+                False, f"moveMagnitude must be positive, not {distance:g}: name the direction in the action"
+            )
+        with simulator.agent.passing_agents(allowAgentsToIntersect):
+            moved = _too_far_from(simulator, objectId, maxAgentsDistance, ahead * distance, right * distance) or _move(
+                simulator, ahead * distance, right * distance
+            )
+        return _then_rest(simulator, moved, manualInteract)
 
     return walk
+
+
+def _turn(counter_clockwise: int) -> Action:
+    """The action of turning one way or, by less than nothing, the other, as an agent with an arm does."""
+
+    def turn(
+        simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False, manualInteract: bool = False
+    ) -> ActionResult:
+        angle = simulator.settings.rotate_step_degrees if degrees is None else degrees
+        return simulator.agent.rotate(counter_clockwise * angle)
+
+    return turn
 
 
 ACTIONS: dict[str, Action] = {
@@ -123,6 +149,15 @@ ACTIONS: dict[str, Action] = {
     "Teleport": teleport,
     "TeleportFull": teleport,
 }
+ANY_WAY: dict[str, Action] = {
+    "MoveAhead": _walk(ahead=1, any_way=True),
+    "MoveBack": _walk(ahead=-1, any_way=True),
+    "MoveLeft": _walk(right=-1, any_way=True),
+    "MoveRight": _walk(right=1, any_way=True),
+    "RotateLeft": _turn(1),
+    "RotateRight": _turn(-1),
+}
+"""What an agent with an arm does otherwise: it takes any distance and angle."""
 
 
 def _then_rest(simulator: SimulatorState, result: ActionResult, stays: bool = False) -> ActionResult:
@@ -132,19 +167,33 @@ def _then_rest(simulator: SimulatorState, result: ActionResult, stays: bool = Fa
     return result
 
 
-def _move(simulator: SimulatorState, ahead: int, right: int, metres: float | None) -> ActionResult:
-    distance = simulator.settings.grid_size if metres is None else metres
-    if distance <= 0:
-        return ActionResult(
-            False, f"moveMagnitude must be positive, not {distance:g}: name the direction in the action"
-        )
+def _way(simulator: SimulatorState, ahead: float, right: float) -> Vector:
+    """The way that so many metres are, in AI2-THOR's frame."""
+    right_of, ahead_of = facing(simulator.agent.yaw_deg)[:, :2].T
+    return to_thor(ahead * ahead_of + right * right_of)
+
+
+def _too_far_from(
+    simulator: SimulatorState, object_id: str, most_m: float, ahead: float, right: float
+) -> ActionResult | None:
+    """That a step would end too far from an object, if it is to stay near to one."""
+    if not object_id or most_m <= 0.0:
+        return None
+    if object_id not in simulator.room.world.ids or object_id in simulator.room.records.away:
+        return ActionResult(False, f"No object with ID {object_id}")
+    there = np.add(simulator.room.agent_position(), to_room(_way(simulator, ahead, right)))
+    if math.dist(there, simulator.room.records.position(object_id)) > most_m:
+        return ActionResult(False, f"Agent movement would bring it beyond the max distance of {object_id}")
+    return None
+
+
+def _move(simulator: SimulatorState, ahead: float, right: float) -> ActionResult:
     agent = simulator.agent
-    moved = agent.move(ahead * distance, right * distance)
+    moved = agent.move(ahead, right)
     if not moved.error.endswith(BLOCKED):
         return moved
-    right_of, ahead_of = facing(agent.yaw_deg)[:, :2].T
-    x, y, _ = (ahead * distance * ahead_of + right * distance * right_of).tolist()
-    by = f"({x:.4f}, {0.0:.4f}, {y:.4f})"
+    way = _way(simulator, ahead, right)
+    by = f"({way['x']:.4f}, {way['y']:.4f}, {way['z']:.4f})"
     return ActionResult(
         False, f"{moved.error.removesuffix(BLOCKED)} is blocking Agent {agent.number} from moving by {by}."
     )

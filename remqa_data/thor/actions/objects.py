@@ -12,13 +12,13 @@ from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import CLOSED
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
-from remqa_data.thor.actions.compatible import is_compatible
+from remqa_data.thor.actions.compatible import is_compatible, is_specific
 from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.object_states.conditions import BASINS, BROKEN
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, to_thor, whole, yaw_to_thor
-from remqa_data.thor.state.simulator import SimulatorState
+from remqa_data.thor.state.simulator import SimulatorState, generator
 
 NO_OBJECT = "not a sim object, a structure was touched"
 """AI2-THOR's words for a wall or the floor."""
@@ -96,10 +96,14 @@ def put_object(
     forceAction: bool = False,
     placeStationary: bool = True,
     receptacleObjectId: str | None = None,
+    randomSeed: int = 0,
+    putNearXY: bool = False,
 ) -> ActionResult:
     """Put what is held into or onto a receptacle, which `receptacleObjectId` names in old code; a sink means its basin.
 
-    Without `forceAction` it goes where such things go, see `compatible`.
+    Without `forceAction` it goes where such things go, see `compatible`. Of the places where there is room it gets the one
+    nearest to the agent; with a `randomSeed`, to a point of the receptacle that is drawn; with `putNearXY`, to what (x, y)
+    of the frame shows.
     """
     target = target_of(simulator, "PutObject", receptacleObjectId or objectId, x, y)
     if isinstance(target, ActionResult):
@@ -107,8 +111,13 @@ def put_object(
     world, held = simulator.room.world, simulator.agent.held
     if held is None:
         return ActionResult(False, NOTHING_TO_PUT)
+    near = _near(simulator, target, x, y, randomSeed, putNearXY)
+    if isinstance(near, ActionResult):
+        return near
     named, basins = target, {f"{target}|{name}" for name in BASINS} & set(world.ids)
     target = basins.pop() if basins else target
+    if is_specific(world.type_of(target)) and not _may_be_put(simulator, held, {target}):
+        return ActionResult(False, f"{held} is not a valid Object Type to be placed in {named}")
     if (
         not forceAction
         and not _may_be_put(simulator, held, {named, target})
@@ -117,7 +126,7 @@ def put_object(
         return ActionResult(False, f"{held} cannot be placed in {named}")
     turned = world.state(held).quaternion
     _stand_up(simulator)
-    result = simulator.agent.put(target, forceAction)
+    result = simulator.agent.put(target, forceAction, near)
     if not result.success:
         world.move_alone(held, world.state(held).position, turned)
     if result.error == f"{target} is {CLOSED}":
@@ -136,7 +145,7 @@ def drop_object(simulator: SimulatorState, forceAction: bool = False) -> ActionR
 
 def push_object(
     simulator: SimulatorState,
-    moveMagnitude: float,
+    moveMagnitude: float = 0.0,
     objectId: str | None = None,
     x: float | None = None,
     y: float | None = None,
@@ -148,7 +157,7 @@ def push_object(
 
 def pull_object(
     simulator: SimulatorState,
-    moveMagnitude: float,
+    moveMagnitude: float = 0.0,
     objectId: str | None = None,
     x: float | None = None,
     y: float | None = None,
@@ -160,8 +169,8 @@ def pull_object(
 
 def directional_push(
     simulator: SimulatorState,
-    moveMagnitude: float,
-    pushAngle: float,
+    moveMagnitude: float = 0.0,
+    pushAngle: float = 0.0,
     objectId: str | None = None,
     x: float | None = None,
     y: float | None = None,
@@ -191,6 +200,12 @@ def touch_then_apply_force(
     if shown.away_m > reach:
         return ActionResult(True, value={"didHandTouchSomething": False, "objectId": "", "armsLength": reach})
     touched, ahead = shown.object_id, whole(direction or {})
+    if touched is not None and shown.away_m > simulator.settings.visibility_distance:
+        return ActionResult(
+            False,
+            "Object successfully hit, but it is outside of the Agent's interaction range",
+            {"didHandTouchSomething": False, "objectId": "", "armsLength": reach},
+        )
     share = math.hypot(ahead["x"], ahead["z"]) / (math.hypot(ahead["x"], ahead["y"], ahead["z"]) or 1.0)
     if touched is not None and moveMagnitude * share > 0.0:  # what cannot be moved stays
         angle = math.degrees(math.atan2(ahead["x"], ahead["z"]))
@@ -277,16 +292,37 @@ def _push(
         return target
     if target in simulator.room.world.held:
         return ActionResult(False, "Please use Throw for an item in the Agent's Hand")
-    if newtons <= 0:
+    if newtons < 0.0:
         return ActionResult(False, f"moveMagnitude {newtons:g} is not a force: give newtons")
     agent, room = simulator.agent, simulator.room
+    if newtons == 0.0:
+        refusal = agent.access_refusal(target, force)
+        return refusal or ActionResult(True, value=to_thor(room.records.position(target)))
     distance = _slide_m(newtons, room.records.mass_kg(target))
     x, y, _ = room.world.state(target).position
     away_deg = math.degrees(math.atan2(y - agent.y, x - agent.x))
     pushed = agent.push(target, distance, agent.yaw_deg - angle_deg - away_deg, force)
     if not pushed.success:
         return pushed
-    return ActionResult(True, value={"didHandTouchSomething": True, "objectId": target, "armsLength": 0.0})
+    return ActionResult(True, value=to_thor(room.records.position(target)))
+
+
+def _near(
+    simulator: SimulatorState, target: str, x: float | None, y: float | None, seed: int, near_xy: bool
+) -> tuple[float, float] | ActionResult | None:
+    """To which x and y in the room, metres, something is to be put near; None for the agent's."""
+    if near_xy:
+        if x is None or y is None:
+            return ActionResult(False, "putNearXY needs x and y")
+        shown = shown_at(simulator, x, y)
+        if isinstance(shown, ActionResult):
+            return shown
+        return None if shown.point is None else (float(shown.point[0]), float(shown.point[1]))
+    if seed:
+        low, high = simulator.room.world.box(target)[:, :2]
+        drawn_x, drawn_y = generator(seed).uniform(low, high).tolist()
+        return drawn_x, drawn_y
+    return None
 
 
 def _may_be_put(simulator: SimulatorState, object_id: str, receptacles: Collection[str]) -> bool:

@@ -16,16 +16,16 @@ import numpy as np
 from typing_extensions import TypedDict
 
 from remqa_data.catalog import object_type
-from remqa_data.errors import MisuseError
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
+from remqa_data.scene import Quaternion
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import lattice, open_spaces
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.targets import copy_id_of, not_there, of_type
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import Action, missing_argument
 from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.frames import PartialVector, to_room, to_thor, turn_of_euler, whole
 from remqa_data.thor.state.simulator import SimulatorState
@@ -56,14 +56,18 @@ def remove_from_scene(
     simulator: SimulatorState, objectId: str | None = None, objectIds: list[str] | None = None
 ) -> ActionResult:
     """Take an object, or some, out of the scene; what lay on them falls."""
-    room = simulator.room
     names = objectIds if objectId is None else [objectId]
     if names is None:
-        message = "action: RemoveFromScene is missing the following arguments: objectId"
-        raise MisuseError("MissingArguments", message)
+        raise missing_argument("RemoveFromScene", "objectId")
+    if not names:
+        return ActionResult(False, "objectIds must not be empty!")
     for name in names:
         if (refusal := not_there(simulator, name)) is not None:
             return refusal
+    return _remove(simulator.room, names)
+
+
+def _remove(room: LoadedFloorPlan, names: Sequence[str]) -> ActionResult:
     for name in dict.fromkeys(names):
         if name in room.records.away:
             continue  # it was held with one before
@@ -76,7 +80,7 @@ def remove_from_scene(
 
 def disable_all_objects_of_type(simulator: SimulatorState, objectType: str) -> ActionResult:
     """Take all objects of a type out of the scene."""
-    return remove_from_scene(simulator, objectIds=of_type(simulator, object_type(objectType).name))
+    return _remove(simulator.room, of_type(simulator, object_type(objectType).name))
 
 
 def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
@@ -188,8 +192,10 @@ def _place_at(
     simulator: SimulatorState, objectId: str, position: PartialVector, rotation: PartialVector | None
 ) -> ActionResult:
     room, world = simulator.room, simulator.room.world
-    if (refusal := _stays(simulator, objectId)) is not None:
+    if (refusal := not_there(simulator, objectId) or _out_of_bounds(room, position)) is not None:
         return refusal
+    if not object_type(world.type_of(objectId)).is_loose:
+        return ActionResult(False, f"{objectId} is neither pickupable nor moveable")
     before = world.save()
     if objectId in world.held:
         world.put(objectId, world.state(objectId).position)
@@ -227,11 +233,11 @@ def teleport_object(
 ) -> ActionResult:
     """Put an object to a position, or to the first of some where there is room, with what is in or on it.
 
-    A position is that of its metadata. It comes to rest from there, with `forceKinematic` too; with `forceAction` it may be
-    put into other things, and physics drives them apart.
+    A position is that of its metadata. What is loose comes to rest from there, with `forceKinematic` too; with `forceAction`
+    it may be put into other things, and physics drives them apart. What is built in stays where it is put.
     """
     room, world = simulator.room, simulator.room.world
-    if (refusal := _stays(simulator, objectId)) is not None:
+    if (refusal := not_there(simulator, objectId)) is not None:
         return refusal
     if objectId in world.held and not allowTeleportOutOfHand:
         return ActionResult(False, f"{objectId} is in the hand, and allowTeleportOutOfHand is not set")
@@ -239,18 +245,24 @@ def teleport_object(
         position = {"x": x or 0.0, "y": y or 0.0, "z": z or 0.0}
     places = _places("TeleportObject", position, positions)
     turn = room.records.turn(objectId) if rotation is None else turn_of_euler(whole(rotation))
-    before, blocker = world.save(), None
+    before, refusal = world.save(), None
     for place in places:
-        if objectId in world.held:
+        refusal = _out_of_bounds(room, place)
+        if refusal is not None:
+            continue
+        was_held, blocker = objectId in world.held, None
+        if was_held:
             world.put(objectId, world.state(objectId).position)
         pivot, quaternion = room.records.pose_of(objectId, to_room(whole(place)), turn)
-        moved = [objectId, *world.move(objectId, pivot, quaternion)]
-        blocker = _put_down(room, moved, forceAction)
+        if was_held or not _is_same(world.state(objectId), pivot, quaternion):
+            moved = [objectId, *world.move(objectId, pivot, quaternion)]
+            blocker = _put_down(room, moved, forceAction)
         if blocker is None:
             simulator.agent.rest_hand()
             return ActionResult(True, value=None if positions else to_thor(room.records.position(objectId)))
         world.restore(before)
-    return ActionResult(False, f"{blocker} is in the way of {objectId}")
+        refusal = ActionResult(False, f"{blocker} is in the way of {objectId}")
+    return refusal or ActionResult(True)
 
 
 def get_spawn_coordinates_above_receptacle(
@@ -297,16 +309,23 @@ def _places(action: str, position: PartialVector | None, positions: list[Partial
     """Where an action is to put an object, the best place first."""
     places = positions or ([] if position is None else [position])
     if not places:
-        raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: position")
+        raise missing_argument(action, "position")
     return places
 
 
-def _stays(simulator: SimulatorState, object_id: str) -> ActionResult | None:
-    """Why an object cannot be put elsewhere, if it cannot."""
-    refusal = not_there(simulator, object_id)
-    if refusal is None and not object_type(simulator.room.world.type_of(object_id)).is_loose:
-        return ActionResult(False, f"{object_id} is neither pickupable nor moveable")
-    return refusal
+def _out_of_bounds(room: LoadedFloorPlan, position: PartialVector) -> ActionResult | None:
+    """That a position is not in the room, if it is not."""
+    (low, high), point = room.box(), to_room(whole(position))
+    if (low <= point).all() and (point <= high).all():
+        return None
+    words = ", ".join(f"{value:g}" for value in whole(position).values())
+    return ActionResult(False, f"Position coordinate ({words}) is not within scene bounds")
+
+
+def _is_same(state: ObjectState, position: Vec3, quaternion: Quaternion) -> bool:
+    """Whether an object in a state is at a pose."""
+    apart = arithmetic.length(np.subtract(state.position, position))
+    return bool(apart < SAME_M) and abs(float(arithmetic.dot(state.quaternion, quaternion))) > SAME_COSINE
 
 
 def _leaves(type_name: str, skips_moveable: bool) -> bool:
@@ -324,8 +343,7 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
     )
     wanted = replace(now, position=position, quaternion=quaternion, is_fixed=loaded.is_fixed)
     for known in (now, replace(loaded, openness=now.openness) if now.openness != loaded.openness else loaded):
-        apart = arithmetic.length(np.subtract(known.position, position))
-        if apart < SAME_M and abs(float(arithmetic.dot(known.quaternion, quaternion))) > SAME_COSINE:
+        if _is_same(known, position, quaternion):
             return known
     return wanted
 
@@ -368,8 +386,12 @@ def _put_down(room: LoadedFloorPlan, moved: Sequence[str], force: bool = False) 
 
 
 def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
-    """Let what was moved fall, and furniture stand still then; what an object is in afterwards by more than metres."""
+    """Let what is loose of what was moved fall, and furniture stand still then.
+
+    Returns what any of it is in afterwards by more than metres.
+    """
     world = room.world
+    moved = [name for name in moved if object_type(world.type_of(name)).is_loose]
     furniture = [
         name for name in moved if world.state(name).is_fixed and world.state(name) is not room.at_rest.states.get(name)
     ]

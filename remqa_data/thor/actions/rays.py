@@ -5,11 +5,16 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from remqa_data.geometry.types import F64
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole
 from remqa_data.thor.state.simulator import SimulatorState
+
+LONGEST_M = 50.0
+"""No ray meets anything farther away."""
 
 
 class Shown(NamedTuple):
@@ -65,13 +70,17 @@ def world_to_viewport_point(simulator: SimulatorState, position: PartialVector) 
 
 
 def perform_raycast(simulator: SimulatorState, origin: PartialVector, destination: PartialVector) -> ActionResult:
-    """The first object between two points, and where it is met: `hitPoint`, `hitDistance`.
+    """The first object on the way from a point towards another one, and beyond it, and where it is met.
 
     Collision boxes are met, as in AI2-THOR, not the surfaces that the pictures show.
     """
     start, end = to_room(whole(origin)), to_room(whole(destination))
-    hit = simulator.room.world.first_hit(start, end)
-    between = f"between {_words(origin)} and {_words(destination)}"
+    between = f"from {_words(origin)} towards {_words(destination)}"
+    length = math.dist(start, end)
+    if length == 0.0:
+        return ActionResult(False, "origin and destination are the same point")
+    x, y, z = (start + (np.subtract(end, start) / length) * LONGEST_M).tolist()
+    hit = simulator.room.world.first_hit(start, (x, y, z))
     if hit is None:
         return ActionResult(False, f"nothing is hit {between}")
     name, point = hit
@@ -86,7 +95,7 @@ def perform_raycast(simulator: SimulatorState, origin: PartialVector, destinatio
 def get_object_hit_from_raycast(
     simulator: SimulatorState, origin: PartialVector, destination: PartialVector
 ) -> ActionResult:
-    """The id of the first object between two points."""
+    """The id of the first object on the way from a point towards another one."""
     met = perform_raycast(simulator, origin, destination)
     return ActionResult(True, value=met.value["objectId"]) if met.success else met
 

@@ -24,7 +24,6 @@ EYE = "FirstPersonCharacter"
 """AI2-THOR's name of the agent's camera."""
 NO_EFFECT = frozenset(
     {
-        "alwaysReturnVisibleRange",
         "applyActionNoise",
         "continuous",
         "continuousMode",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterator
 from itertools import product
 
 import networkx as nx
@@ -12,15 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.catalog import object_type
-from remqa_data.errors import MisuseError
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.ground import Ground
+from remqa_data.sim.render.camera import AnyCamera
 from remqa_data.thor.actions.targets import not_there, of_type
 from remqa_data.thor.state.agent import ThorAgent
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import Action, missing_argument
 from remqa_data.thor.state.events import object_records
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
@@ -30,6 +29,11 @@ Plan = tuple[float, float]
 
 HORIZONS_DEG, STANDINGS = (-30.0, 0.0, 30.0, 60.0), (False, True)
 MOST_STEPS = 10_000
+"""By default no more cells of a grid of 1 m are walked on, and of another one as many as cover the same floor."""
+NORTH_DEG = 90.0
+"""Heading of who looks along AI2-THOR's z."""
+RIGHT_AND_AHEAD = ((1, 0), (0, 1), (-1, 0), (0, -1))
+"""In which order AI2-THOR looks around."""
 SURFACE_POINTS, APART_M = 30, 0.005
 """So many points stand for an object's surface, or fewer where they would be nearer to each other."""
 
@@ -40,15 +44,16 @@ def get_reachable_positions(
     maxStepCount: int | None = None,
     directionsRelativeAgent: bool = False,
 ) -> ActionResult:
-    """Where the agent can get to in whole steps from where it is, along the axes or along its own heading."""
+    """Where the agent can get to in whole steps from where it is, along the axes or its own heading; nearer ones come first."""
     step = simulator.settings.grid_size if gridSize is None else gridSize
     if not 0.0 < step <= 5.0:
         return ActionResult(False, f"gridSize {step:g} is not in (0, 5]")
     agent = simulator.agent
-    heading = agent.yaw_deg if directionsRelativeAgent else 0.0
-    places = _flood(agent.ground, (agent.x, agent.y), step, heading, maxStepCount or MOST_STEPS)
+    heading = agent.yaw_deg if directionsRelativeAgent else NORTH_DEG
+    most = math.floor((maxStepCount or MOST_STEPS) / step**2)
+    places = _flood(agent.ground, (agent.x, agent.y), step, heading, most)
     if places is None:
-        return ActionResult(False, f"more than {maxStepCount or MOST_STEPS} positions can be reached")
+        return ActionResult(False, f"more than {most} positions can be reached")
     return ActionResult(True, value=[to_thor((x, y, simulator.room.agent_y)) for x, y in places])
 
 
@@ -78,8 +83,9 @@ def get_interactable_poses(
         return ActionResult(False, f"Each horizon must be in [{least:g}:{most:g}]. You gave {horizons}.")
     if [] in (positions, rotations, horizons, standings):
         return ActionResult(False, "Every degree of freedom must have at least 1 valid value.")
+    step = simulator.settings.grid_size
     places = (
-        _flood(agent.ground, (agent.x, agent.y), simulator.settings.grid_size, 0.0, MOST_STEPS) or []
+        _flood(agent.ground, (agent.x, agent.y), step, NORTH_DEG, math.floor(MOST_STEPS / step**2)) or []
         if positions is None
         else [to_room(whole(position))[:2] for position in positions]
     )
@@ -90,15 +96,8 @@ def get_interactable_poses(
         ):
             agent.place((x, y), yaw_to_room(rotation), horizon, standing)
             if agent.sees(objectId, maxDistance):
-                answer = {
-                    "x": x,
-                    "y": simulator.room.agent_y,
-                    "z": y,
-                    "rotation": rotation,
-                    "standing": standing,
-                    "horizon": horizon,
-                }
-                found.append(answer)
+                here = to_thor((x, y, simulator.room.agent_y))
+                found.append({**here, "rotation": rotation, "standing": standing, "horizon": horizon})
                 if len(found) == maxPoses:
                     break
     return ActionResult(True, value=found)
@@ -135,9 +134,8 @@ def get_shortest_path_to_point(
         x, z = target.get("x"), target.get("z")
     if x is None or z is None:
         missing = "target" if x is None and z is None else "x" if x is None else "z"
-        message = f"action: GetShortestPathToPoint is missing the following arguments: {missing}"
-        raise MisuseError("MissingArguments", message)
-    return _way(simulator, position, (x, z))
+        raise missing_argument("GetShortestPathToPoint", missing)
+    return _way(simulator, position, to_room({"x": x, "y": 0.0, "z": z})[:2])
 
 
 def get_object_in_frame(simulator: SimulatorState, x: float, y: float, checkVisible: bool = False) -> ActionResult:
@@ -148,10 +146,31 @@ def get_object_in_frame(simulator: SimulatorState, x: float, y: float, checkVisi
     return ActionResult(True, value=object_id)
 
 
-def get_visible_objects(simulator: SimulatorState, maxDistance: float | None = None) -> ActionResult:
-    """The ids of the objects that the agent sees within a distance, by default its visibility distance."""
+def get_visible_objects(
+    simulator: SimulatorState,
+    maxDistance: float | None = None,
+    objectIds: list[str] | None = None,
+    thirdPartyCameraIndex: int | None = None,
+) -> ActionResult:
+    """The ids of the objects that the agent, or a camera, sees within a distance of the agent, the nearest to the eye first.
+
+    By default that is its visibility distance. Of some objects, if these are given.
+    """
+    agent, cameras, world = simulator.agent, simulator.cameras, simulator.room.world
+    camera: AnyCamera
     distance = simulator.settings.visibility_distance if maxDistance is None else maxDistance
-    return ActionResult(True, value=simulator.agent.visible_objects(distance))
+    if thirdPartyCameraIndex is None:
+        camera, seen = agent.camera(), agent.visible_objects(distance)
+    elif 0 <= thirdPartyCameraIndex < len(cameras):
+        camera = cameras[thirdPartyCameraIndex].camera(simulator.frame)
+        shown = simulator.room.view.instances(camera, simulator.room.shown_to(camera))
+        seen = [name for name in agent.seen_in(shown) if agent.plan_distance(name) <= distance]
+    else:
+        return ActionResult(False, f"there is no third party camera {thirdPartyCameraIndex}: {len(cameras)} were added")
+    wanted = [name for name in seen if objectIds is None or name in objectIds]
+    eye = camera.view().eye
+    wanted.sort(key=lambda name: (math.dist(eye, simulator.room.records.position(name)), world.ids.index(name)))
+    return ActionResult(True, value=wanted)
 
 
 def object_type_to_object_ids(simulator: SimulatorState, objectType: str) -> ActionResult:
@@ -164,17 +183,14 @@ def distance_to_object(simulator: SimulatorState, objectId: str) -> ActionResult
     return not_there(simulator, objectId) or ActionResult(True, value=simulator.agent.plan_distance(objectId))
 
 
-def get_object_metadata(simulator: SimulatorState, objectIds: list[str]) -> ActionResult:
-    """What the metadata say of some objects, whatever SetObjectFilter has chosen, in the order in which they are named."""
-    if not objectIds:
-        return ActionResult(False, "objectIds must not be empty")
-    for object_id in objectIds:
-        simulator.room.world.type_of(object_id)  # names the nearest ids if there is no such object
-    found = {record["objectId"]: record for record in object_records(simulator, frozenset(objectIds))}
-    missing = next((object_id for object_id in objectIds if object_id not in found), None)
-    if missing is not None:
-        return ActionResult(False, f"{missing} is not in the scene")
-    return ActionResult(True, value=[found[object_id] for object_id in objectIds])
+def get_object_metadata(simulator: SimulatorState, objectIds: list[str] | None = None) -> ActionResult:
+    """What the metadata say of objects, whatever SetObjectFilter has chosen, in the order in which they are named.
+
+    By default of all; what is not in the scene is left out.
+    """
+    names = simulator.room.world.ids if objectIds is None else objectIds
+    found = {record["objectId"]: record for record in object_records(simulator, frozenset(names))}
+    return ActionResult(True, value=[found[name] for name in names if name in found])
 
 
 def get_visibility_points(simulator: SimulatorState, objectId: str) -> ActionResult:
@@ -197,6 +213,7 @@ ACTIONS: dict[str, Action] = {
     "GetShortestPathToPoint": get_shortest_path_to_point,
     "GetVisibilityPoints": get_visibility_points,
     "GetVisibleObjects": get_visible_objects,
+    "ObjectsVisibleFromThirdPartyCamera": get_visible_objects,
     "ObjectTypeToObjectIds": object_type_to_object_ids,
 }
 
@@ -214,8 +231,8 @@ def object_meant(
     """The id of the object that is named by its id or, if there is one of them, by its type; or why there is none."""
     if object_id is None:
         if type_name is None:
-            raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
-        ids = of_type(simulator, type_name)
+            raise missing_argument(action, "objectId")
+        ids = of_type(simulator, object_type(type_name).name)
         if len(ids) != 1:
             return ActionResult(False, f"there are {len(ids)} objects of type {type_name}: give an objectId")
         object_id = ids[0]
@@ -244,28 +261,24 @@ def _spread(points: F64, count: int) -> F64:
 
 
 def _flood(ground: Ground, start: Plan, step_m: float, heading_deg: float, most: int) -> list[Plan] | None:
-    """Places that whole steps lead to, sorted by the steps; None if there are more than `most`."""
+    """Places that whole steps lead to, as a breadth-first search finds them; None if there are more than `most`."""
     cos, sin = round(math.cos(math.radians(heading_deg)), 15), round(math.sin(math.radians(heading_deg)), 15)
 
     def place(cell: Cell) -> Plan:
-        ahead, left = cell[0] * step_m, cell[1] * step_m
-        return start[0] + ahead * cos - left * sin, start[1] + ahead * sin + left * cos
+        right, ahead = cell[0] * step_m, cell[1] * step_m
+        return start[0] + ahead * cos + right * sin, start[1] + ahead * sin - right * cos
 
-    seen, queue = {(0, 0)}, deque([(0, 0)])
+    seen, queue = {(0, 0): None}, deque([(0, 0)])
     while queue:
         here = queue.popleft()
-        for there in _neighbours(here):
+        for right, ahead in RIGHT_AND_AHEAD:
+            there = (here[0] + right, here[1] + ahead)
             if there not in seen and ground.is_clear(place(here), place(there)):
-                seen.add(there)
+                seen[there] = None
                 queue.append(there)
         if len(seen) > most:
             return None
-    return [place(cell) for cell in sorted(seen)]
-
-
-def _neighbours(cell: Cell) -> Iterator[Cell]:
-    for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        yield cell[0] + step[0], cell[1] + step[1]
+    return [place(cell) for cell in seen]
 
 
 def _way(simulator: SimulatorState, position: PartialVector | None, goal: Plan) -> ActionResult:

@@ -8,13 +8,12 @@ from typing import Any, Required
 from typing_extensions import TypedDict
 
 from remqa_data.catalog import object_type
-from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.handling import OVERLAP_M
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.conditions import cut
 from remqa_data.thor.object_states.conditions import BROKEN, CONDITIONS, FILLED
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import Action, missing_argument
 from remqa_data.thor.state.simulator import SimulatorState
 
 
@@ -81,8 +80,7 @@ def set_state_of_all_objects(
     """
     change = stateChange or StateChange
     if change is None:
-        message = "action: SetStateOfAllObjects is missing the following arguments: stateChange"
-        raise MisuseError("MissingArguments", message)
+        raise missing_argument("SetStateOfAllObjects", "stateChange")
     flags = dict(STATE_CHANGES.values())
     if change not in flags:
         return ActionResult(False, f"{change} is no state change: choose one of {', '.join(flags)}")
@@ -132,10 +130,12 @@ WITHOUT_EFFECT = (
     "MakeObjectUnbreakable",
     "MakeObjectsOfTypeUnbreakable",
     "MakeObjectsStaticKinematicMassThreshold",
+    "PhysicsSyncTransforms",
     "SetDecayTemperatureBool",
     "SetGlobalRoomTempDecayTime",
     "SetRoomTempDecayTimeForType",
     "SetTemperatureDecayTime",
+    "Sleep",
 )
 
 ACTIONS: dict[str, Action] = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection
 
-from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.thor.state.dispatch import missing_argument
 from remqa_data.thor.state.simulator import SimulatorState
 
 
@@ -17,7 +17,7 @@ def target_of(
     if object_id is not None:
         return _absence(simulator, object_id) or object_id
     if x is None or y is None:
-        raise MisuseError("MissingArguments", f"action: {action} is missing the following arguments: objectId")
+        raise missing_argument(action, "objectId")
     seen = simulator.agent.object_at(x, y, simulator.room.frame_camera())
     return seen or ActionResult(False, f"no object at ({x:g}, {y:g})")
 

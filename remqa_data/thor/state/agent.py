@@ -79,6 +79,7 @@ class ThorAgent(Agent):
         **pose: Any,
     ) -> None:
         self.frame, self.hand_offset, self._all = frame, HAND, others
+        self._passes_agents = False
         body = Embodiment(
             fov_deg=settings.field_of_view,
             step_m=settings.grid_size,
@@ -138,6 +139,15 @@ class ThorAgent(Agent):
     def can_walk(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
         """Whether it could walk straight from a place to another one, metres in the room."""
         return self._other_between(start, end) is None and self.ground.is_clear(start, end)
+
+    @contextmanager
+    def passing_agents(self, passes: bool = True) -> Iterator[None]:
+        """For the length of a block, other agents are not in its way, if it passes them."""
+        self._passes_agents = passes
+        try:
+            yield
+        finally:
+            self._passes_agents = False
 
     def can_look(self, degrees: float) -> bool:
         """Whether its camera can be tilted so much farther down."""
@@ -316,7 +326,7 @@ class ThorAgent(Agent):
     def _other_between(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
         """The agent that stands on a straight way, if any; one may walk away from who is too near."""
         for number, other in enumerate(self._all):
-            if other is self:
+            if other is self or self._passes_agents:
                 continue
             way, there = np.subtract(end, start), np.subtract((other.x, other.y), start)
             far = float(way @ way)

@@ -162,14 +162,17 @@ def call(actions: Mapping[str, CheckedAction], simulator: object, request: Mappi
         raise _misuse(name, error) from None
 
 
+def missing_argument(action: str, argument: str) -> MisuseError:
+    """What is raised where an action is not told what it needs."""
+    return MisuseError("MissingArguments", f"action: {action} is missing the following arguments: {argument}")
+
+
 def _misuse(name: str, error: ValidationError) -> MisuseError:
     problems = error.errors(include_url=False)
     missing = [str(p["loc"][0]) for p in problems if p["type"].startswith("missing_argument")]
     missing += [str(p["loc"][0]) for p in problems if p["type"] == "missing_keyword_only_argument"]
     if missing:
-        return MisuseError(
-            "MissingArguments", f"action: {name} is missing the following arguments: {','.join(missing)}"
-        )
+        return missing_argument(name, ",".join(missing))
     first = problems[0]
     why = "unknown" if first["type"] == "unexpected_keyword_argument" else first["msg"]
     where = ".".join(str(part) for part in first["loc"])

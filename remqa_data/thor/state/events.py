@@ -259,7 +259,9 @@ def _agent(room: LoadedFloorPlan, hand: Vec3) -> Metadata:
     turn = body = turn_of_euler(rotation)
     if agent.held is not None:
         turn = room.records.turn(agent.held)
-    held = [] if agent.held is None else [{"objectId": agent.held, "objectType": world.type_of(agent.held)}]
+    held = []
+    if agent.held is not None and agent.hands != "arm":  # what an arm holds is told with the arm
+        held.append({"objectId": agent.held, "objectType": world.type_of(agent.held)})
     return {
         "agent": {
             "name": "agent",

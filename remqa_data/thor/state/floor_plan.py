@@ -282,10 +282,12 @@ class LoadedFloorPlan:
 
         From above one sees into the room: there is no ceiling then, and nothing around the house.
         """
-        if self.looks.only is not None:
-            return self.looks.only
-        is_above = camera.view().eye[2] >= self.world.scene.floor_z + self.world.scene.height
-        return ~self._hides_room if is_above else None
+        shown, hidden = self.looks.only, self.looks.hidden
+        if shown is None and camera.view().eye[2] >= self.world.scene.floor_z + self.world.scene.height:
+            shown = ~self._hides_room
+        if hidden is not None:
+            shown = ~hidden if shown is None else shown & ~hidden
+        return shown
 
     def picture(
         self, camera: AnyCamera, only: Flags | None, quality: Quality, whose: ThorAgent | None = None

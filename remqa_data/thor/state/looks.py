@@ -1,7 +1,7 @@
 """How a room looks: what is painted otherwise than it was built, what is marked, what alone is shown, how it is lit.
 
 Nothing here is known to the world: physics, metadata, depth and masks are the same whatever things look like, but for what
-is emphasised, as all else is out of the pictures then.
+is hidden, and where something is emphasised, as all else is out of the pictures then.
 """
 
 from __future__ import annotations
@@ -43,6 +43,8 @@ class Look:
         Which colour, sRGB in 0..1, surfaces have that were built of a material.
     masked : frozenset of str
         Objects that are marked.
+    hidden : frozenset of str
+        Objects that are not drawn.
     emphasized : str or None
         The object that is marked and alone shown.
     lighting : Lighting or None
@@ -52,6 +54,7 @@ class Look:
     materials: Mapping[Material, Material] = field(default_factory=dict)
     colors: Mapping[Material, Vec3] = field(default_factory=dict)
     masked: frozenset[str] = frozenset()
+    hidden: frozenset[str] = frozenset()
     emphasized: str | None = None
     lighting: Lighting | None = None
 
@@ -72,6 +75,8 @@ class Looks:
         What there is in the room, in the order of its surfaces, each once.
     only : (parts,) array of bool, or None
         What alone is shown; None for everything.
+    hidden : (parts,) array of bool, or None
+        What of that is not; None for nothing.
     """
 
     def __init__(self, view: WorldView) -> None:
@@ -81,6 +86,7 @@ class Looks:
         self.lamps = len(view.renderer.lights.positions)
         self.look = Look()
         self.only: Flags | None = None
+        self.hidden: Flags | None = None
 
     def change(self, look: Look) -> None:
         """Show the room so from now on."""
@@ -89,14 +95,20 @@ class Looks:
             self._view.set_brightness([1.0] * self.lamps if look.lighting is None else look.lighting.brightness)
         if look != before:
             self._view.set_materials(self._materials())
-        self.only = None if look.emphasized is None else self._view.parts_of([look.emphasized])
+        self._choose_parts()
 
     def reshape(self, shapes: Shapes | None = None, bodies: Sequence[Body] | None = None) -> None:
         """Draw some objects in other shapes, or agents, too, and all else as it looks; see `WorldView.rebuild`."""
         self._view.rebuild(shapes, bodies)
         self._read_parts()
         self._view.set_materials(self._materials())
-        self.only = None if self.look.emphasized is None else self._view.parts_of([self.look.emphasized])
+        self._choose_parts()
+
+    def _choose_parts(self) -> None:
+        """Note which of the renderer's parts are shown alone, and which are not."""
+        look = self.look
+        self.only = None if look.emphasized is None else self._view.parts_of([look.emphasized])
+        self.hidden = self._view.parts_of(look.hidden) if look.hidden else None
 
     def _read_parts(self) -> None:
         """Note what the renderer's surfaces are made of."""
