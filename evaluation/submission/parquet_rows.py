@@ -36,7 +36,8 @@ def parquet_header(path: Path) -> bytes:
     SubmissionError
         If there is none.
     """
-    metadata = _opened(path).schema_arrow.metadata or {}
+    file = _opened(path)
+    metadata = {**(file.schema_arrow.metadata or {}), **(file.metadata.metadata or {})}
     if METADATA_KEY not in metadata:
         raise SubmissionError(path, "", f"the file's metadata has no entry {FORMAT}, the header of a submission")
     return bytes(metadata[METADATA_KEY])
@@ -144,12 +145,19 @@ def _check_words(path: Path, batch: pa.RecordBatch) -> None:
 
 
 def _fits(found: pa.DataType, expected: pa.DataType) -> bool:
-    """Whether a column is what is expected, but for the width of numbers and offsets."""
+    """Whether a column is what is expected, but for the width of numbers and offsets, and how words are kept.
+
+    A column of nothing but nulls, which has no type of its own, fits anything; where there may be none, rows say so.
+    """
+    if pa.types.is_null(found):
+        return True
     if pa.types.is_list(expected):
         is_list = pa.types.is_list(found) or pa.types.is_large_list(found) or pa.types.is_fixed_size_list(found)
         return is_list and _fits(found.value_type, expected.value_type)
     if pa.types.is_string(expected):
-        return bool(pa.types.is_string(found) or pa.types.is_large_string(found))
+        if pa.types.is_dictionary(found):
+            found = found.value_type
+        return bool(pa.types.is_string(found) or pa.types.is_large_string(found) or pa.types.is_string_view(found))
     return bool(pa.types.is_floating(found) or pa.types.is_integer(found))
 
 

@@ -33,7 +33,8 @@ MAX_LINE_BYTES = 1 << 20
 BATCH_ROWS = 4096
 LEAST_SHA256 = 16
 """Digits that tell a dataset; reports show so many."""
-ShortText = Annotated[str, StringConstraints(max_length=MAX_NAME)]
+ShortText = Annotated[str, StringConstraints(max_length=MAX_NAME, pattern=r"^[^\x00-\x1f\x7f-\x9f]*$")]
+"""A line for people: a character that drives a terminal has no place in it."""
 
 
 class Header(BaseModel):
@@ -147,6 +148,7 @@ def open_submission(path: Path) -> Submission:
     text, where = (parquet_header(path), f"metadata {FORMAT}") if is_parquet else (_first_line(path), "line 1")
     try:
         header = Header.model_validate_json(text)
+        _refuse_repeated_keys(path, where, text)
     except ValidationError as error:
         field, reason = _first_error(error)
         msg = (
@@ -178,10 +180,11 @@ def write_submission(path: Path, header: Header, rows: Sequence[Mapping[str, Any
 
 def _jsonl_batches(path: Path, names: tuple[str, ...]) -> Iterator[pa.RecordBatch]:
     schema, row_type = arrow_schema(names), _row_type(names)
+    keys = [f'"{name}"'.encode() for name in names]
     with path.open("rb") as handle:
         lines = enumerate(_lines(path, handle), start=1)
         next(lines)  # the header
-        while rows := _parsed_rows(path, row_type, islice(lines, BATCH_ROWS)):
+        while rows := _parsed_rows(path, row_type, keys, islice(lines, BATCH_ROWS)):
             yield pa.RecordBatch.from_pylist(rows, schema)
 
 
@@ -196,22 +199,27 @@ def _lines(path: Path, handle: BinaryIO) -> Iterator[bytes]:
         yield line
 
 
-def _parsed_rows(path: Path, row_type: TypeAdapter[Any], lines: Iterable[tuple[int, bytes]]) -> list[Any]:
+def _parsed_rows(
+    path: Path, row_type: TypeAdapter[Any], keys: Sequence[bytes], lines: Iterable[tuple[int, bytes]]
+) -> list[Any]:
     """Some rows. JSON has no cycles: looking for them among its many small lists would take most of the time."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:
-        return [_parsed(path, row_type, number, line) for number, line in lines]
+        return [_parsed(path, row_type, keys, number, line) for number, line in lines]
     finally:
         if was_enabled:
             gc.enable()
 
 
-def _parsed(path: Path, row_type: TypeAdapter[Any], number: int, line: bytes) -> Any:
+def _parsed(path: Path, row_type: TypeAdapter[Any], keys: Sequence[bytes], number: int, line: bytes) -> Any:
     if not line.strip():
         raise SubmissionError(path, f"line {number}", "is empty: take it out")
     try:
-        return row_type.validate_json(line)
+        row = row_type.validate_json(line)
+        if b"\\" in line or any(line.count(key) > 1 for key in keys):  # so few that looking closely costs nothing
+            _refuse_repeated_keys(path, f"line {number}", line)
+        return row
     except ValidationError as error:
         field, reason = _first_error(error)
         name = field.partition("[")[0]
@@ -220,6 +228,14 @@ def _parsed(path: Path, row_type: TypeAdapter[Any], number: int, line: bytes) ->
         if name in ("actions", "poses"):
             reason += " (actions, or poses with --no-replay)"
         raise SubmissionError(path, ", field ".join(filter(None, (f"line {number}", field))), reason) from None
+
+
+def _refuse_repeated_keys(path: Path, where: str, text: bytes) -> None:
+    """Refuse a JSON object in which a key is there twice: which one counts would depend on who reads it."""
+    keys = [key for key, _ in json.loads(text, object_pairs_hook=list)]
+    twice = next((key for number, key in enumerate(keys) if key in keys[:number]), None)
+    if twice is not None:
+        raise SubmissionError(path, f"{where}, field {twice[:80]}", "is there twice")
 
 
 def _row_type(names: tuple[str, ...]) -> TypeAdapter[Any]:

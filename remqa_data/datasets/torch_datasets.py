@@ -213,7 +213,17 @@ def collate(samples: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 class JoinedByCollate(dict[str, Any]):
-    """A sample; PyTorch's `default_collate` joins such samples with `collate`."""
+    """A sample; PyTorch's `default_collate` joins such samples with `collate`, and what transforms copy and add to, too."""
+
+    def copy(self) -> JoinedByCollate:
+        """The same sample."""
+        return JoinedByCollate(self)
+
+    def __or__(self, other: dict[str, Any]) -> JoinedByCollate:  # type: ignore[override]
+        return JoinedByCollate({**self, **other})
+
+    def __ror__(self, other: dict[str, Any]) -> JoinedByCollate:  # type: ignore[override]
+        return JoinedByCollate({**other, **self})
 
 
 def _join(samples: Sequence[JoinedByCollate], *, collate_fn_map: Any = None) -> dict[str, Any]:
@@ -230,10 +240,11 @@ _Values = Callable[[int], Any]
 def _known(names: Sequence[str] | None, known: Sequence[str], what: str) -> tuple[str, ...]:
     if isinstance(names, str):
         raise TypeError(f"{what}: give a list, [{names!r}]")
-    for name in names or ():
+    chosen = tuple(known if names is None else names)
+    for name in chosen:
         if name not in known:
             raise UnknownNameError(what, name, known)
-    return tuple(known if names is None else names)
+    return chosen
 
 
 def _collated(key: str, values: list[Any]) -> Any:

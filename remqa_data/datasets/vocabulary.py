@@ -143,12 +143,19 @@ class Vocabulary:
         """
         try:
             stored = json.loads(Path(path).read_text(encoding="utf-8"))
-            words, answers = (tuple(map(str, stored[key])) for key in ("words", "answers"))
-        except (ValueError, KeyError, TypeError) as error:
+            words, answers = stored["words"], stored["answers"]
+        except (OSError, ValueError, KeyError, TypeError) as error:
             raise DatasetError(f"{path} is not a vocabulary that Vocabulary.save wrote: {error!r}") from None
-        if words[:2] != (PAD, UNKNOWN):
+        for names in (words, answers):
+            if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+                raise DatasetError(
+                    f"{path} is not a vocabulary that Vocabulary.save wrote: it needs two lists of words"
+                )
+            if len({*names}) < len(names):
+                raise DatasetError(f"{path} is not a vocabulary that Vocabulary.save wrote: a word is there twice")
+        if words[:2] != [PAD, UNKNOWN]:
             raise DatasetError(f"{path}: the first words must be {PAD} and {UNKNOWN}")
-        return cls(words, answers)
+        return cls(tuple(words), tuple(answers))
 
     @cached_property
     def _word_ids(self) -> dict[str, int]:

@@ -139,6 +139,8 @@ def pages(data: Any, column: Any) -> Iterator[Page]:
         packed: Any = header.get(_PACKED)
         size: Any = header.get(_UNPACKED)
         about = header.get(_DATA) or header.get(_DATA_2) or header.get(_DICTIONARY) or {}
+        if not isinstance(about, dict):
+            raise PageError("a page header that cannot be")
         encoding = about.get(4 if _DATA_2 in header else 2, 0)
         values = 0 if _DICTIONARY in header else about.get(1, 0)
         if not all(isinstance(n, int) and n >= 0 for n in (packed, size, values, encoding)) or place + packed > end:

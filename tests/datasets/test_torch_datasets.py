@@ -279,6 +279,27 @@ def test_a_shuffled_loader_needs_no_collate(root, kind) -> None:
         assert all(batch["rgb" if "rgb" in batch else "start_rgb"].dtype == torch.uint8 for batch in batches)
 
 
+@pytest.mark.parametrize(
+    "transform",
+    [lambda sample: sample | {"more": 1}, lambda sample: {"more": 1} | sample, lambda sample: sample.copy()],
+    ids=["joined", "joined the other way round", "copied"],
+)
+def test_what_a_transform_makes_of_a_sample_needs_no_collate_either(root, transform) -> None:
+    plain = list(DataLoader(RemqaDataset(root, "train", images=()), batch_size=3))
+    changed = list(DataLoader(RemqaDataset(root, "train", images=(), transform=transform), batch_size=3))
+    assert len(plain) == len(changed) > 0
+    for before, after in zip(plain, changed, strict=True):
+        assert all(torch.equal(a, b) for a, b in zip(before["goal_poses"], after["goal_poses"], strict=True))
+        assert set(after) - {"more"} == set(before)
+
+
+def test_columns_may_be_given_one_by_one(root) -> None:
+    names = ("question", "answer")
+    assert set(RemqaDataset(root, "train", columns=(name for name in names), images=())[0]) == set(names)
+    with pytest.raises(UnknownNameError):
+        RemqaDataset(root, "train", columns=(name for name in ("question", "anser")), images=())
+
+
 def test_a_dataset_is_small_when_it_is_pickled(root) -> None:
     dataset = RemqaDataset(root, "train", transform=only_answer)
     first = dataset[0]
@@ -341,12 +362,26 @@ def test_the_vocabulary_survives_a_file(root, tmp_path) -> None:
         vocabulary.answer_id("yess")
 
 
-@pytest.mark.parametrize("text", ["", "[]", '{"words": ["a"], "answers": []}', '{"words": 3, "answers": []}'])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        '{"words": ["a"], "answers": []}',
+        '{"words": 3, "answers": []}',
+        '{"words": ["<pad>", "<unk>"], "answers": "yes"}',
+        '{"words": ["<pad>", "<unk>", "a", "a"], "answers": []}',
+        '{"words": ["<pad>", "<unk>"], "answers": [1]}',
+    ],
+)
 def test_a_file_that_is_no_vocabulary_is_refused(tmp_path, text) -> None:
     path = tmp_path / "vocabulary.json"
     path.write_text(text)
     with pytest.raises(DatasetError, match=r"vocabulary\.json"):
         Vocabulary.load(path)
+    for none in (tmp_path, tmp_path / "none.json"):
+        with pytest.raises(DatasetError, match="is not a vocabulary"):
+            Vocabulary.load(none)
 
 
 def test_a_vocabulary_refuses_what_is_no_word_of_it_and_one_text_for_several() -> None:

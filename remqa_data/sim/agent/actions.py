@@ -118,12 +118,19 @@ def parse_action(text: str) -> Action:
         target = _image_point(rest[0], text) if rest[0].startswith("@") else rest[0]
         rest = rest[1:]
     try:
-        numbers = tuple(float(word) for word in rest)
+        numbers = tuple(map(_number, rest))
     except ValueError:
         raise ActionError(f"{text!r}: {_usage(name)}") from None
     action = Action(name, target, numbers)
     _amounts(action)
     return action
+
+
+def _number(word: str) -> float:
+    """A number in plain digits; Python would take those of any script, and underscores between them."""
+    if not word.isascii() or "_" in word:
+        raise ValueError(word)
+    return float(word)
 
 
 def parse_actions(texts: Iterable[str]) -> tuple[Action, ...]:

@@ -14,6 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from remqa_data.evaluation.cli import app
+from remqa_data.evaluation.submission.reader import open_submission
 
 HEADER = {"format": "remqa-submission", "version": 1, "track": "remqa", "split": "test"}
 ID = "Kitchen3-q0"
@@ -68,6 +69,22 @@ JSONL: dict[str, tuple[bytes, str]] = {
     ),
     "header with an unknown key": (header(score=1.0), "line 1, field score"),
     "header with a long agent": (header(agent="x" * 10_000), "line 1, field agent"),
+    "header with an agent that drives a terminal": (header(agent="a\x1b[31mred"), "line 1, field agent"),
+    "header with an agent of two lines": (header(agent="a\nb"), "line 1, field agent"),
+    "header with a key twice": (
+        jsonl(ROW).replace(b'"track"', b'"agent": "a", "agent": "b", "track"', 1),
+        "line 1, field agent: is there twice",
+    ),
+    "a key twice": (
+        jsonl(ROW).replace(b'"answer"', b'"answer": "no", "answer"', 1),
+        "line 2, field answer: is there twice",
+    ),
+    "a key twice in other letters": (
+        jsonl(ROW).replace(b'"answer"', b'"\\u0061nswer": "no", "answer"', 1),
+        "line 2, field answer: is there twice",
+    ),
+    "a number in other digits": (row(manipulation="OpenObject Fridge|1 ０.５"), "line 2, field manipulation"),
+    "a number with an underscore": (row(manipulation="OpenObject Fridge|1 0_1.0"), "line 2, field manipulation"),
     "a split that the dataset has not": (header(split="train2"), "no split 'train2'"),
     "another dataset": (header(dataset="0" * 64), "for dataset '0000000000000000'"),
     "a dataset without a name": (header(dataset=""), "for dataset ''"),
@@ -221,6 +238,8 @@ PARQUET: dict[str, tuple[Callable[[Path], None], str]] = {
         lambda path: parquet(path, actions=pa.array([None], pa.list_(pa.string()))),
         "row 1, field actions",
     ),
+    "ids of nothing but nulls": (lambda path: parquet(path, question_id=pa.nulls(1)), "row 1, field question_id"),
+    "actions of nothing but nulls": (lambda path: parquet(path, actions=pa.nulls(1)), "row 1, field actions"),
     "an unknown action": (lambda path: parquet(path, actions=pa.array([["Fly"]])), "row 1, field actions[0]: 'Fly'"),
     "an unknown id": (lambda path: parquet(path, question_id=pa.array(["x"])), "row 1, field question_id"),
     "too many rows": (many_rows, "more rows than the split has"),
@@ -316,3 +335,28 @@ def assert_refused(data: Path, path: Path, wanted: str, *options: str) -> None:
     assert not out.exists()
     assert seconds < 20, "time is not bounded"
     assert peak < 200 << 20, "memory is not bounded"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["null", "dictionary", "view"])
+def test_a_parquet_file_may_keep_words_as_others_write_them(data: Path, tmp_path: Path, kind: str) -> None:
+    """Such as pandas' categories, and columns of nothing but nulls, which pyarrow infers where no value is."""
+    path = tmp_path / "predictions.parquet"
+    changed = {
+        "null": {"answer": pa.nulls(1), "box": pa.nulls(1), "manipulation": pa.nulls(1)},
+        "dictionary": {"answer": pa.array(["yes"]).dictionary_encode()},
+        "view": {"answer": pa.array(["yes"], pa.string_view())},
+    }[kind]
+    parquet(path, **changed)
+    (batch,) = open_submission(path).batches(replay=True, max_rows=1)
+    assert batch.rows["answer"].to_pylist() == [None if kind == "null" else "yes"]
+    assert batch.rows.schema.field("answer").type == pa.string()
+
+
+@pytest.mark.slow
+def test_a_header_may_be_in_the_metadata_of_the_file_alone(data: Path, tmp_path: Path) -> None:
+    path = tmp_path / "predictions.parquet"
+    with pq.ParquetWriter(path, pa.table(TABLE).schema) as writer:
+        writer.write_table(pa.table(TABLE))
+        writer.add_key_value_metadata({"remqa-submission": json.dumps(HEADER)})
+    assert open_submission(path).header.track == "remqa"
