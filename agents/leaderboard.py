@@ -7,16 +7,17 @@ from typing import Any
 
 from remqa_data.agents.table import Scored
 from remqa_data.evaluation.scoring.results import OVERALL
+from remqa_data.evaluation.submission.tracks import TRACKS
 
-RANKED_BY = "S_MQA"
 MEASURES = ("S_N", "S_L", "S_QA", "S_M", "S_MQA", "SPL")
 
 
 def leaderboard(systems: Sequence[Scored]) -> dict[str, Any]:
-    """Entries, the best first: by S_MQA, of equal ones by S_QA, then by title."""
+    """Entries, the best first: by what the track ranks by, of equal ones by S_QA, then by title."""
+    ranked_by = TRACKS["remqa"].ranked_by
     entries = [_entry(system) for system in systems]
-    entries.sort(key=lambda entry: (-entry["overall"][RANKED_BY], -entry["overall"]["S_QA"], entry["title"]))
-    return {"ranked_by": RANKED_BY, "entries": entries}
+    entries.sort(key=lambda entry: (-entry["overall"][ranked_by], -entry["overall"]["S_QA"], entry["title"]))
+    return {"ranked_by": ranked_by, "entries": entries}
 
 
 def _entry(system: Scored) -> dict[str, Any]:

@@ -113,21 +113,22 @@ def comparison_notes(first: Path, second: Path, compared: list[Comparison]) -> l
     ]
     return [
         *lines,
-        _verdict(compared, TRACKS[results[0].track].main_measures),
+        _verdict(results),
         f"Paired over {counted(one.questions, 'question')} in {counted(one.scenes, 'scene')}; intervals by bootstrap over "
         "scenes, p by swapping the two in whole scenes.",
         "Detectable: the smallest true difference that a test at 5 % finds in 80 % of such test splits.",
     ]
 
 
-def _verdict(compared: list[Comparison], main_measures: Sequence[str]) -> str:
+def _verdict(results: Sequence[Results]) -> str:
     """Which is ranked first; by how much, and whether that is luck, is in the table."""
-    by_name = {one.name: one for one in compared}
-    main = next(by_name[name] for name in main_measures if name in by_name)
-    order = (
-        "A and B are level" if main.first == main.second else "A before B" if main.first > main.second else "B before A"
-    )
-    return f"Ranked by {in_words(main.name)}: {order}."
+    name = TRACKS[results[0].track].ranked_by
+    first, second = (of.metric(name).value for of in results)
+    if first is None or second is None:
+        unranked = " and ".join(letter for letter, value in (("A", first), ("B", second)) if value is None)
+        return f"Ranked by {in_words(name)}, which only a replay measures: no rank for {unranked}."
+    order = "A and B are level" if first == second else "A before B" if first > second else "B before A"
+    return f"Ranked by {in_words(name)}: {order}."
 
 
 def _has_columns(results: Results) -> bool:
@@ -137,4 +138,4 @@ def _has_columns(results: Results) -> bool:
         return False
     overall = {metric.name for metric in results.metrics if metric.breakdown == OVERALL}
     numbers = all(not isinstance(value, str) for name in results.measures for value in results.samples[name])
-    return numbers and not overall.isdisjoint(TRACKS[results.track].main_measures)
+    return numbers and TRACKS[results.track].ranked_by in overall

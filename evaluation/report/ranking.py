@@ -93,7 +93,7 @@ def ranking_markdown(ranked: Sequence[Ranked]) -> str:
 
 
 def _decisive(results: Results) -> Metric:
-    return results.metric(TRACKS[results.track].main_measures[0])
+    return results.metric(TRACKS[results.track].ranked_by)
 
 
 def _value(metric: Metric) -> str:

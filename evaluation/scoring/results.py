@@ -121,7 +121,7 @@ class Results(_Record):
 
     @property
     def main_measure(self) -> str:
-        """What the submission is ranked by."""
+        """What says which rows are failures: the first main measure of the track that was measured."""
         measured = [metric.name for metric in self.metrics if metric.value is not None]
         return next(name for name in TRACKS[self.track].main_measures if name in measured)
 

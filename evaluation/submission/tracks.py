@@ -95,7 +95,7 @@ class TrackSpec:
     predictions : tuple of str
         Columns of a submission beside the id and the walk.
     main_measures : tuple of str
-        What submissions are ranked by, and whose failures the report shows: the first of these that was measured.
+        Whose failures the report shows: the first of these that was measured. Submissions are `ranked_by` the first alone.
     """
 
     title: str
@@ -108,6 +108,11 @@ class TrackSpec:
     def id_column(self) -> str:
         """Name of the column that says what a row is about."""
         return f"{self.asks}_id"
+
+    @property
+    def ranked_by(self) -> str:
+        """The measure that submissions are ranked by; where it was not measured there is no rank."""
+        return self.main_measures[0]
 
     def columns(self, *, replay: bool) -> tuple[str, ...]:
         """Names of the columns of a submission, in order; without replay, poses and true boxes stand for the actions."""

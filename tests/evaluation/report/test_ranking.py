@@ -105,10 +105,12 @@ def test_only_results_of_the_same_questions_are_ordered(three: list[Path], tmp_p
         rank([*three, tmp_path / "other.json"])
 
 
-def test_a_comparison_says_who_is_ranked_first_by_what_both_have_measured(three: list[Path]) -> None:
+def test_a_comparison_says_who_is_ranked_first_and_who_has_no_rank(three: list[Path]) -> None:
     knows, opens, claims = three
     notes = "\n".join(comparison_notes(knows, opens, compare(knows, opens)))
     assert "Ranked by S_MQA: B before A." in notes
     compared = compare(claims, opens)
     assert not REPLAYED & {one.name for one in compared}
-    assert "Ranked by S_QA: A before B." in "\n".join(comparison_notes(claims, opens, compared))
+    assert "Ranked by S_MQA, which only a replay measures: no rank for A." in comparison_notes(claims, opens, compared)
+    both = comparison_notes(claims, claims, compare(claims, claims))
+    assert "Ranked by S_MQA, which only a replay measures: no rank for A and B." in both
