@@ -181,11 +181,7 @@ class RoomPlanner:
             key: (_asked_at(groups, key), [_types_at(wishes, key) for wishes in others])
             for key in {site_key(group.question.place) for group in groups}
         }
-        asked = (
-            [Hidden(w.place, w.type, w.count, w.partner, w.holds, w.is_asked) for w in wishes(groups, number)]
-            for number in range(len(others))
-        )
-        return [[*mine, *beside] for mine, beside in zip(asked, others, strict=True)]
+        return [[*wishes(groups, number), *beside] for number, beside in enumerate(others)]
 
     def _unfit(self, number: int, wishes: Sequence[Hidden]) -> list[ArrangementError]:
         """What of some wishes cannot be; what was found to fit before, in the same place, is not tried again."""

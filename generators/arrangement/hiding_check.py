@@ -36,10 +36,23 @@ CLEAR_DE = 13.0
 
 @dataclass(frozen=True)
 class Hidden:
-    """A wish: so many things of a type in or under a place; 0 asks that there be none.
+    """A wish for one configuration: so many things of a type in or under a place; 0 asks that there be none.
 
-    With a partner, which is wished for as well, the thing is to lie so to it, or clearly not so. Where a question asks for
-    what is not to be there, one is to see that there is none.
+    Attributes
+    ----------
+    place : HidingPlace
+        Where.
+    type : str
+        Of what type.
+    count : int
+        How many.
+    partner : Partner, optional
+        What it lies on, next to, behind or between, all in the same place; those are wished for as well.
+    holds : bool
+        Whether it does, or clearly does not.
+    is_asked : bool
+        Whether the room's quota counts on a question about it in this configuration: where it asks for what is not to be
+        there, one is to see that there is none.
     """
 
     place: HidingPlace

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from typing import Generic
 
 from remqa_data.errors import QuotaError
+from remqa_data.generators.arrangement.hiding_check import Hidden
+from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.questions.questions import NO, YES, Candidate, P
-from remqa_data.language.inner import Partner
 from remqa_data.tables.rows import QuestionKind
 
 
@@ -49,47 +50,19 @@ class GroupPlan(Generic[P]):
         return things_of(self.question, self.answers[configuration])
 
 
-@dataclass(frozen=True)
-class Wish(Generic[P]):
-    """So many things of a type in or under a place, in one configuration; 0 says that there are to be none.
-
-    Attributes
-    ----------
-    place : QuestionSite
-        Where.
-    type : str
-        Of what type.
-    count : int
-        How many.
-    partner : Partner, optional
-        What it lies on, next to, behind or between, all in the same place; those are wished for as well.
-    holds : bool
-        Whether it does, or clearly does not.
-    is_asked : bool
-        Whether the room's quota counts on a question about it in this configuration.
-    """
-
-    place: P
-    type: str
-    count: int
-    partner: Partner | None = None
-    holds: bool = True
-    is_asked: bool = False
-
-
-def wishes(groups: Sequence[GroupPlan[P]], configuration: int) -> list[Wish[P]]:
+def wishes(groups: Sequence[GroupPlan[HidingPlace]], configuration: int) -> list[Hidden]:
     """What one configuration of the room must hold for all groups to have their answers."""
     return [wish for group in groups for wish in _wishes(group, configuration)]
 
 
-def _wishes(group: GroupPlan[P], configuration: int) -> list[Wish[P]]:
+def _wishes(group: GroupPlan[HidingPlace], configuration: int) -> list[Hidden]:
     question, answer, is_asked = group.question, group.answers[configuration], configuration in group.asked
     if question.partner is None:
-        return [Wish(question.place, question.type, things_for(answer), is_asked=is_asked)]
+        return [Hidden(question.place, question.type, things_for(answer), is_asked=is_asked)]
     partner = question.partner
     return [
-        Wish(question.place, partner.type, partner.count, is_asked=is_asked),
-        Wish(question.place, question.type, 1, partner, answer == YES, is_asked),
+        Hidden(question.place, partner.type, partner.count, is_asked=is_asked),
+        Hidden(question.place, question.type, 1, partner, answer == YES, is_asked),
     ]
 
 
