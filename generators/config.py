@@ -25,7 +25,7 @@ from remqa_data.limits import MOST_IMAGE_PX, MOST_SEED
 from remqa_data.scene import Light
 from remqa_data.storage.manifest import config_hash
 from remqa_data.tables.images import RgbFormat
-from remqa_data.tables.rows import QuestionKind
+from remqa_data.tables.rows import KINDS, QuestionKind
 
 Layouts = Literal["ithor", "sampled"]
 LAYOUTS: tuple[Layouts, ...] = ("ithor", "sampled")
@@ -59,7 +59,7 @@ class KindCounts(_Section):
 
     def by_kind(self) -> dict[QuestionKind, int]:
         """As a dictionary."""
-        return {"EXISTENCE": self.EXISTENCE, "COUNTING": self.COUNTING, "SPATIAL": self.SPATIAL}
+        return {kind: getattr(self, kind) for kind in KINDS}
 
 
 class Totals(_Section):

@@ -16,9 +16,9 @@ from remqa_data.floorplans.ithor.scenes import scene_names
 from remqa_data.generators.config import stored_config
 from remqa_data.generators.questions.allotment import LOT_SIZE, SPLITS, SceneCapacity, SceneQuota, allot, capacities
 from remqa_data.generators.questions.capacities import table_path, write_capacities
-from remqa_data.generators.questions.questions import KINDS
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
+from remqa_data.tables.rows import KINDS
 
 
 def lowered(

@@ -27,6 +27,7 @@ from remqa_data.catalog import object_type, plural, with_article
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.tables.images import decode_instances, decode_rgb
+from remqa_data.tables.rows import KINDS
 
 EVIDENCE_PX = 30
 """What shows so many pixels after the manipulation and none before has come to light."""
@@ -37,7 +38,6 @@ ASKED_AGAIN = 0.5
 MOST_COUNTED = 0.6
 """Share of the things asked to be counted that are the most numerous in view: few views show two or three alike."""
 
-KINDS = ("EXISTENCE", "COUNTING", "SPATIAL")
 COLUMNS = (
     "question",
     "answer",

@@ -9,7 +9,7 @@ import json
 import platform
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Final, Literal, get_args
+from typing import Any, Final, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -25,7 +25,7 @@ from remqa_data.files import atomic_path
 from remqa_data.metrics import LOCALISED_IOU, SUCCESS_DISTANCE_M
 from remqa_data.sim.agent.outcome import OPEN_SHARE
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
-from remqa_data.tables.rows import QuestionKind
+from remqa_data.tables.rows import KINDS
 from remqa_data.version import __version__
 
 FORMAT: Final = "remqa-results"
@@ -208,8 +208,7 @@ def _metrics(truth: GroundTruth, scores: Scores, seed: int) -> list[Metric]:
 
 def _order(group: str) -> tuple[int, str]:
     """Kinds of questions come as the paper has them, all else by its name."""
-    kinds: tuple[str, ...] = get_args(QuestionKind)
-    return kinds.index(group) if group in kinds else len(kinds), group
+    return KINDS.index(group) if group in KINDS else len(KINDS), group
 
 
 def _samples(truth: GroundTruth, scores: Scores) -> dict[str, list[Any]]:

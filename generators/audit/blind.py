@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from remqa_data.extras import require
 from remqa_data.generators.audit.balance import AskedQuestion
-from remqa_data.generators.questions.questions import KINDS
+from remqa_data.tables.rows import KINDS
 
 TOLERANCE = 0.03
 """A classifier that is right so much more often than chance knows something."""

@@ -30,13 +30,13 @@ from remqa_data.generators.questions.allotment import (
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import shapes_of
 from remqa_data.generators.questions.planning import Planner
-from remqa_data.generators.questions.questions import KINDS, P, question_rules
+from remqa_data.generators.questions.questions import P, question_rules
 from remqa_data.generators.questions.sites import FittingTypes, TakesThings, any_room, sites_of, takes
 from remqa_data.published import QUESTIONS
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata
 from remqa_data.sim.physics.world import World
-from remqa_data.tables.rows import QuestionKind
+from remqa_data.tables.rows import KINDS, QuestionKind
 
 HEADER = """\
 # How many lots of four questions of each kind a room can take, counted on the room as recorded: easily, and at most,

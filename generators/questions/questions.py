@@ -19,11 +19,10 @@ from remqa_data.language.inner import InnerRelation, Partner
 from remqa_data.language.referring import AnyProgram, Program
 from remqa_data.language.rules import may_be_called
 from remqa_data.scene_graph.relations import Relation, relation_rules
-from remqa_data.tables.rows import QuestionKind
+from remqa_data.tables.rows import KINDS, QuestionKind
 from remqa_data.template_files import template_rules
 
 SOURCE = "questions.yaml"
-KINDS: tuple[QuestionKind, ...] = ("EXISTENCE", "COUNTING", "SPATIAL")
 YES, NO = "yes", "no"
 
 

@@ -8,8 +8,8 @@ from itertools import combinations
 from remqa_data.errors import QuotaError
 from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.groups import GroupPlan
-from remqa_data.generators.questions.questions import KINDS, P
-from remqa_data.tables.rows import QuestionKind
+from remqa_data.generators.questions.questions import P
+from remqa_data.tables.rows import KINDS, QuestionKind
 
 Passed = Mapping[str, Sequence[int]]
 """By the name of a group, the configurations for which its sample passed the audit."""

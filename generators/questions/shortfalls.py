@@ -22,8 +22,8 @@ from remqa_data.generators.questions.allotment import (
     allot,
     capacities,
 )
-from remqa_data.generators.questions.questions import KINDS, question_rules
-from remqa_data.tables.rows import QuestionKind
+from remqa_data.generators.questions.questions import question_rules
+from remqa_data.tables.rows import KINDS, QuestionKind
 
 Answers: TypeAlias = Mapping[QuestionKind, Mapping[str, int]]
 """Samples by kind and answer."""

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, TypedDict
 
+from remqa_data.tables.rows import QuestionKind
+
 if TYPE_CHECKING:
     from torch import Tensor
 
@@ -20,7 +22,7 @@ class QuestionSample(TypedDict, total=False):
     """A row of the table questions."""
 
     question_id: str
-    kind: Literal["EXISTENCE", "COUNTING", "SPATIAL"]
+    kind: QuestionKind
     question: str
     expression: str
     answer: str

@@ -20,6 +20,7 @@ from remqa_data.errors import DatasetError, ForgedRowError, ImageFormatError, Un
 from remqa_data.extras import require
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
+from remqa_data.tables.rows import KINDS
 from remqa_data.tables.schema import table_spec
 
 if TYPE_CHECKING:
@@ -30,7 +31,6 @@ else:
     Dataset = require("torch.utils.data", "torch").Dataset
 
 Sample = TypeVar("Sample", QuestionSample, FrameSample, ExpressionSample)
-KINDS = ("EXISTENCE", "COUNTING", "SPATIAL")
 
 
 class _TableDataset(Dataset[Sample], Generic[Sample]):

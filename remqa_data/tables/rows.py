@@ -10,7 +10,7 @@ and y down from the top left corner; boxes are [x1, y1, x2, y2), half open.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,8 @@ from remqa_data.tables.images import StoredImage
 
 Split = Literal["train", "val", "test"]
 QuestionKind = Literal["EXISTENCE", "COUNTING", "SPATIAL"]
+KINDS: tuple[QuestionKind, ...] = get_args(QuestionKind)
+"""Of questions, as the paper has them."""
 
 
 class GridCell(NamedTuple):

@@ -8,8 +8,8 @@ import pytest
 from remqa_data.errors import MissingExtraError
 from remqa_data.generators.audit.balance import AskedQuestion, asked_questions
 from remqa_data.generators.audit.blind import TOLERANCE, blind_scores
-from remqa_data.generators.questions.questions import KINDS
 from remqa_data.storage.manifest import load_manifest
+from remqa_data.tables.rows import KINDS
 
 DATASET = "REMQA_DATASET"
 """Environment variable: folder of a full dataset."""

@@ -20,7 +20,7 @@ from remqa_data.generators.questions.allotment import (
     split_of,
 )
 from remqa_data.generators.questions.groups import group_shapes
-from remqa_data.generators.questions.questions import KINDS
+from remqa_data.tables.rows import KINDS
 
 PUBLISHED = {
     "train": {"EXISTENCE": 1653, "COUNTING": 647, "SPATIAL": 1083},

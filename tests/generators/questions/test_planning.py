@@ -20,7 +20,7 @@ from remqa_data.generators.questions.capacities import room_capacity
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import group_shapes, shapes_of, wishes
 from remqa_data.generators.questions.planning import Planner, plan_groups
-from remqa_data.generators.questions.questions import KINDS, confusable, mentioned_types, question_rules
+from remqa_data.generators.questions.questions import confusable, mentioned_types, question_rules
 from remqa_data.generators.questions.selection import select
 from remqa_data.generators.questions.sites import sites_of
 from remqa_data.published import MEAN_WORDS
@@ -28,6 +28,7 @@ from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata
 from remqa_data.sim.physics.world import World
 from remqa_data.storage.shards import read_table
+from remqa_data.tables.rows import KINDS
 from tests.helpers.stand_in_places import StandIn, stand_in_places, stand_in_types
 
 pytestmark = pytest.mark.slow

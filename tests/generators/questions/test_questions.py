@@ -6,7 +6,6 @@ import pytest
 from remqa_data.catalog import object_type, question_types
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.questions import (
-    KINDS,
     Candidate,
     confusable,
     kinds_for,
@@ -18,6 +17,7 @@ from remqa_data.generators.questions.questions import (
 from remqa_data.language.answers import execute
 from remqa_data.language.inner import Partner
 from remqa_data.language.referring import resolve
+from remqa_data.tables.rows import KINDS
 from tests.helpers.room_records import kitchen_graph
 from tests.helpers.stand_in_places import StandIn
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from remqa_data.errors import QuotaError
 from remqa_data.generators.questions.allotment import SceneCapacity, SceneQuota, allot, split_of
 from remqa_data.generators.questions.groups import group_shapes
-from remqa_data.generators.questions.questions import KINDS
 from remqa_data.generators.questions.shortfalls import Answers, Deal, dealt_anew, missing, with_a_lot_less
+from remqa_data.tables.rows import KINDS
 
 NAMES = [f"FloorPlan{n}" for n in (1, 2, 3, 4, 26, 27, 28)]
 TOTALS = {
