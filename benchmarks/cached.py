@@ -20,11 +20,11 @@ from measure import Benchmark, Facts, Headline, Table, number
 
 from remqa_data.env import RemqaEnv
 from remqa_data.env.cached import CachedRemqaEnv, CachedRemqaVectorEnv
+from remqa_data.sim.agent.actions import WALKING
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 from remqa_data.views import SIZE_PX
 from remqa_data.views.build import Wanted, cache_views
-from remqa_data.views.transitions import WALKING
 
 CONFIGURATIONS = (0, 1)
 STEPS, LIVE_STEPS, MAX_STEPS, BATCH = 100_000, 1000, 50, 16

@@ -15,12 +15,11 @@ from measure import Benchmark, Facts, Headline, Table, times_ms
 
 from remqa_data.env import ENV_ID, RemqaEnv
 from remqa_data.env.actions import DISCRETE
-from remqa_data.sim.agent.actions import NAVIGATION
+from remqa_data.sim.agent.actions import WALKING
 
 ROOMS = ("FloorPlan1", "FloorPlan201", "FloorPlan301", "FloorPlan401")
 STEPS, WALK_STEPS, WARM_UP_STEPS = 200, 800, 20
 SIZE_PX = 300
-WALKING = [number for number, action in enumerate(DISCRETE) if action in NAVIGATION]
 
 
 def measure(arguments: list[str]) -> Facts:
@@ -103,7 +102,8 @@ def walking_s(seeds: Sequence[int]) -> float:
 
 def walk(seed: int, steps: int) -> list[int]:
     """Numbers of walking actions."""
-    return [int(action) for action in np.random.default_rng(seed).choice(WALKING, steps)]
+    walking = [DISCRETE.index(name) for name in WALKING]
+    return np.random.default_rng(seed).choice(walking, steps).tolist()
 
 
 BENCHMARK = Benchmark("env", measure, table, headlines)

@@ -7,9 +7,7 @@ import numpy as np
 from remqa_data.agents.knowledge.memory import WalkMemory
 from remqa_data.agents.knowledge.reading import Question
 from remqa_data.agents.parts.interfaces import Percept
-from remqa_data.sim.agent.actions import NAVIGATION, TELEPORT
-
-ACTIONS = tuple(name for name in NAVIGATION if name != TELEPORT)
+from remqa_data.sim.agent.actions import WALKING
 
 
 class RandomNavigator:
@@ -27,7 +25,7 @@ class RandomNavigator:
     def begin(self, asked: Question, memory: WalkMemory, rng: np.random.Generator) -> RandomWalker:
         """Begin an episode: draw all actions."""
         count = int(rng.integers(0, self.most_steps + 1))
-        return RandomWalker(rng.choice(ACTIONS, count).tolist())
+        return RandomWalker(rng.choice(WALKING, count).tolist())
 
 
 class RandomWalker:

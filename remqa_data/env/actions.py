@@ -19,9 +19,8 @@ from remqa_data.metrics import MAX_TEXT
 from remqa_data.sim.agent.actions import (
     DONE,
     MANIPULATION,
-    NAVIGATION,
     POSITION,
-    TELEPORT,
+    WALKING,
     Action,
     Amount,
     action_spec,
@@ -38,18 +37,17 @@ ANSWER = "Answer"
 ANSWERS = ("yes", "no", *map(str, range(10)))
 """The answers that the action spaces have; as text, any answer can be given."""
 
-_WALKING = tuple(name for name in NAVIGATION if name != TELEPORT)
 _AT_THE_CENTRE = ("OpenObject", "CloseObject", "PickupObject", "PutObject", "PushObject", "PullObject")
 
 DISCRETE = (
-    *_WALKING,
+    *WALKING,
     *(f"{name} @0.5,0.5" for name in _AT_THE_CENTRE),
     "DropHandObject",
     DONE,
     *(f"{ANSWER} {answer}" for answer in ANSWERS),
 )
 """The actions of the discrete space, as text. They act on what is in the middle of the view."""
-PARAMETRISED = (*_WALKING, *MANIPULATION, DONE, ANSWER)
+PARAMETRISED = (*WALKING, *MANIPULATION, DONE, ANSWER)
 """The names of the actions of the parametrised space."""
 SCALES = {"metres": 1.0, "degrees": 180.0, "openness": 1.0, "metres above the floor": 2.0, "x": 2.0, "y": 2.0, "z": 2.0}
 """What an amount of 1 in the parametrised space stands for: metres, or degrees."""

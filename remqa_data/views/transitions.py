@@ -8,16 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.env.actions import DISCRETE
 from remqa_data.errors import ActionError
 from remqa_data.geometry.types import I32
-from remqa_data.sim.agent.actions import NAVIGATION, parse_action, perform
+from remqa_data.sim.agent.actions import WALKING, parse_action, perform
 from remqa_data.sim.agent.agent import Agent
 from remqa_data.sim.navigation.grid import Cell
 from remqa_data.views.states import TURNS, States
 
-WALKING = tuple(name for name in DISCRETE if name in NAVIGATION)
-"""The actions that move the agent and its camera, as the live environment numbers them."""
 MOVES = tuple(name for name in WALKING if name.startswith("Move"))
 """Those that lead from cell to cell; the others turn the agent where it is, whatever there is in the room."""
 

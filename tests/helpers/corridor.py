@@ -5,10 +5,11 @@ import numpy as np
 from remqa_data.agents.knowledge.reading import read_question
 from remqa_data.agents.training.cached_walks import Errand, distances_to
 from remqa_data.env.cached.walk import ACTIONS
+from remqa_data.sim.agent.actions import WALKING
 from remqa_data.views.reader import RoomViews
 from remqa_data.views.states import TURNS, States
 from remqa_data.views.tasks import NavigationTask
-from remqa_data.views.transitions import WALKING, Transitions
+from remqa_data.views.transitions import Transitions
 
 CELLS = 5
 QUESTION = "How many mugs are there in the fridge?"

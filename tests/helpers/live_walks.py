@@ -21,10 +21,9 @@ from remqa_data.env.actions import Command
 from remqa_data.env.cached import CachedRemqaEnv
 from remqa_data.env.cached.walk import ACTIONS
 from remqa_data.env.record import EpisodeRecord
-from remqa_data.sim.agent.actions import DONE, NAVIGATION, parse_action, perform
+from remqa_data.sim.agent.actions import DONE, NAVIGATION, WALKING, parse_action, perform
 from remqa_data.storage.shards import read_table
 from remqa_data.views.reader import Views
-from remqa_data.views.transitions import WALKING
 
 SHARED = ("rgb", "pose", "question", "question_tokens")
 MAX_STEPS = 30

@@ -8,11 +8,10 @@ from typing import Any
 from remqa_data.env.cached.tasks import CachedTasks
 from remqa_data.errors import ActionError
 from remqa_data.metrics import distance_to_goal_m, spl
-from remqa_data.sim.agent.actions import DONE
+from remqa_data.sim.agent.actions import DONE, WALKING
 from remqa_data.views.reader import RoomViews
 from remqa_data.views.states import TURNS
 from remqa_data.views.tasks import NavigationTask
-from remqa_data.views.transitions import WALKING
 
 ACTIONS = (*WALKING, DONE)
 """What the agent can do, by number: the first are those of `remqa_data.env.actions.DISCRETE`, with the same numbers."""

@@ -248,6 +248,8 @@ _MANIPULATION: dict[str, ActionSpec] = {
 }
 NAVIGATION, MANIPULATION = tuple(_NAVIGATION), tuple(_MANIPULATION)
 """Names of the actions that move the agent or its camera and nothing else, and of those that do something."""
+WALKING = tuple(name for name in NAVIGATION if name != TELEPORT)
+"""Names of the actions that an agent walks and looks about with."""
 KIND_OF = {OPEN: "Open", CLOSE: "Close", PICK_UP: "Pickup", MOVE: "Move", PUSH: "Move", PULL: "Move"}
 """What the tables call the manipulation that an action is."""
 DONE = "Done"

@@ -3,7 +3,8 @@ from collections import Counter
 import numpy as np
 
 from remqa_data.agents.knowledge.reading import read_question
-from remqa_data.agents.parts.random_navigator import ACTIONS, RandomNavigator
+from remqa_data.agents.parts.random_navigator import RandomNavigator
+from remqa_data.sim.agent.actions import WALKING
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from tests.helpers.walked_rooms import memory_of, percept_of
 
@@ -17,11 +18,11 @@ def actions(seed: int, most_steps: int = 50) -> list[str]:
 
 
 def test_all_navigation_actions_are_equally_likely() -> None:
-    assert len(ACTIONS) == 10
-    assert "Teleport" not in ACTIONS
+    assert len(WALKING) == 10
+    assert "Teleport" not in WALKING
     counts = Counter(action for seed in range(400) for action in actions(seed))
-    mean = sum(counts.values()) / len(ACTIONS)
-    assert all(abs(counts[name] - mean) < 5 * mean**0.5 for name in ACTIONS)
+    mean = sum(counts.values()) / len(WALKING)
+    assert all(abs(counts[name] - mean) < 5 * mean**0.5 for name in WALKING)
 
 
 def test_any_number_of_steps_is_equally_likely() -> None:
