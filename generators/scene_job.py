@@ -9,11 +9,12 @@ from typing import Any
 
 from remqa_data.errors import ArrangementError, QuotaError
 from remqa_data.floorplans.ithor.scenes import load_scene
-from remqa_data.floorplans.sampled.naming import is_sampled, sampled_index, sampled_split
+from remqa_data.floorplans.sampled.naming import is_sampled, sampled_index
 from remqa_data.floorplans.sampled.scenes import sampled_scene
 from remqa_data.generators.arrangement.configurations import Configuration
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
 from remqa_data.generators.audited_room import AuditedRoom
+from remqa_data.generators.questions.allotment import expression_split
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.selection import select
 from remqa_data.generators.questions.shortfalls import missing
@@ -22,7 +23,7 @@ from remqa_data.generators.scene_plan import Job, RoomPlanner
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo, walk_through
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.viewpoints import AgentPose
-from remqa_data.tables.rows import QuestionRow, Row, Split
+from remqa_data.tables.rows import QuestionRow, Row
 
 ROOM_ATTEMPTS, ATTEMPTS_FOR_LESS = 4, 2
 """How often a room is made anew when the audit refuses so much that its quota cannot be met; less often if it need not be."""
@@ -216,17 +217,3 @@ class _Attempt:
 def _is_due(group: GroupPlan[HidingPlace], number: int) -> bool:
     """Whether a group asks about a configuration; spare ones ask about none until samples are refused."""
     return number in group.asked
-
-
-def expression_split(scene: str) -> Split:
-    """Split of a room's referring expressions: AI2-THOR's usual one, 1-20 train, 21-25 val, 26-30 test of each type.
-
-    >>> [expression_split(f"FloorPlan{n}") for n in (20, 221, 430)]
-    ['train', 'val', 'test']
-    """
-    if is_sampled(scene):
-        return sampled_split(scene)
-    number = int(scene.removeprefix("FloorPlan")) % 100
-    if number > 25:
-        return "test"
-    return "val" if number > 20 else "train"

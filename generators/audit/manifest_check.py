@@ -14,8 +14,7 @@ from remqa_data.floorplans.sampled.naming import is_sampled
 from remqa_data.generators.audit.failures import Failure
 from remqa_data.generators.config import Config, stored_config
 from remqa_data.generators.pipeline import shards_per_split
-from remqa_data.generators.questions.allotment import allot, capacities, split_of
-from remqa_data.generators.scene_job import expression_split
+from remqa_data.generators.questions.allotment import allot, capacities, expression_split, split_of
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import CARD, CROISSANT, croissant_text, dataset_card
 from remqa_data.storage.locks import is_lock

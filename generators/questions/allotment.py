@@ -20,7 +20,7 @@ from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import PREFIX, is_sampled, room_type_of, sampled_index, sampled_split
 from remqa_data.generators.questions.questions import question_rules
 from remqa_data.published import QUESTIONS
-from remqa_data.tables.rows import KINDS, QuestionKind
+from remqa_data.tables.rows import KINDS, QuestionKind, Split
 from remqa_data.template_files import template_text
 
 SOURCE = "capacities.csv"
@@ -37,7 +37,7 @@ LOT_SIZE = 4
 """Samples of a whole lot: as many as there are answers to a COUNTING question."""
 FEWEST_LOTS, MOST_LOTS = 4, 15
 """Of a room, of all kinds together, as far as the totals allow."""
-ROOMS_OF_A_TYPE, TEST_ROOMS_OF_A_TYPE = 30, 5
+ROOMS_OF_A_TYPE, VAL_ROOMS_OF_A_TYPE, TEST_ROOMS_OF_A_TYPE = 30, 5, 5
 ROOM_OFFSETS = (0, 200, 300, 400)
 """iTHOR's numbers: kitchens 1 to 30, living rooms 201 to 230, bedrooms 301 to 330, bathrooms 401 to 430."""
 
@@ -91,11 +91,24 @@ def split_of(scene: str) -> QuestionSplit:
     UnknownNameError
         If there is no such room.
     """
-    if is_sampled(scene):
-        return "test" if sampled_split(scene) == "test" else "train"
-    if scene not in scene_names():
+    if not is_sampled(scene) and scene not in scene_names():
         raise UnknownNameError("scene", scene, scene_names())
-    return "test" if _number(scene) % 100 > ROOMS_OF_A_TYPE - TEST_ROOMS_OF_A_TYPE else "train"
+    return "test" if expression_split(scene) == "test" else "train"
+
+
+def expression_split(scene: str) -> Split:
+    """The split of a room's referring expressions: AI2-THOR's usual one, 1-20 train, 21-25 val, 26-30 test of each type.
+
+    >>> [expression_split(f"FloorPlan{n}") for n in (20, 221, 430)]
+    ['train', 'val', 'test']
+    """
+    if is_sampled(scene):
+        return sampled_split(scene)
+    before_test = ROOMS_OF_A_TYPE - TEST_ROOMS_OF_A_TYPE
+    number = _number(scene) % 100
+    if number > before_test:
+        return "test"
+    return "val" if number > before_test - VAL_ROOMS_OF_A_TYPE else "train"
 
 
 def choose_scenes(count: int) -> tuple[str, ...]:

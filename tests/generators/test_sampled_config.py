@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from remqa_data.errors import ConfigError
 from remqa_data.floorplans.sampled.naming import sampled_name
 from remqa_data.generators.config import Config, load_config, parse_config
-from remqa_data.generators.questions.allotment import allot, capacities, split_of
-from remqa_data.generators.scene_job import expression_split
+from remqa_data.generators.questions.allotment import allot, capacities, expression_split, split_of
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper.yaml"
 
