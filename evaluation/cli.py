@@ -157,14 +157,16 @@ def compare(
     from rich.console import Console
 
     from remqa_data.evaluation.report.comparison import compare as run
-    from remqa_data.evaluation.report.comparison import comparison_grid, comparison_notes
+    from remqa_data.evaluation.report.comparison import comparison_grid, comparison_notes, load_comparable
     from remqa_data.evaluation.report.tables import print_grid
 
-    compared = run(first, second, seed)
+    paths = [first, second]
+    results = load_comparable(paths)
+    compared = run(*results, seed=seed)
     say = output()
     if not (say.is_quiet or say.is_json):
         print_grid(Console(), comparison_grid(first, second, compared))
-    for line in comparison_notes(first, second, compared):
+    for line in comparison_notes(paths, results, compared):
         say.say(line)
     say.result(measures=[asdict(measure) for measure in compared])
 

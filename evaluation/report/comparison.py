@@ -35,21 +35,14 @@ class Comparison:
     difference: Difference
 
 
-def compare(first: Path, second: Path, seed: int = 0) -> list[Comparison]:
-    """Compare two results.json, question by question.
-
-    Raises
-    ------
-    ResultsError
-        If a file is none, or they are not about the same questions.
-    """
-    a, b = load_comparable([first, second])
-    scenes = np.unique(np.array(a.samples["scene"]), return_inverse=True)[1]
+def compare(first: Results, second: Results, *, seed: int = 0) -> list[Comparison]:
+    """Compare two submissions question by question; see `load_comparable`."""
+    scenes = np.unique(np.array(first.samples["scene"]), return_inverse=True)[1]
     found = []
-    for name in a.measures:
-        if None in (a.metric(name).value, b.metric(name).value):
+    for name in first.measures:
+        if None in (first.metric(name).value, second.metric(name).value):
             continue  # only a replay knows it
-        left, right = (np.array(results.samples[name], dtype=np.float64) for results in (a, b))
+        left, right = (np.array(results.samples[name], dtype=np.float64) for results in (first, second))
         change = difference(left, right, scenes, np.random.default_rng(seed))
         found.append(Comparison(name, float(left.mean()), float(right.mean()), change))
     return found
@@ -104,13 +97,10 @@ def comparison_grid(first: Path, second: Path, compared: list[Comparison]) -> Gr
     return Grid(f"A is {first}\nB is {second}", headings, tuple(rows))
 
 
-def comparison_notes(first: Path, second: Path, compared: list[Comparison]) -> list[str]:
-    """What a reader of the comparison must know."""
+def comparison_notes(paths: Sequence[Path], results: Sequence[Results], compared: list[Comparison]) -> list[str]:
+    """What a reader of the comparison must know; the paths are those of the results."""
     one = compared[0].difference
-    results = [load_results(path) for path in (first, second)]
-    lines = [
-        f"{path}: {NOT_REPLAYED}" for path, of in zip((first, second), results, strict=True) if of.replayed is False
-    ]
+    lines = [f"{path}: {NOT_REPLAYED}" for path, of in zip(paths, results, strict=True) if of.replayed is False]
     return [
         *lines,
         _verdict(results),

@@ -13,19 +13,18 @@ from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import UnknownNameError
 from remqa_data.evaluation.report.tables import failed_at, in_words
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
-from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, does, load_room, place_of, walk
+from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, does, load_room, place_of, replay_jobs, walk
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.scoring.scoring import attempt_of
 from remqa_data.evaluation.submission.reader import Submission
 from remqa_data.evaluation.submission.tracks import TRACKS
-from remqa_data.geometry.types import F64, U8
+from remqa_data.geometry.types import F64, I64, U8
 from remqa_data.opencv import cv2
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import visible_box
 from remqa_data.sim.render.camera import TopDownCamera
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.images import decode_rgb
-from remqa_data.tables.rows import EmbodimentRow
 
 MAX_FAILURES, MAX_SUCCESSES = 24, 10
 SHOWN_DETAILS = ("steps", "goal_distance_m", "target_visible", "iou", "manipulated")
@@ -70,18 +69,24 @@ class ShownAttempt:
 
 
 def find_attempts(
-    results: Results, submission: Submission, truth: GroundTruth, *, succeeded: bool
-) -> list[ShownAttempt]:
-    """Some failures of a submission, or some successes, spread evenly over the split.
+    results: Results, submission: Submission, truth: GroundTruth
+) -> tuple[list[ShownAttempt], list[ShownAttempt]]:
+    """Some failures of a submission and some successes, spread evenly over the split.
 
     Agents walk again in the simulator if their actions were replayed; otherwise only stored frames are shown.
     """
-    places = [place for place, ok in enumerate(results.samples[results.main_measure]) if bool(ok) is succeeded]
-    count = min(MAX_SUCCESSES if succeeded else MAX_FAILURES, len(places))
-    chosen = np.unique(np.linspace(0, len(places) - 1, count).round().astype(int))
-    rows = _rows(submission, truth, [places[i] for i in chosen], replay=results.replayed is not False)
-    build = _expressions if truth.track == "rec" else _questions
-    return build(results, truth, rows)
+    succeeded = np.array(results.samples[results.main_measure], dtype=bool)
+    failures = _spread(np.flatnonzero(~succeeded), MAX_FAILURES)
+    places = [*failures, *_spread(np.flatnonzero(succeeded), MAX_SUCCESSES)]
+    rows = _rows(submission, truth, places, replay=results.replayed is not False)
+    shown = (_expressions if truth.track == "rec" else _questions)(results, truth, rows)
+    return shown[: len(failures)], shown[len(failures) :]
+
+
+def _spread(places: I64, most: int) -> list[int]:
+    """So many of some places, or all."""
+    chosen: list[int] = places[np.linspace(0, len(places) - 1, min(most, len(places))).round().astype(int)].tolist()
+    return chosen
 
 
 def _rows(
@@ -162,14 +167,10 @@ def _walked(truth: GroundTruth, rows: dict[int, dict[str, object]]) -> dict[int,
             attempt, room = attempt_of(truth, place, row["actions"], row.get("manipulation"))  # type: ignore[arg-type]
             by_room.setdefault(room, []).append(attempt)
     pictures: dict[int, tuple[Picture, ...]] = {}
-    columns = ["scene", "configuration", "scene_json", "embodiment"]
-    for stored in read_table(truth.root, "scenes", truth.split, columns).to_pylist():
-        attempts = by_room.get((stored["scene"], stored["configuration"]))
-        if not attempts:
-            continue
-        with closing(load_room(stored["scene_json"], stored["scene"], EmbodimentRow(**stored["embodiment"]))) as replay:
+    for job in replay_jobs(truth.root, truth.split, by_room):
+        with closing(load_room(job.scene_json, job.name, job.embodiment)) as replay:
             plan, first = _Map(replay), replay.world.save()
-            for attempt in attempts:
+            for attempt in job.attempts:
                 poses, _ = walk(replay, attempt)
                 seen = replay.observe()
                 view = seen.rgb.copy()

@@ -68,6 +68,7 @@ def write_report(path: Path, results: Results, submission: Submission, truth: Gr
         If jinja2 is not installed.
     """
     main_measure = results.main_measure
+    failures, successes = find_attempts(results, submission, truth)
     page = _page(
         "report.html.j2",
         results=results,
@@ -80,8 +81,8 @@ def write_report(path: Path, results: Results, submission: Submission, truth: Gr
         things=asked_things(results),
         plots=_plots(results),
         plotted=[in_words(name) for name in _plotted(results)],
-        failures=find_attempts(results, submission, truth, succeeded=False),
-        successes=find_attempts(results, submission, truth, succeeded=True),
+        failures=failures,
+        successes=successes,
         failed=results.samples[main_measure].count(False),
         main_measure=in_words(main_measure),
         samples=_sample_rows(results),

@@ -113,7 +113,7 @@ def replay_all(
     DatasetError
         If the dataset has no such configuration, or an agent that cannot be replayed.
     """
-    jobs = _jobs(root, split, attempts)
+    jobs = replay_jobs(root, split, attempts)
     done: dict[str, list[Replayed]] = {}
     for job, replayed in LocalExecutor(min(workers, len(jobs)) or 1).run(replay_room, jobs):
         done[job.name] = replayed
@@ -177,7 +177,8 @@ def place_of(replay: Replay, object_id: str) -> int:
     return replay.world.ids.index(object_id)
 
 
-def _jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[ReplayJob]:
+def replay_jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[ReplayJob]:
+    """The rooms in which something is attempted, in the order in which they are stored; errors as of `replay_all`."""
     columns = ["scene", "configuration", "scene_json", "embodiment"]
     jobs = []
     for row in read_table(root, "scenes", split, columns).to_pylist():

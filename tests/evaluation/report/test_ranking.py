@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from remqa_data.errors import ResultsError
 from remqa_data.evaluation.cli import app
-from remqa_data.evaluation.report.comparison import compare, comparison_notes
+from remqa_data.evaluation.report.comparison import compare, comparison_notes, load_comparable
 from remqa_data.evaluation.report.ranking import rank, ranking_grid, ranking_markdown
 from remqa_data.evaluation.scoring.ground_truth import load_ground_truth
 from remqa_data.evaluation.scoring.measures import MEASURES, measures_of
@@ -89,7 +89,7 @@ def test_results_that_somebody_has_edited_are_one_line(three: list[Path], tmp_pa
     with pytest.raises(ResultsError, match="cannot be compared: a column of samples, or a measure"):
         rank(paths)
     with pytest.raises(ResultsError, match="cannot be compared: a column of samples, or a measure"):
-        compare(*paths)
+        load_comparable(paths)
 
 
 def test_a_file_that_is_named_twice_is_refused(three: list[Path]) -> None:
@@ -107,10 +107,12 @@ def test_only_results_of_the_same_questions_are_ordered(three: list[Path], tmp_p
 
 def test_a_comparison_says_who_is_ranked_first_and_who_has_no_rank(three: list[Path]) -> None:
     knows, opens, claims = three
-    notes = "\n".join(comparison_notes(knows, opens, compare(knows, opens)))
-    assert "Ranked by S_MQA: B before A." in notes
-    compared = compare(claims, opens)
-    assert not REPLAYED & {one.name for one in compared}
-    assert "Ranked by S_MQA, which only a replay measures: no rank for A." in comparison_notes(claims, opens, compared)
-    both = comparison_notes(claims, claims, compare(claims, claims))
-    assert "Ranked by S_MQA, which only a replay measures: no rank for A and B." in both
+    assert "Ranked by S_MQA: B before A." in noted(knows, opens)
+    assert not REPLAYED & {one.name for one in compare(*load_comparable([claims, opens]))}
+    assert "Ranked by S_MQA, which only a replay measures: no rank for A." in noted(claims, opens)
+    assert "Ranked by S_MQA, which only a replay measures: no rank for A and B." in noted(claims, claims)
+
+
+def noted(*paths: Path) -> list[str]:
+    results = load_comparable(paths)
+    return comparison_notes(paths, results, compare(*results))

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from remqa_data.errors import ResultsError
 from remqa_data.evaluation.cli import app
-from remqa_data.evaluation.report.comparison import compare
+from remqa_data.evaluation.report.comparison import compare, load_comparable
 from remqa_data.evaluation.report.tables import in_words, print_results, rounded
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
 from remqa_data.evaluation.scoring.results import SCHEMA_PATH, load_results, schema_json, write_results
@@ -151,7 +151,7 @@ def test_1_000_is_said_of_1_alone() -> None:
 def test_comparing_needs_the_same_questions(data: Path, tmp_path: Path) -> None:
     for name, answer in (("yes", "yes"), ("no", "no")):
         write_results(tmp_path / name, results_of(data, answers(data, tmp_path / f"{name}.jsonl", answer)))
-    (one,) = compare(tmp_path / "yes", tmp_path / "no")
+    (one,) = compare(*load_comparable([tmp_path / "yes", tmp_path / "no"]))
     assert (one.first, one.second, one.difference.value) == pytest.approx((0.4, 0.3, -0.1))
     shown = CliRunner().invoke(app, ["compare", str(tmp_path / "yes"), str(tmp_path / "no")])
     assert shown.exit_code == 0
@@ -160,7 +160,7 @@ def test_comparing_needs_the_same_questions(data: Path, tmp_path: Path) -> None:
     other["dataset"]["sha256"] = "0" * 64
     (tmp_path / "other").write_text(json.dumps(other))
     with pytest.raises(ResultsError, match="dataset"):
-        compare(tmp_path / "yes", tmp_path / "other")
+        load_comparable([tmp_path / "yes", tmp_path / "other"])
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}", "\x00", '{"format": "remqa-results", "version": 9}'])
