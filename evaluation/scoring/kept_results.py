@@ -10,6 +10,7 @@ from remqa_data.evaluation.scoring.ground_truth import GroundTruth, dataset_sha2
 from remqa_data.evaluation.scoring.results import Results, load_results, make_results, write_results
 from remqa_data.evaluation.scoring.scoring import score
 from remqa_data.evaluation.submission.reader import Submission
+from remqa_data.files import sha256_of
 from remqa_data.version import __version__
 
 
@@ -53,5 +54,5 @@ def _known(path: Path, submission: Submission, dataset: str) -> Results | None:
     except ResultsError:
         return None
     key = results.submission.sha256, results.dataset.sha256, results.versions["remqa-data"]
-    same = key == (submission.sha256(), dataset, __version__)
+    same = key == (sha256_of(submission.path), dataset, __version__)
     return results if same and results.replayed is not False else None

@@ -21,7 +21,7 @@ from remqa_data.evaluation.scoring.scoring import Scores
 from remqa_data.evaluation.scoring.statistics import LEVEL, RESAMPLES, IntervalKind, estimate, not_measured
 from remqa_data.evaluation.submission.reader import Submission
 from remqa_data.evaluation.submission.tracks import TRACKS, Track
-from remqa_data.files import atomic_path
+from remqa_data.files import atomic_path, sha256_of
 from remqa_data.metrics import LOCALISED_IOU, SUCCESS_DISTANCE_M
 from remqa_data.sim.agent.outcome import OPEN_SHARE
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
@@ -135,7 +135,9 @@ def make_results(submission: Submission, truth: GroundTruth, scores: Scores, *, 
         split=truth.split,
         replayed=scores.replayed,
         note=NOT_REPLAYED if scores.replayed is False else "",
-        submission=SubmissionInfo(file=submission.path.name, sha256=submission.sha256(), agent=submission.header.agent),
+        submission=SubmissionInfo(
+            file=submission.path.name, sha256=sha256_of(submission.path), agent=submission.header.agent
+        ),
         dataset=DatasetInfo(
             sha256=dataset_sha256(truth.manifest),
             seed=truth.manifest.seed,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -14,24 +13,7 @@ from remqa_data.errors import ActionError
 from remqa_data.evaluation.submission.tracks import MAX_COORDINATE, MAX_PX, WORDS
 from remqa_data.metrics import MAX_ACTIONS, MAX_TEXT
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, parse_action
-
-
-@dataclass(frozen=True)
-class Problem:
-    """What is wrong with one value.
-
-    Attributes
-    ----------
-    row : int
-        In its batch, from 0.
-    field : str
-        Such as "actions[3]".
-    reason : str
-    """
-
-    row: int
-    field: str
-    reason: str
+from remqa_data.tables.row_checks import Problem
 
 
 def find_problem(batch: pa.RecordBatch) -> Problem | None:

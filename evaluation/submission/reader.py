@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import codecs
 import gc
-import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -125,11 +124,6 @@ class Submission:
     def place(self, row: int) -> str:
         """Where a row is, for people: in a .jsonl file the line, of which the header is the first."""
         return f"row {row}" if self.is_parquet else f"line {row + 1}"
-
-    def sha256(self) -> str:
-        """Checksum of the file, in hexadecimal."""
-        with self.path.open("rb") as handle:
-            return hashlib.file_digest(handle, "sha256").hexdigest()
 
 
 def open_submission(path: Path) -> Submission:

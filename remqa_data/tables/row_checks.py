@@ -27,7 +27,7 @@ class Problem:
     row : int
         In what was checked, from 0.
     field : str
-        Such as "objects[].box".
+        Such as "objects[].box", or "actions[3]".
     reason : str
     """
 
