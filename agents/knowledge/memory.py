@@ -30,7 +30,7 @@ from remqa_data.sim.render.camera import Camera
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.images import decode_depth, decode_rgb
 from remqa_data.tables.map_columns import sparse_voxels
-from remqa_data.tables.rows import SemanticMap
+from remqa_data.tables.rows import SemanticMap, configuration_name
 from remqa_data.tables.schema import table_spec
 
 SCENE_COLUMNS = ("scene", "configuration", "semantic_map", "embodiment")
@@ -153,7 +153,7 @@ class WalkMemories:
         DatasetError
             If the dataset has no such walk.
         """
-        where = f"{self.root}: {scene}, configuration {configuration}"
+        where = f"{self.root}: {configuration_name(scene, configuration)}"
         rows = _records("scenes", _of(self._scenes, scene, configuration), SCENE_COLUMNS)
         frames = _records("frames", _of(self._frames, scene, configuration), FRAME_COLUMNS)
         if not rows or not frames:

@@ -20,7 +20,7 @@ from remqa_data.sim.metadata import Box2D, visible_box
 from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.storage.shards import read_table
-from remqa_data.tables.rows import EmbodimentRow
+from remqa_data.tables.rows import EmbodimentRow, configuration_name
 
 Pose = tuple[float, float, float, float]
 """x, y in metres, yaw_deg, horizon_deg."""
@@ -190,7 +190,7 @@ def replay_jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> 
                     f"{root}: the agent of {row['scene']} steps {body.step_m} m; the simulator's steps {AGENT.step_m} m"
                 )
                 raise DatasetError(msg)
-            name = f"{row['scene']}, configuration {row['configuration']}"
+            name = configuration_name(row["scene"], row["configuration"])
             jobs.append(ReplayJob(name, row["scene_json"], body, tuple(found)))
     replayed = sum(len(job.attempts) for job in jobs)
     if replayed != sum(map(len, attempts.values())):

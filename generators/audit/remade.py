@@ -11,7 +11,7 @@ from remqa_data.errors import RemqaError, one_line
 from remqa_data.generators.audit.failures import Failure
 from remqa_data.generators.scene_job import make_room
 from remqa_data.generators.scene_plan import Job
-from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow
+from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow, configuration_name
 from remqa_data.tables.schema import TABLES, to_table
 
 Stored = Mapping[str, Sequence[Row]]
@@ -40,7 +40,7 @@ def row_name(row: Row) -> str:
     """How a row is called."""
     match row:
         case SceneRow():
-            return f"{row.scene}, configuration {row.configuration}"
+            return configuration_name(row.scene, row.configuration)
         case FrameRow():
             return row.frame_id
         case ExpressionRow():

@@ -14,7 +14,7 @@ from remqa_data.generators.audit.remade import remade_failures
 from remqa_data.generators.audit.truths import CheckedRoom
 from remqa_data.generators.scene_plan import Job
 from remqa_data.storage.shards import Shard
-from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow
+from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow, configuration_name
 from remqa_data.tables.schema import R, to_rows
 
 Piece = tuple[Path, tuple[int, ...]]
@@ -115,7 +115,7 @@ def _configurations(check: RoomCheck, rows: RoomRows) -> Iterator[Failure]:
         try:
             room = CheckedRoom(row)
         except RemqaError as error:
-            wheres = [question.question_id for question in own] or [f"{row.scene}, configuration {row.configuration}"]
+            wheres = [question.question_id for question in own] or [configuration_name(row.scene, row.configuration)]
             yield from (Failure(where, "consistent", one_line(error)) for where in wheres)
             continue
         yield from room.failures()

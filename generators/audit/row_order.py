@@ -18,6 +18,7 @@ from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.storage.manifest import Manifest
 from remqa_data.storage.ownership import SPLITS
 from remqa_data.storage.shards import read_table
+from remqa_data.tables.rows import configuration_name
 
 Key = dict[str, Any]
 """Columns of a row that tell which one it is."""
@@ -101,7 +102,7 @@ def _frame_rows(found: Sequence[Key], quotas: Sequence[SceneQuota], config: Conf
             for number in range(config.configurations):
                 count = counts[quota.scene, number]
                 if not 1 <= count <= most:
-                    name = f"{quota.scene}, configuration {number}"
+                    name = configuration_name(quota.scene, number)
                     yield Failure(name, "complete", f"{count} frames; the configuration asks for {most}")
                 for index in range(min(count, most)):
                     name = f"{quota.scene}-c{number}-f{index:02d}"
@@ -117,7 +118,7 @@ def _expression_rows(found: Sequence[Key], frames: Sequence[Key], config: Config
         if not key["split"] == key["file_split"] == _split_or_none(key["scene"], config):
             yield Failure(where, "consistent", f"split {key['split']} is not that of the expressions of {key['scene']}")
         if frames_of.get(key["frame_id"]) != name:
-            yield Failure(where, "consistent", f"{key['frame_id']} is no frame of {name[0]}, configuration {name[1]}")
+            yield Failure(where, "consistent", f"{key['frame_id']} is no frame of {configuration_name(*name)}")
     order = {
         (name, number): (place, number)
         for place, name in enumerate(config.scene_names)

@@ -59,7 +59,7 @@ from remqa_data.tables.images import (
     encode_rgb,
     image_size,
 )
-from remqa_data.tables.rows import GridCell, QuestionRow, SceneRow
+from remqa_data.tables.rows import GridCell, QuestionRow, SceneRow, configuration_name
 from remqa_data.tables.schema import table_spec
 
 CHANGED_FACTOR = 4
@@ -91,7 +91,7 @@ class CheckedRoom:
 
     def __init__(self, row: SceneRow) -> None:
         self.row = row
-        self.name = f"{row.scene}, configuration {row.configuration}"
+        self.name = configuration_name(row.scene, row.configuration)
         self.scene = Scene.from_json(row.scene_json, self.name)
         with World(self.scene) as world:
             self.records = object_metadata(world)

@@ -20,7 +20,7 @@ from remqa_data.sim.render.view import WorldView
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_rows, read_table
 from remqa_data.tables.images import decode_rgb
-from remqa_data.tables.rows import QuestionRow, SceneRow
+from remqa_data.tables.rows import QuestionRow, SceneRow, configuration_name
 
 TILE_PX, LINE_PX = 300, 21
 BOX_COLOR, PATH_COLOR, START_COLOR, GOAL_COLOR = (230, 30, 30), (30, 90, 220), (30, 90, 220), (230, 30, 30)
@@ -50,9 +50,8 @@ def find_question(root: Path, question_id: str) -> tuple[QuestionRow, SceneRow]:
             scene, configuration = question.scene, question.configuration
             for room in read_rows(root, SceneRow, split, scene=scene, configuration=configuration):
                 return question, room
-            raise DatasetError(
-                f"{root}: {question_id} is about {scene}, configuration {configuration}, which is not there"
-            )
+            place = configuration_name(scene, configuration)
+            raise DatasetError(f"{root}: {question_id} is about {place}, which is not there")
     ids = (read_table(root, "questions", split, ["question_id"])["question_id"] for split in splits)
     raise UnknownNameError("question", question_id, [name for column in ids for name in column.to_pylist()])
 

@@ -20,6 +20,7 @@ from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.sim.physics.world import World
 from remqa_data.storage.shards import read_table
+from remqa_data.tables.rows import configuration_name
 
 Pose = tuple[float, float, float, float]
 """x, y in metres, yaw_deg, horizon_deg."""
@@ -139,7 +140,7 @@ class DatasetEpisodes:
         """
         question = self._questions.slice(self._row(name), 1).to_pylist()[0]
         key = question["scene"], question["configuration"]
-        place = f"{key[0]}, configuration {key[1]}"
+        place = configuration_name(*key)
         if key not in self._scene_rows:
             raise DatasetError(f"{self.root}: split {self.split} asks about {place}, but has no such room")
         row = self._scenes.slice(self._scene_rows[key], 1).to_pylist()[0]

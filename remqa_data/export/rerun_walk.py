@@ -22,7 +22,7 @@ from remqa_data.sim.render.camera import Camera
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_rows
 from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
-from remqa_data.tables.rows import FrameRow
+from remqa_data.tables.rows import FrameRow, configuration_name
 
 TIMELINE = "frame"
 MAP_EVERY = 8
@@ -69,7 +69,7 @@ def write_walk(root: Path, scene: str, path: Path, configuration: int = 0) -> in
         for row in read_rows(root, FrameRow, split, scene=scene, configuration=configuration)
     ]
     if not frames:
-        raise DatasetError(f"{root}: no frames of {scene}, configuration {configuration}")
+        raise DatasetError(f"{root}: no frames of {configuration_name(scene, configuration)}")
     with atomic_path(path) as temporary:
         recording = rerun.RecordingStream(f"remqa-data {scene}", recording_id=f"{scene}-c{configuration}")
         recording.set_log_time_enabled(False)

@@ -18,7 +18,7 @@ from remqa_data.scene import Scene
 from remqa_data.sim.physics.world import World
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_rows, read_table
-from remqa_data.tables.rows import SceneRow
+from remqa_data.tables.rows import SceneRow, configuration_name
 
 FORMATS = {".glb": "glb", ".xml": "mjcf", ".urdf": "urdf", ".usd": "usd", ".usda": "usd", ".usdc": "usd"}
 """By the suffix of a file."""
@@ -53,7 +53,8 @@ def find_scene(name: str, data: Path | None = None, configuration: int = 0) -> S
         if configuration in known.get(name, []):
             room, *others = read_rows(data, SceneRow, split, scene=name, configuration=configuration)
             if others:
-                raise DatasetError(f"{data}: {name}, configuration {configuration}, is there {1 + len(others)} times")
+                place = configuration_name(name, configuration)
+                raise DatasetError(f"{data}: {place}, is there {1 + len(others)} times")
             return Scene.from_json(room.scene_json, f"{data}: {name}")
     if name not in known:
         raise UnknownNameError("room", name, known)

@@ -29,6 +29,15 @@ KINDS: tuple[QuestionKind, ...] = get_args(QuestionKind)
 """Of questions, as the paper has them."""
 
 
+def configuration_name(scene: str, configuration: int) -> str:
+    """What people are told that one configuration of a room is called.
+
+    >>> configuration_name("FloorPlan1", 2)
+    'FloorPlan1, configuration 2'
+    """
+    return f"{scene}, configuration {configuration}"
+
+
 class GridCell(NamedTuple):
     """A cell of the navigation grid."""
 

@@ -20,6 +20,7 @@ from remqa_data.metrics import distance_to_goal_m, navigation_success
 from remqa_data.scene import Scene
 from remqa_data.sim.metadata import is_visible
 from remqa_data.sim.navigation.embodiment import Embodiment
+from remqa_data.tables.rows import configuration_name
 from remqa_data.views.arrays import COLORS, FRAMES, PIXELS, new_array, save_table, table_name
 from remqa_data.views.features import add_features
 from remqa_data.views.manifest import NOTE, Room, ViewFile, finished_rooms
@@ -109,7 +110,7 @@ def _drawn(job: RoomJob) -> Room:
 
 def _loaded(job: RoomJob, configuration: Configuration, stack: ExitStack) -> LoadedRoom:
     """The room as the live environment has it when an episode begins."""
-    place = f"{job.scene}, configuration {configuration.number}"
+    place = configuration_name(job.scene, configuration.number)
     scene = Scene.from_json(configuration.scene_json, place)
     embodiment = Embodiment.of_dataset(**configuration.embodiment)
     loaded = LoadedRoom(Episode(place, scene, None, embodiment, None), "near")

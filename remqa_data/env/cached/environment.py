@@ -25,6 +25,7 @@ from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
 from remqa_data.env.environment import pose_space, question_space, tokens_space, wanted_episode
 from remqa_data.env.episodes import check_counts
 from remqa_data.errors import ActionError, DatasetError
+from remqa_data.tables.rows import configuration_name
 
 ENV_ID = "remqa_data/CachedRemqa-v0"
 
@@ -147,7 +148,7 @@ def begin(
     """Begin the episode that the options choose, or one that is drawn; what `reset` says of it."""
     name = wanted_episode(tasks.ids, rng, options)
     walk.begin(name)
-    place = f"{walk.task.scene}, configuration {walk.task.configuration}"
+    place = configuration_name(walk.task.scene, walk.task.configuration)
     return {"scene": place, "episode_id": name, "privileged": False}
 
 

@@ -14,6 +14,7 @@ from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env.environment import MAX_QUESTION_CHARACTERS, question_tokens
 from remqa_data.env.episodes import check_question_ids
 from remqa_data.errors import DatasetError, UnknownNameError
+from remqa_data.tables.rows import configuration_name
 from remqa_data.views.reader import RoomViews, Views
 from remqa_data.views.tasks import NavigationTask, navigation_tasks
 
@@ -117,4 +118,4 @@ class CachedTasks:
 
 
 def _place(task: NavigationTask) -> str:
-    return f"{task.scene}, configuration {task.configuration}"
+    return configuration_name(task.scene, task.configuration)
