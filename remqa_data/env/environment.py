@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import string
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 
@@ -133,7 +134,6 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         self.privileged, self.views_kept, self.render_mode = privileged, views_kept, render_mode
         self.action_space = action_space(action_mode)
         self.observation_space = _observation_space(width, height, self.vocabulary, privileged)
-        self._held_numbers = {name: number for number, name in enumerate(catalog(), start=1)}
         self._room: LoadedRoom | None = None
         self._is_over = True
 
@@ -176,7 +176,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         self.steps, self._is_over = 0, False
         task = episode.task
         text = task.question if task else ""
-        self._question = text[:MAX_QUESTION_CHARACTERS], question_tokens(self.vocabulary, text)
+        self._question = shown_question(text), question_tokens(self.vocabulary, text)
         info = {"scene": episode.name, "episode_id": name, "privileged": self.privileged}
         return self._observe(info), info
 
@@ -250,7 +250,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         agent = self.agent
         seen = self._needed_room().look(self.width, self.height)
         pose = [agent.x, agent.y, agent.yaw_deg, agent.horizon_deg, float(agent.is_standing)]
-        held = 0 if agent.held is None else self._held_numbers[agent.world.type_of(agent.held)]
+        held = 0 if agent.held is None else type_numbers()[agent.world.type_of(agent.held)]
         observation: dict[str, Any] = {
             "rgb": seen.rgb,
             "depth": seen.depth,
@@ -289,6 +289,17 @@ def wanted_episode(ids: Sequence[str], rng: np.random.Generator, options: Mappin
     return ids[int(rng.integers(len(ids)))] if name is None else name
 
 
+@cache
+def type_numbers() -> Mapping[str, int]:
+    """The numbers that observations have for object types, from 1."""
+    return {name: number for number, name in enumerate(catalog(), start=1)}
+
+
+def shown_question(text: str) -> str:
+    """A question as it is observed, cut to MAX_QUESTION_CHARACTERS."""
+    return text[:MAX_QUESTION_CHARACTERS]
+
+
 def question_tokens(vocabulary: Vocabulary, text: str) -> npt.NDArray[np.int64]:
     """(MAX_QUESTION_WORDS,) the first words of a question as numbers, padded with 0."""
     tokens = np.array(vocabulary.encode(text)[:MAX_QUESTION_WORDS], dtype=np.int64)
@@ -317,7 +328,7 @@ def _observation_space(width: int, height: int, vocabulary: Vocabulary, privileg
         "rgb": spaces.Box(0, 255, (height, width, 3), np.uint8),
         "depth": spaces.Box(0.0, DEPTH_M, (height, width), np.float32),
         "pose": pose_space(),
-        "held": spaces.Discrete(len(catalog()) + 1),
+        "held": spaces.Discrete(len(type_numbers()) + 1),
         "question": question_space(),
         "question_tokens": tokens_space(vocabulary),
     }

@@ -20,9 +20,9 @@ import numpy as np
 from gymnasium import spaces
 
 from remqa_data.datasets.vocabulary import Vocabulary
-from remqa_data.env.cached.tasks import TARGETS, CachedTasks
+from remqa_data.env.cached.tasks import CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
-from remqa_data.env.environment import pose_space, question_space, tokens_space, wanted_episode
+from remqa_data.env.environment import pose_space, question_space, tokens_space, type_numbers, wanted_episode
 from remqa_data.env.episodes import check_counts
 from remqa_data.errors import ActionError, DatasetError
 from remqa_data.tables.rows import configuration_name
@@ -106,7 +106,7 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         task = self.walk.task
         self._told = {
             "question": self.tasks.question(task),
-            "target": np.int64(TARGETS[task.target_type]),
+            "target": np.int64(type_numbers()[task.target_type]),
         }
         self._tokens = self.tasks.tokens(task)
         return self._observe(), info
@@ -166,7 +166,7 @@ def observation_space(tasks: CachedTasks, features: bool) -> spaces.Dict:
         "pose": pose_space(),
         "question": question_space(),
         "question_tokens": tokens_space(tasks.vocabulary),
-        "target": spaces.Discrete(len(TARGETS) + 1),
+        "target": spaces.Discrete(len(type_numbers()) + 1),
     }
     if features:
         stored = tasks.room(tasks.task(tasks.ids[0])).features

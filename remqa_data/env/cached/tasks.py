@@ -9,17 +9,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.catalog import catalog
 from remqa_data.datasets.vocabulary import Vocabulary
-from remqa_data.env.environment import MAX_QUESTION_CHARACTERS, question_tokens
+from remqa_data.env.environment import question_tokens, shown_question
 from remqa_data.env.episodes import check_question_ids
 from remqa_data.errors import DatasetError, UnknownNameError
 from remqa_data.tables.rows import configuration_name
 from remqa_data.views.reader import RoomViews, Views
 from remqa_data.views.tasks import NavigationTask, navigation_tasks
-
-TARGETS = {name: number for number, name in enumerate(catalog(), start=1)}
-"""Object types are numbered as the live environment numbers what is held."""
 
 
 class CachedTasks:
@@ -106,7 +102,7 @@ class CachedTasks:
 
     def question(self, task: NavigationTask) -> str:
         """The question as it is observed."""
-        return task.question[:MAX_QUESTION_CHARACTERS]
+        return shown_question(task.question)
 
     def tokens(self, task: NavigationTask) -> npt.NDArray[np.int64]:
         """Its words as numbers; read-only."""

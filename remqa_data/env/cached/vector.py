@@ -15,8 +15,9 @@ from gymnasium.vector.utils import batch_space
 
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env.cached.environment import begin, observation_space
-from remqa_data.env.cached.tasks import TARGETS, CachedTasks
+from remqa_data.env.cached.tasks import CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
+from remqa_data.env.environment import type_numbers
 from remqa_data.env.episodes import check_counts
 from remqa_data.errors import ActionError
 
@@ -125,7 +126,7 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         self._told = {
             "question": tuple(self.tasks.question(task) for task in tasks),
             "question_tokens": np.stack([self.tasks.tokens(task) for task in tasks]),
-            "target": np.array([TARGETS[task.target_type] for task in tasks]),
+            "target": np.array([type_numbers()[task.target_type] for task in tasks]),
         }
 
     def _observe(self) -> dict[str, Any]:
