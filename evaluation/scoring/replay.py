@@ -13,7 +13,7 @@ from pathlib import Path
 from remqa_data.errors import DatasetError, RemqaError, UnknownNameError
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.scene import Scene
-from remqa_data.sim.agent.actions import DONE, KIND_OF, Action
+from remqa_data.sim.agent.actions import DONE, KIND_OF, Action, object_of
 from remqa_data.sim.agent.outcome import Wanted, is_manipulated, look_before
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import Box2D, visible_box
@@ -215,10 +215,8 @@ def _replayed(replay: Replay, attempt: Attempt) -> Replayed:
 
 def _meant(replay: Replay, manipulation: Action) -> tuple[str | None, str | None]:
     """What a manipulation is, such as "Open", and of which object."""
-    target = manipulation.target
-    if isinstance(target, tuple):
-        try:
-            target = replay.agent.object_at(*target)
-        except RemqaError:  # a point outside the image
-            target = None
+    try:
+        target = object_of(replay.agent, manipulation)
+    except RemqaError:  # a point outside the image
+        target = None
     return KIND_OF.get(manipulation.name), target

@@ -32,7 +32,16 @@ from remqa_data.env.record import EpisodeRecord
 from remqa_data.errors import ActionError
 from remqa_data.limits import MOST_IMAGE_PX
 from remqa_data.scene import Scene
-from remqa_data.sim.agent.actions import DONE, MANIPULATION, NAVIGATION, TELEPORT, Action, perform
+from remqa_data.sim.agent.actions import (
+    DONE,
+    MANIPULATION,
+    NAVIGATION,
+    TELEPORT,
+    Action,
+    nothing_at,
+    object_of,
+    perform,
+)
 from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
 from remqa_data.sim.agent.pictures import BYTES_PER_PIXEL
 
@@ -233,9 +242,9 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         task = self.episode.task
         is_manipulation = action.name in MANIPULATION
         if is_manipulation and isinstance(action.target, tuple):
-            seen = self.agent.object_at(*action.target)
+            seen = object_of(self.agent, action)
             if seen is None:
-                return ActionResult(False, f"there is no object at image point {action.target}")
+                return nothing_at(action)
             action = Action(action.name, seen, action.numbers)
         if is_manipulation and task is not None and isinstance(action.target, str):
             self.record.look(self.agent, task, wanted.box)

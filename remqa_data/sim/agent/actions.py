@@ -181,10 +181,24 @@ def perform(agent: Agent, action: Action) -> ActionResult:
     spec, amounts = action_spec(action.name), _amounts(action)
     if not spec.has_target:
         return spec.run(agent, *amounts)
-    target = action.target if isinstance(action.target, str) else agent.object_at(*_point(action))
-    if target is None:
-        return ActionResult(False, f"there is no object at image point {action.target}")
-    return spec.run(agent, target, *amounts)
+    target = object_of(agent, action)
+    return nothing_at(action) if target is None else spec.run(agent, target, *amounts)
+
+
+def object_of(agent: Agent, action: Action) -> str | None:
+    """The object that an action is done to: the one that it names, or that is seen at its image point, if any is.
+
+    Raises
+    ------
+    ActionError
+        If the point is not in the picture.
+    """
+    return agent.object_at(*action.target) if isinstance(action.target, tuple) else action.target
+
+
+def nothing_at(action: Action) -> ActionResult:
+    """What comes of an action at an image point where no object is seen."""
+    return ActionResult(False, f"there is no object at image point {action.target}")
 
 
 def action_spec(name: str) -> ActionSpec:
@@ -292,8 +306,3 @@ def _image_point(word: str, text: str) -> tuple[float, float]:
     if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
         raise ActionError(f"{text!r}: x and y are shares of the picture, 0 to 1")
     return x, y
-
-
-def _point(action: Action) -> tuple[float, float]:
-    assert isinstance(action.target, tuple)
-    return action.target
