@@ -94,11 +94,12 @@ def score(
     from remqa_data.evaluation.scoring.scoring import score as run
     from remqa_data.evaluation.submission.reader import open_submission
     from remqa_data.extras import require
-    from remqa_data.files import atomic_path, check_beside
+    from remqa_data.files import atomic_path, check_beside, check_folder
 
     if report:
         require("jinja2", "report", "or leave the report out with --no-report")
     check_beside(out, data)
+    check_folder(out)
     submission = open_submission(predictions)
     header = submission.header
     submission.check(track=track, split=split)
@@ -109,6 +110,8 @@ def score(
     with Counting(len(truth.ids), "replaying") as on_replayed:
         scores = run(submission, truth, replay=not no_replay, workers=worker_count(workers), progress=on_replayed)
     results = make_results(submission, truth, scores, seed=seed)
+    for name in ("results.md", "report.html"):
+        (out / name).unlink(missing_ok=True)  # an earlier submission's, which is not to stand beside these results
     write_results(out / "results.json", results)  # first, so that nothing after it can lose what was replayed
     with atomic_path(out / "results.md") as temporary:
         temporary.write_text(markdown(results), encoding="utf-8")
@@ -181,11 +184,15 @@ def rank(
     """Order submissions, the best first: those to the track remqa by S_MQA."""
     from rich.console import Console
 
+    from remqa_data.errors import OutputError
     from remqa_data.evaluation.report.ranking import rank as run
     from remqa_data.evaluation.report.ranking import ranking_grid, ranking_markdown, ranking_notes
     from remqa_data.evaluation.report.tables import print_grid
     from remqa_data.files import atomic_path
+    from remqa_data.storage.manifest import dataset_around
 
+    if out is not None and (outer := dataset_around(out)):
+        raise OutputError(f"{out} is in the dataset {outer}, which holds nothing else; give another place")
     ranked = run(paths)
     say = output()
     if not (say.is_quiet or say.is_json):
@@ -195,7 +202,7 @@ def rank(
     if out is not None:
         with atomic_path(out) as temporary:
             temporary.write_text(ranking_markdown(ranked), encoding="utf-8")
-    say.result(ranking=[{"rank": one.rank, "file": one.path, "agent": one.agent} for one in ranked])
+    say.result(ranking=[one.as_json() for one in ranked])
 
 
 @app.command()

@@ -7,9 +7,8 @@ import math
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter
@@ -25,7 +24,7 @@ from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import write_card
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.locks import exclusive
-from remqa_data.storage.manifest import MANIFEST, FileInfo, Manifest, load_manifest, make_manifest
+from remqa_data.storage.manifest import FileInfo, Manifest, dataset_around, load_manifest, make_manifest
 from remqa_data.storage.ownership import clear, look, mark, remove_parts
 from remqa_data.storage.parts import Part, Parts, assemble, count_questions, finish
 from remqa_data.storage.protocol import Storage
@@ -141,22 +140,12 @@ def check_place(out: str | os.PathLike[str], *, overwrite: bool, resume: bool) -
     storage = storage_at(out)
     if isinstance(storage, Folder) and storage.path.exists() and not storage.path.is_dir():
         raise DatasetError(f"{out} is a file; give a folder")
-    if isinstance(storage, Folder) and (outer := _dataset_around(storage.path)):
+    if isinstance(storage, Folder) and (outer := dataset_around(storage.path)):
         raise DatasetError(f"{out} is in the dataset {outer}, which holds nothing else; give another folder")
     if not look(storage).is_empty and not (overwrite or resume):
         raise DatasetError(
             f"{out} is not empty; use --resume to go on with it, --overwrite to replace it, or another folder"
         )
-
-
-def _dataset_around(folder: Path) -> Path | None:
-    """The finished dataset that a folder is in, if there is one."""
-    for outer in folder.absolute().parents:
-        if (outer / MANIFEST).is_file():
-            with suppress(DatasetError):  # others have files of that name, too
-                load_manifest(outer)
-                return outer
-    return None
 
 
 def _finished(storage: Storage, config: Config) -> Manifest:

@@ -131,6 +131,21 @@ def check_beside(out: str | os.PathLike[str], root: str | os.PathLike[str]) -> N
         raise OutputError(f"{out} is in the dataset {root}, which holds nothing else; give another place")
 
 
+def check_folder(out: Path) -> None:
+    """Say of a folder, which need not be there, that nothing can be written there, before long work is done for it.
+
+    Raises
+    ------
+    OutputError
+        If it is no folder, or it or the one that it would be made in takes no files.
+    """
+    there = next(place for place in (out, *out.absolute().parents) if place.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        raise OutputError(
+            f"{out}: nothing can be written there, as {there} is no folder that takes files; give another one"
+        )
+
+
 def check_empty(out: Path, option: str) -> None:
     """Refuse to write many files among others.
 

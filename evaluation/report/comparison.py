@@ -14,6 +14,9 @@ from remqa_data.evaluation.scoring.results import NOT_REPLAYED, OVERALL, Results
 from remqa_data.evaluation.scoring.statistics import Difference, difference
 from remqa_data.evaluation.submission.tracks import TRACKS
 
+OF_RESAMPLING = ("seed", "resamples")
+"""What of the config changes intervals, and no score."""
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -70,7 +73,7 @@ _SAME: dict[str, Callable[[Results], object]] = {
     "track": lambda results: results.track,
     "split": lambda results: results.split,
     "dataset": lambda results: results.dataset,
-    "definitions (config)": lambda results: results.config,
+    "definitions (config)": lambda results: {k: v for k, v in results.config.items() if k not in OF_RESAMPLING},
     "questions": lambda results: results.samples.get("id"),
     "measures": lambda results: results.measures,
 }

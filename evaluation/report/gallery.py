@@ -11,7 +11,7 @@ import numpy as np
 
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import UnknownNameError
-from remqa_data.evaluation.report.tables import failed_at, in_words
+from remqa_data.evaluation.report.tables import failed_at, in_words, rounded
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
 from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, does, load_room, place_of, replay_jobs, walk
 from remqa_data.evaluation.scoring.results import Results
@@ -237,5 +237,5 @@ def _shown(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.3f}"
+        return rounded(value)
     return str(value)

@@ -167,4 +167,4 @@ def _text(value: str | bool | int | float | None) -> str:
         return "–"
     if isinstance(value, bool):
         return "1" if value else "0"
-    return f"{value:.3f}" if isinstance(value, float) else str(value)
+    return rounded(value) if isinstance(value, float) else str(value)

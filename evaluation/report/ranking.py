@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from remqa_data.errors import ResultsError
 from remqa_data.evaluation.report.comparison import load_comparable
@@ -39,20 +40,34 @@ class Ranked:
         """Name of the agent."""
         return self.results.submission.agent
 
+    def as_json(self) -> dict[str, Any]:
+        """The entry for programs, with what decides and its interval."""
+        metric = _decisive(self.results)
+        return {
+            "rank": self.rank,
+            "file": self.path,
+            "agent": self.agent,
+            "measure": metric.name,
+            "value": metric.value,
+            "low": metric.low,
+            "high": metric.high,
+            "replayed": self.results.replayed,
+        }
+
 
 def rank(paths: Sequence[Path]) -> list[Ranked]:
-    """Order some results.json by the main measure of their track; those in which it was not measured come last.
+    """Order some results.json by the main measure of their track; those that were not replayed come last, without a rank.
 
     Raises
     ------
     ResultsError
         If a file is none or is named twice, or they are not about the same questions.
     """
-    for path, count in Counter(paths).items():
+    for path, count in Counter(path.resolve() for path in paths).items():
         if count > 1:
             raise ResultsError(f"{path} is named {count} times")
     entries = list(zip(paths, load_comparable(paths), strict=True))
-    scores = [_decisive(results).value for _, results in entries]
+    scores = [None if results.replayed is False else _decisive(results).value for _, results in entries]
     known = [score for score in scores if score is not None]
     ranked = [
         Ranked(None if score is None else 1 + sum(other > score for other in known), path, results)

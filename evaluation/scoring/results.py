@@ -28,6 +28,8 @@ from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
 from remqa_data.tables.rows import KINDS
 from remqa_data.version import __version__
 
+SAME_MEAN = 1e-9
+"""Means of the same numbers differ by no more, in whatever order they are added up."""
 FORMAT: Final = "remqa-results"
 VERSION: Final = 1
 SCHEMA_PATH = Path(__file__).with_name("results.schema.json")
@@ -177,13 +179,38 @@ def load_results(path: Path) -> Results:
         If it is none.
     """
     try:
-        return Results.model_validate_json(path.read_bytes())
+        results = Results.model_validate_json(path.read_bytes())
+        if (wrong := _wrong_mean(results)) is not None:
+            raise ResultsError(f"{path}: {wrong}: remqa-eval did not write that")
+        return results
     except FileNotFoundError:
         raise ResultsError(f"{path}: no such file; remqa-eval writes it") from None
     except ValidationError as error:
         found = error.errors(include_url=False, include_input=False)[0]
         field = ".".join(str(part) for part in found["loc"])[:80] or "the whole text"
         raise ResultsError(f"{path}: {field}: {found['msg'][:200]}; expected a results.json of remqa-eval") from None
+
+
+def _wrong_mean(results: Results) -> str | None:
+    """The first value that is not what its samples come to, if there is one."""
+    groups = {
+        name: np.array(results.samples.get(name, [])) for name in {metric.breakdown for metric in results.metrics}
+    }
+    for metric in results.metrics:
+        column = results.samples.get(metric.name, [])
+        try:
+            rows = np.array([] if None in column else column, dtype=np.float64)
+        except (TypeError, ValueError):
+            return f"a sample of {metric.name} is no number"
+        if metric.breakdown != OVERALL and len(groups[metric.breakdown]) == len(rows):
+            rows = rows[groups[metric.breakdown] == metric.group]
+        if (metric.value is None) != (len(rows) == 0):
+            return f"{metric.name} of {metric.group} is {metric.value}, with {len(rows)} samples"
+        if metric.value is not None and not (
+            0.0 <= rows.min() <= rows.max() <= 1.0 and abs(metric.value - rows.mean()) <= SAME_MEAN
+        ):
+            return f"{metric.name} of {metric.group} is {metric.value}, and the mean of its samples {rows.mean()}"
+    return None
 
 
 def schema_json() -> str:

@@ -13,8 +13,10 @@ import platform
 import re
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -106,6 +108,16 @@ class Manifest:
     def to_json(self) -> str:
         """The manifest as indented JSON; equal manifests give equal text."""
         return json.dumps(asdict(self), indent=1, ensure_ascii=False) + "\n"
+
+
+def dataset_around(path: Path) -> Path | None:
+    """The finished dataset that a folder or file is in, if there is one."""
+    for outer in path.resolve().parents:
+        if (outer / MANIFEST).is_file():
+            with suppress(DatasetError):  # others have files of that name, too
+                load_manifest(outer)
+                return outer
+    return None
 
 
 def config_hash(config: Mapping[str, Any]) -> str:

@@ -76,19 +76,33 @@ def test_the_command_prints_the_order_and_writes_markdown(three: list[Path], tmp
     assert (tmp_path / "ranking.md").read_text() == ranking_markdown(rank(three))
 
 
-@pytest.mark.parametrize("change", [{"metrics": []}, {"column": "yes"}])
-def test_results_that_somebody_has_edited_are_one_line(three: list[Path], tmp_path: Path, change: dict) -> None:
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"metrics": []}, "cannot be compared: a column of samples, or a measure"),
+        ({"column": "yes"}, "a sample of S_N is no number"),
+        ({"column": 1.5}, "the mean of its samples"),
+        ({"value": 0.9}, "S_N of all is 0.9, and the mean of its samples"),
+        ({"value": float("nan")}, "S_N of all is nan"),
+        ({"value": None}, "S_N of all is None, with 10 samples"),
+    ],
+)
+def test_results_that_somebody_has_edited_are_one_line(
+    three: list[Path], tmp_path: Path, change: dict, words: str
+) -> None:
     for path in three[:2]:
         edited = json.loads(path.read_text())
         if "metrics" in change:
             edited["metrics"] = []
+        elif "value" in change:
+            edited["metrics"][0]["value"] = change["value"]
         else:
             edited["samples"][edited["metrics"][0]["name"]][0] = change["column"]
         (tmp_path / path.name).write_text(json.dumps(edited))
     paths = [tmp_path / path.name for path in three[:2]]
-    with pytest.raises(ResultsError, match="cannot be compared: a column of samples, or a measure"):
+    with pytest.raises(ResultsError, match=words):
         rank(paths)
-    with pytest.raises(ResultsError, match="cannot be compared: a column of samples, or a measure"):
+    with pytest.raises(ResultsError, match=words):
         load_comparable(paths)
 
 
@@ -116,3 +130,35 @@ def test_a_comparison_says_who_is_ranked_first_and_who_has_no_rank(three: list[P
 def noted(*paths: Path) -> list[str]:
     results = load_comparable(paths)
     return comparison_notes(paths, results, compare(*results))
+
+
+def test_what_was_not_replayed_has_no_rank_in_any_track(data: Path, tmp_path: Path) -> None:
+    paths = []
+    for agent, replayed in (("walks", True), ("claims", False)):
+        path = written(tmp_path / f"{agent}.jsonl", "nav", [], agent=agent)
+        truth = load_ground_truth(data, "nav", "test")
+        measures = {measure.name: np.full(10, agent == "claims") for measure in measures_of("nav")}
+        scores = Scores(np.ones(10, dtype=bool), measures, {}, replayed=replayed)
+        paths.append(tmp_path / f"{agent}.json")
+        write_results(paths[-1], make_results(open_submission(path), truth, scores))
+    assert [(one.rank, one.agent) for one in rank(paths)] == [(1, "walks"), (None, "claims")]
+    done = CliRunner().invoke(app, ["rank", *map(str, paths), "--json"])
+    entries = json.loads(done.output)["ranking"]
+    assert [(entry["rank"], entry["measure"], entry["value"]) for entry in entries] == [
+        (1, "success@50", 0.0),
+        (None, "success@50", 1.0),
+    ]
+    assert [entry["replayed"] for entry in entries] == [True, False]
+
+
+def test_a_file_by_another_name_is_the_same_file(three: list[Path], tmp_path: Path) -> None:
+    again = three[0].parent / "." / ".." / three[0].parent.name / three[0].name
+    with pytest.raises(ResultsError, match="named 2 times"):
+        rank([three[0], again])
+
+
+def test_no_order_is_written_into_a_dataset(three: list[Path], data: Path) -> None:
+    done = CliRunner().invoke(app, ["rank", *map(str, three), "-o", str(data / "ranking.md")])
+    assert done.exit_code == 2
+    assert "which holds nothing else" in done.output.replace("\n", " ")
+    assert not (data / "ranking.md").exists()

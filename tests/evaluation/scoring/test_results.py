@@ -93,7 +93,7 @@ def test_tracks_without_manipulation_say_nothing_of_it(data: Path, tmp_path: Pat
 
 
 def test_score_writes_results_and_markdown(data: Path, tmp_path: Path) -> None:
-    path = answers(data, tmp_path / "a.jsonl", "yes", agent="a | b\n| c |")
+    path = answers(data, tmp_path / "a.jsonl", "yes", agent="a | b | c |")
     out = tmp_path / "out"
     done = CliRunner().invoke(app, [str(path), "--data", str(data), "--split", "test", "-o", str(out), "--no-report"])
     assert done.exit_code == 0, done.output
@@ -192,3 +192,35 @@ def test_results_are_there_even_if_the_report_fails(data, tmp_path, monkeypatch)
     done = CliRunner().invoke(app, [str(path), "--data", str(data), "-o", str(tmp_path / "out")])
     assert done.exit_code == 2
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"results.json", "results.md"}
+
+
+def test_the_seed_of_the_resampling_keeps_nothing_from_being_compared(data: Path, tmp_path: Path) -> None:
+    path = answers(data, tmp_path / "a.jsonl", "yes")
+    for seed in ("0", "1"):
+        out = str(tmp_path / seed)
+        done = CliRunner().invoke(app, [str(path), "--data", str(data), "-o", out, "--no-report", "--seed", seed])
+        assert done.exit_code == 0, done.output
+    done = CliRunner().invoke(app, ["compare", *(str(tmp_path / seed / "results.json") for seed in ("0", "1"))])
+    assert done.exit_code == 0, done.output
+
+
+def test_a_report_of_another_submission_does_not_stay(data: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "report.html").write_text("of an earlier one")
+    path = answers(data, tmp_path / "a.jsonl", "yes")
+    done = CliRunner().invoke(app, [str(path), "--data", str(data), "-o", str(out), "--no-report"])
+    assert done.exit_code == 0, done.output
+    assert {file.name for file in out.iterdir()} == {"results.json", "results.md"}
+
+
+def test_where_nothing_can_be_written_is_told_before_anything_is_scored(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("remqa_data.evaluation.scoring.scoring.score", lambda *given, **named: pytest.fail("scored"))
+    path, taken = answers(data, tmp_path / "a.jsonl", "yes"), tmp_path / "file"
+    taken.write_text("")
+    for out in (taken, taken / "below"):
+        done = CliRunner().invoke(app, [str(path), "--data", str(data), "-o", str(out), "--no-report"])
+        assert done.exit_code == 2
+        assert "nothing can be written there" in done.output.replace("\n", " ")
