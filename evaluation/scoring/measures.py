@@ -155,7 +155,8 @@ def _success(limit: int | None) -> Measure:
 def _spl(limit: int | None) -> Measure:
     return Measure(
         "SPL" if limit is None else f"SPL@{limit}",
-        "success weighted by path length, 1 for the shortest path: success * shortest / max(walked, shortest)",
+        "success weighted by path length, 1 for walks no longer than the shortest path to the first goal pose: "
+        "success * shortest / max(walked, shortest)",
         ("nav",),
         partial(Answers.spl, limit=limit),
         plotted=("nav",) if limit == max(STEP_LIMITS) else (),

@@ -5,8 +5,10 @@ Every function leaves the world either with the thing done and all at rest, or a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -21,6 +23,9 @@ OVERLAP_M = 0.005
 """Things that rest on each other overlap less than this."""
 GAP_M = 0.003
 """How far above its place a thing is let go."""
+NEAR_M, NEAR_STEP_M = 0.06, 0.02
+FAR_M, FAR_STEP_M = 0.4, 0.1
+"""What is put into something is put aside, and up to twice as far up: so far in such steps, then farther in longer ones."""
 SLIDE_STEP_M = 0.025
 FLIGHT_STEPS = 960
 """What is thrown has come to rest after so many steps of physics at the most."""
@@ -168,6 +173,35 @@ def is_free(world: World, object_id: str, spot: Vec3) -> bool:
 def sunk_into(world: World, object_id: str) -> list[str]:
     """What an object is in by more than things are that touch, the deepest first."""
     return [other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M]
+
+
+def move_out(world: World, object_id: str) -> None:
+    """Move an object that is in something to the nearest place where it is in nothing; where there is none near, it stays."""
+    state = world.state(object_id)
+    if not sunk_into(world, object_id):
+        return
+    for shift in _shifts():
+        x, y, z = arithmetic.snapped(np.add(state.position, shift)).tolist()
+        world.move_alone(object_id, (x, y, z))
+        if not sunk_into(world, object_id):
+            return
+    world.put_back(object_id, state)
+
+
+@lru_cache(maxsize=1)
+def _shifts() -> tuple[Vec3, ...]:
+    """Where else an object may be put, the nearest place first, metres."""
+    found: set[Vec3] = set()
+    for far, step in ((NEAR_M, NEAR_STEP_M), (FAR_M, FAR_STEP_M)):
+        count = round(far / step)
+        found |= {
+            (x * step, y * step, z * step)
+            for x in range(-count, count + 1)
+            for y in range(-count, count + 1)
+            for z in range(2 * count + 1)
+            if (x or y or z) and math.hypot(x, y) <= count
+        }
+    return tuple(sorted(found, key=lambda shift: (math.hypot(*shift), shift)))
 
 
 def support_of(world: World, object_id: str) -> str | None:

@@ -6,10 +6,8 @@ end up in something else is refused, and the room is as before.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 from typing import NotRequired
 
 import numpy as np
@@ -34,9 +32,6 @@ SAME_M, SAME_COSINE = 1e-4, 1.0 - 1e-9
 """A pose that is so near to where an object is, or was when the room was loaded, is that pose."""
 AT_REST_M = 0.001
 """What physics moves by no more was at rest."""
-NEAR_M, NEAR_STEP_M = 0.06, 0.02
-FAR_M, FAR_STEP_M = 0.4, 0.1
-"""What is put into something is put aside, and up to twice as far up: so far in such steps, then farther in longer ones."""
 MOST_STUCK_M = 0.02
 """What physics leaves in something by no more than this, among many things that were put somewhere at once, may stay there."""
 ON_FLOOR_M = 0.02
@@ -97,7 +92,7 @@ def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
         world.restore(before)
         return ActionResult(False, f"{objectId} cannot come back: {blocker} is where it was")
     room.show_all_but({name: state for name, state in away.items() if name != objectId})
-    _settle(world)
+    settle(world)
     return ActionResult(True)
 
 
@@ -136,7 +131,9 @@ def set_object_poses(
     for name in gone:
         world.put_away(name)
     if not forceAction:
-        _move_out(room, moved)
+        for name in sorted(moved, key=lambda name: (float(world.box(name)[0, 2]), name)):  # the lowest first
+            if world.state(name) is not room.at_rest.states.get(name):
+                handling.move_out(world, name)
     blocker = _come_to_rest(room, moved, MOST_STUCK_M)
     if blocker is not None:
         world.restore(before)
@@ -292,6 +289,22 @@ def get_spawn_coordinates_above_receptacle(
     return ActionResult(True, value=[to_thor(point) for point in found])
 
 
+def settle(world: World, times: int = 1) -> None:
+    """Let all come to rest, so many times if need be; what physics moves by no more than a hair in the end does not move."""
+    for _ in range(times):
+        before = world.save()
+        handling.settle(world)
+        if farthest(world, before.states) <= AT_REST_M:
+            world.restore(before)
+            return
+
+
+def farthest(world: World, states: Mapping[str, ObjectState]) -> float:
+    """Metres by which what has moved most is away from some states."""
+    moved = [np.subtract(world.state(name).position, state.position) for name, state in states.items()]
+    return float(arithmetic.length(moved).max())
+
+
 ACTIONS: dict[str, Action] = {
     "DisableAllObjectsOfType": disable_all_objects_of_type,
     "DisableObject": remove_from_scene,
@@ -348,38 +361,6 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
     return wanted
 
 
-def _move_out(room: LoadedFloorPlan, moved: Sequence[str]) -> None:
-    """Move what is in something to the nearest place where it is not, the lowest first; what finds none stays."""
-    world = room.world
-    for name in sorted(moved, key=lambda name: (float(world.box(name)[0, 2]), name)):
-        state = world.state(name)
-        if state is room.at_rest.states.get(name) or not handling.sunk_into(world, name):
-            continue
-        for shift in _shifts():
-            x, y, z = arithmetic.snapped(np.add(state.position, shift)).tolist()
-            world.move_alone(name, (x, y, z))
-            if not handling.sunk_into(world, name):
-                break
-        else:
-            world.put_back(name, state)
-
-
-@lru_cache(maxsize=1)
-def _shifts() -> tuple[Vec3, ...]:
-    """Where else an object may be put, the nearest place first, metres."""
-    found: set[Vec3] = set()
-    for far, step in ((NEAR_M, NEAR_STEP_M), (FAR_M, FAR_STEP_M)):
-        count = round(far / step)
-        found |= {
-            (x * step, y * step, z * step)
-            for x in range(-count, count + 1)
-            for y in range(-count, count + 1)
-            for z in range(2 * count + 1)
-            if (x or y or z) and math.hypot(x, y) <= count
-        }
-    return tuple(sorted(found, key=lambda shift: (math.hypot(*shift), shift)))
-
-
 def _put_down(room: LoadedFloorPlan, moved: Sequence[str], force: bool = False) -> str | None:
     """Let what was moved come to rest; what is in its way before that, if it is not forced, or where it ends."""
     return (None if force else _sunken(room.world, moved)) or _come_to_rest(room, moved)
@@ -397,19 +378,10 @@ def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str], most_m: float = h
     ]
     for name in furniture:
         world.set_fixed(name, False)
-    _settle(world)
+    settle(world)
     for name in furniture:
         world.set_fixed(name, True)
     return _sunken(world, [name for name in moved if world.state(name) is not room.at_rest.states.get(name)], most_m)
-
-
-def _settle(world: World) -> None:
-    """Let all come to rest; if all was at rest but for a hair, nothing moves at all."""
-    before = world.save()
-    handling.settle(world)
-    moved = [np.subtract(world.state(name).position, state.position) for name, state in before.states.items()]
-    if (arithmetic.length(moved) <= AT_REST_M).all():
-        world.restore(before)
 
 
 def _sunken(world: World, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:

@@ -13,19 +13,16 @@ from typing_extensions import TypedDict
 
 from remqa_data.catalog import object_type
 from remqa_data.generators.arrangement.loose_objects import OpenSurface, put_anew
-from remqa_data.geometry import arithmetic
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import open_spaces
-from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import AWAY, World
 from remqa_data.thor.actions.compatible import is_compatible
+from remqa_data.thor.actions.placing import AT_REST_M, farthest, settle
 from remqa_data.thor.actions.targets import copy_id_of, of_type
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.simulator import SimulatorState, generator
 
-AT_REST_M = 0.001
-"""What physics moves by no more was at rest."""
 MOST_SETTLING = 5
 """So often all are given time to come to rest."""
 MOST_COPIES = 100
@@ -167,13 +164,13 @@ def _spawn(
         if _waits(world, name):
             world.put_away(name)
     owners = {surface.owner for surface in surfaces}
-    _settle(world)
+    settle(world, MOST_SETTLING)
     for name in moved:
         if not _stayed(world, name, owners):
             _put_alone(world, name, surfaces, tries, rng)
-    _settle(world)
+    settle(world, MOST_SETTLING)
     for name, state in before.states.items():
-        if name not in moved and _farthest(world, {name: state}) <= AT_REST_M:
+        if name not in moved and farthest(world, {name: state}) <= AT_REST_M:
             world.put_back(name, state)
     sunken = next((name for name in moved if handling.sunk_into(world, name)), None)
     if sunken is not None:
@@ -211,7 +208,7 @@ def _put_alone(
         put = world.save()
         handling.settle(world)
         others = {name: state for name, state in put.states.items() if name != object_id}
-        if _stayed(world, object_id, owners) and _farthest(world, others) <= AT_REST_M:
+        if _stayed(world, object_id, owners) and farthest(world, others) <= AT_REST_M:
             return
         world.restore(before)
 
@@ -222,20 +219,3 @@ def _stayed(world: World, object_id: str, owners: Collection[str]) -> bool:
     if holder is None or handling.sunk_into(world, object_id):
         return False
     return holder in owners or object_type(world.type_of(holder)).pickupable
-
-
-def _settle(world: World) -> None:
-    """Let all come to rest; in the end, what physics moves by no more than a hair stays where it is."""
-    for _ in range(MOST_SETTLING):
-        before = world.save()
-        handling.settle(world)
-        if _farthest(world, before.states) <= AT_REST_M:
-            world.restore(before)
-            return
-
-
-def _farthest(world: World, states: dict[str, ObjectState]) -> float:
-    """Metres by which what has moved most is away from some states."""
-    return float(
-        arithmetic.length([np.subtract(world.state(n).position, state.position) for n, state in states.items()]).max()
-    )

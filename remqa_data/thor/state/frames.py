@@ -12,15 +12,17 @@ counter-clockwise from +x. Swapping y and z is the whole change of handedness.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from typing_extensions import TypedDict
 
+from remqa_data.floorplans.load import recorded_poses
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Vec3
-from remqa_data.scene import Quaternion
+from remqa_data.scene import Quaternion, Scene
 
 
 class Vector(TypedDict):
@@ -126,3 +128,23 @@ SWAP: F64 = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
 _ASSET_TO_THOR: F64 = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """An asset's axes (right, back, up) in AI2-THOR's frame of the object (its front is +z)."""
 _UPRIGHT = 1.0 - 1e-9
+
+
+class ObjectFrame(NamedTuple):
+    """AI2-THOR's own frame of an object: `pivot`, where it is in the asset's frame, and `turn`, how it is turned there."""
+
+    pivot: F64
+    turn: F64
+
+
+def object_frames(scene: Scene) -> dict[str, ObjectFrame]:
+    """The frames of the objects that were recorded, by their ids."""
+    recorded = recorded_poses(scene.name)
+    return {
+        o.id: ObjectFrame(
+            rotation_of(o.quaternion).T @ (recorded[o.id].pivot - np.asarray(o.position)),
+            turn_to_thor(o.quaternion).T @ recorded[o.id].turn,
+        )
+        for o in scene.objects
+        if o.id in recorded
+    }

@@ -15,11 +15,10 @@ import numpy as np
 
 from remqa_data.assets.core.model import Asset
 from remqa_data.catalog import object_type, types_with
-from remqa_data.floorplans.load import recorded_poses
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Vec3
-from remqa_data.scene import Quaternion, Scene
+from remqa_data.scene import Quaternion
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
@@ -28,6 +27,7 @@ from remqa_data.thor.state.frames import (
     Vector,
     corners_to_thor,
     euler_to_thor,
+    object_frames,
     to_room,
     to_thor,
     turn_to_room,
@@ -80,7 +80,7 @@ class ObjectRecords:
         self.copies: dict[str, Copy] = {}
         self._world = world
         self._masses: dict[str, float] = {}
-        self._frames = _frames(world.scene)
+        self._frames = object_frames(world.scene)
         self._static = self._statics()
         self._shown: dict[str, ObjectState] = {}
         self._held = frozenset[str]()
@@ -363,25 +363,6 @@ def _holding(world: World, parents: Lists, contents: Lists) -> dict[str, Metadat
             "receptacleObjectIds": held if held or is_receptacle else None,
         }
     return found
-
-
-class _Frame(NamedTuple):
-    """AI2-THOR's own frame of an object: `pivot`, where it is in the asset's frame, and `turn`, how it is turned there."""
-
-    pivot: F64
-    turn: F64
-
-
-def _frames(scene: Scene) -> dict[str, _Frame]:
-    recorded = recorded_poses(scene.name)
-    return {
-        o.id: _Frame(
-            rotation_of(o.quaternion).T @ (recorded[o.id].pivot - np.asarray(o.position)),
-            turn_to_thor(o.quaternion).T @ recorded[o.id].turn,
-        )
-        for o in scene.objects
-        if o.id in recorded
-    }
 
 
 def _oriented_corners(asset: Asset, state: ObjectState) -> F64:
