@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, output
+from remqa_data.command_line import Counting, announce_compiling, command_group, output
 from remqa_data.errors import ConfigError
 from remqa_data.files import check_beside
 from remqa_data.limits import MOST_SEED
@@ -21,13 +21,7 @@ from remqa_data.processes.interrupts import ends_the_process
 if TYPE_CHECKING:
     from remqa_data.agents.table import Scored
 
-app = typer.Typer(
-    name="remqa-agent",
-    cls=OneLineErrors,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = command_group("remqa-agent")
 
 Data = Annotated[Path, typer.Option("--data", metavar="DIR", help="A dataset.")]
 Folder = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where submissions and tables are.")]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, output
+from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, command_group, output
 from remqa_data.errors import nearest_names
 from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.limits import MOST_SEED
@@ -40,13 +40,7 @@ class ScoreByDefault(OneLineErrors):
         return bool(nearest_names(word, self.commands)) and not Path(word).exists()
 
 
-app = typer.Typer(
-    name="remqa-eval",
-    cls=ScoreByDefault,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = command_group("remqa-eval", ScoreByDefault)
 
 Data = Annotated[Path, typer.Option("--data", metavar="DIR", help="A dataset.")]
 Out = Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="A .jsonl or .parquet file to write.")]

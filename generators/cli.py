@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from remqa_data.command_line import OneLineErrors, announce_compiling, output
+from remqa_data.command_line import OneLineErrors, announce_compiling, command_group, output
 from remqa_data.errors import ConfigError
 from remqa_data.processes.interrupts import ends_the_process
 from remqa_data.published import MEAN_WORDS
@@ -27,12 +27,7 @@ class Resumable(OneLineErrors):
         raise ConfigError(f"there is no command {args[0]!r}; give options only, such as --config {args[0]}")
 
 
-app = typer.Typer(
-    name="remqa-gen",
-    cls=Resumable,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = command_group("remqa-gen", Resumable, no_args_is_help=False)
 
 
 def main() -> None:

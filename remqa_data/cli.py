@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from remqa_data.command_line import OneLineErrors, output
+from remqa_data.command_line import command_group, output
 from remqa_data.errors import ConfigError
 from remqa_data.files import beside, check_beside
 from remqa_data.limits import MOST_SEED
@@ -19,13 +19,7 @@ from remqa_data.views import LEAST_PX, MOST_PX, SIZE_PX, views_beside
 SAMPLE_QUESTIONS, SAMPLE_ROOMS = 500, 15
 """What `verify` looks into by default: five minutes of a core for the published benchmark."""
 
-app = typer.Typer(
-    name="remqa-data",
-    cls=OneLineErrors,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = command_group("remqa-data")
 
 
 def main() -> None:

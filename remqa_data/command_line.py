@@ -172,6 +172,17 @@ class OneLineErrors(TyperGroup):
             raise typer.Exit(2) from error
 
 
+def command_group(name: str, cls: type[OneLineErrors] = OneLineErrors, *, no_args_is_help: bool = True) -> typer.Typer:
+    """Commands of this package, to be filled."""
+    return typer.Typer(
+        name=name,
+        cls=cls,
+        no_args_is_help=no_args_is_help,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+
+
 _UsageError: Any = typer.BadParameter.__base__
 """Of the Click that typer uses: its own one, or in older versions the installed one."""
 _PLAIN = Output()

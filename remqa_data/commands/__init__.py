@@ -2,36 +2,31 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 from remqa_data.processes.interrupts import PromptInterrupts, ends_the_process
 
 
 def remqa_data() -> None:
     """The command `remqa-data`."""
-    with ends_the_process(), PromptInterrupts("remqa-data: stopped"):
-        from remqa_data.cli import main
-
-        main()
+    _run("remqa-data", "remqa_data.cli")
 
 
 def remqa_gen() -> None:
     """The command `remqa-gen`."""
-    with ends_the_process(), PromptInterrupts("remqa-gen: stopped"):
-        from remqa_data.generators.cli import main
-
-        main()
+    _run("remqa-gen", "remqa_data.generators.cli")
 
 
 def remqa_eval() -> None:
     """The command `remqa-eval`."""
-    with ends_the_process(), PromptInterrupts("remqa-eval: stopped"):
-        from remqa_data.evaluation.cli import main
-
-        main()
+    _run("remqa-eval", "remqa_data.evaluation.cli")
 
 
 def remqa_agent() -> None:
     """The command `remqa-agent`."""
-    with ends_the_process(), PromptInterrupts("remqa-agent: stopped"):
-        from remqa_data.agents.cli import main
+    _run("remqa-agent", "remqa_data.agents.cli")
 
-        main()
+
+def _run(name: str, module: str) -> None:
+    with ends_the_process(), PromptInterrupts(f"{name}: stopped"):
+        import_module(module).main()
