@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable
+from contextlib import ExitStack
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -170,30 +171,24 @@ def train(
     torch.set_num_threads(threads or worker_count(None))
     scores, looks = {}, dict[str, Looks]()
     for name, config in configs:
-        with Counting(None, f"{name} looks") as on_look:
-            bars: list[Counting] = []
+        with Counting(None, f"{name} looks") as on_look, ExitStack() as bars:
 
-            def begin(samples: int, name: str = name, bars: list[Counting] = bars) -> Callable[[int], None]:
-                bars.append(Counting(samples, f"{name} learns"))
-                return bars[-1].__enter__()
+            def begin(samples: int, name: str = name, bars: ExitStack = bars) -> Callable[[int], None]:
+                return bars.enter_context(Counting(samples, f"{name} learns"))
 
-            try:
-                about = learn(
-                    name,
-                    config,
-                    [data, *(more or ())],
-                    out,
-                    views=views,
-                    device=device,
-                    workers=workers,
-                    resume=resume,
-                    looks=looks,
-                    on_look=on_look,
-                    on_learn=begin,
-                )
-            finally:
-                for bar in bars:
-                    bar.__exit__()
+            about = learn(
+                name,
+                config,
+                [data, *(more or ())],
+                out,
+                views=views,
+                device=device,
+                workers=workers,
+                resume=resume,
+                looks=looks,
+                on_look=on_look,
+                on_learn=begin,
+            )
         figures = ", ".join(f"{key} {value:.3g}" for key, value in about.score.items())
         output().say(f"{out / name}.safetensors: {figures}")
         scores[name] = about.score
