@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from remqa_data.agents.training.config import is_committee, load_committee_config, seeded_name
-from remqa_data.generators.config_files import checked, config_text, preset_names, read_keys
+from remqa_data.generators.config_files import preset_names, read_config
 from remqa_data.limits import MOST_SEED
 from remqa_data.metrics import MAX_ACTIONS
 from remqa_data.storage.manifest import config_hash
@@ -154,5 +154,4 @@ def load_system(path: str | os.PathLike[str]) -> SystemConfig:
     ConfigError
         If the file cannot be read, or a key is missing, unknown or has a wrong value: names file, key and reason.
     """
-    where = os.fspath(path)
-    return checked(SystemConfig, read_keys(config_text(path, PRESETS), where), where)
+    return read_config(SystemConfig, path, PRESETS)

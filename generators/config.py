@@ -18,7 +18,7 @@ from pydantic import (
 from remqa_data.errors import ConfigError, UnknownNameError
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
-from remqa_data.generators.config_files import checked, config_text, preset_names, read_keys
+from remqa_data.generators.config_files import checked, preset_names, read_config, read_keys
 from remqa_data.generators.questions.allotment import LOT_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
 from remqa_data.generators.walks.walk import WalkSettings
 from remqa_data.limits import MOST_IMAGE_PX, MOST_SEED
@@ -249,7 +249,7 @@ def load_config(path: str | os.PathLike[str]) -> Config:
         If the file cannot be read, or a key is missing, unknown or has a wrong value: one line that names the file, the
         key and the reason.
     """
-    return parse_config(config_text(path, PRESETS), os.fspath(path))
+    return read_config(Config, path, PRESETS)
 
 
 def parse_config(text: str, where: str = "configuration") -> Config:

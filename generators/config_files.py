@@ -26,6 +26,18 @@ def preset_names(package: str) -> tuple[str, ...]:
     return tuple(sorted(file.stem for file in files if file.suffix == ".yaml"))
 
 
+def read_config(kind: type[M], path: str | os.PathLike[str], package: str) -> M:
+    """The configuration of a kind that a file says, or a preset of a package; a file of its name comes first.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or a key is missing, unknown or has a wrong value: names file, key and reason.
+    """
+    where = os.fspath(path)
+    return checked(kind, read_keys(config_text(path, package), where), where)
+
+
 def config_text(path: str | os.PathLike[str], package: str) -> str:
     """The text of a configuration: a YAML file, or a preset of a package by its name; a file of that name comes first.
 

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.agents.networks.windows import SIDE_PX
-from remqa_data.generators.config_files import checked, config_text, preset_names, read_keys
+from remqa_data.generators.config_files import preset_names, read_config
 from remqa_data.limits import MOST_SEED
 from remqa_data.storage.manifest import config_hash
 
@@ -98,7 +98,7 @@ class AnswererConfig(_Network):
     """
 
     kind: Literal["answerer"]
-    views: tuple[Literal["start", "end"], ...]
+    views: Annotated[tuple[Literal["start", "end"], ...], Field(strict=False)]  # YAML has no tuples
     with_box: bool
     side_px: Annotated[int, Field(ge=32)] = SIDE_PX
     questions: Annotated[int, Field(ge=1)] | None = None
@@ -282,8 +282,7 @@ def load_committee_config(path: str | os.PathLike[str]) -> CommitteeConfig:
     ConfigError
         If the file cannot be read, or a key is missing, unknown or has a wrong value: names file, key and reason.
     """
-    where = os.fspath(path)
-    return checked(CommitteeConfig, read_keys(config_text(path, COMMITTEES), where), where)
+    return read_config(CommitteeConfig, path, COMMITTEES)
 
 
 def load_network_config(path: str | os.PathLike[str]) -> NetworkConfig:
@@ -294,8 +293,4 @@ def load_network_config(path: str | os.PathLike[str]) -> NetworkConfig:
     ConfigError
         If the file cannot be read, or a key is missing, unknown or has a wrong value: names file, key and reason.
     """
-    where = os.fspath(path)
-    data = {**read_keys(config_text(path, PRESETS), where)}
-    if isinstance(network := data.get("network"), dict) and isinstance(network.get("views"), list):
-        data["network"] = network | {"views": tuple(network["views"])}  # YAML has no tuples
-    return checked(NetworkConfig, data, where)
+    return read_config(NetworkConfig, path, PRESETS)
