@@ -30,15 +30,9 @@ def score_detector(
     root: Path,
     split: str,
     device: str = "cpu",
-    every: int = 1,
     progress: Callable[[int], None] | None = None,
 ) -> dict[str, Any]:
     """Average precision on the frames of the rooms of a split, "val" or "test".
-
-    Parameters
-    ----------
-    every : int
-        Only every so many frames.
 
     Raises
     ------
@@ -63,7 +57,7 @@ def score_detector(
     }
     found: list[dict[str, Any]] = []
     detector = detector.to(device).eval()
-    for place in range(0, len(pictures), every):
+    for place in range(len(pictures)):
         picture = pictures[place]
         height, width = picture.instances.shape
         truth["images"].append({"id": place, "height": height, "width": width})

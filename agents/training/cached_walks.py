@@ -60,15 +60,15 @@ class Errand:
         return int(near[rng.integers(len(near))]) if len(near) else self.start
 
 
-def errands(root: Path, views: Path, rooms: frozenset[str] | None, split: str = "train") -> list[Errand]:
-    """The questions of a split that can be walked to, in rooms of a cache; only in some rooms, if given.
+def errands(root: Path, views: Path, rooms: frozenset[str] | None) -> list[Errand]:
+    """The train questions that can be walked to, in rooms of a cache; only in some rooms, if given.
 
     Raises
     ------
     DatasetError
         If it is no finished cache of the dataset, has no features, or none of these rooms.
     """
-    tasks = CachedTasks(root, views, split)
+    tasks = CachedTasks(root, views, "train")
     ids = [name for name in tasks.ids if rooms is None or tasks.task(name).scene in rooms]
     found = []
     for name in ids:
@@ -86,7 +86,7 @@ def errands(root: Path, views: Path, rooms: frozenset[str] | None, split: str = 
             found.append(Errand(task, asked, room, start, types, distances))
     if not found:
         raise DatasetError(
-            f"{views} has none of the rooms to learn from; add them: remqa-data cache {root} --split {split}"
+            f"{views} has none of the rooms to learn from; add them: remqa-data cache {root} --split train"
         )
     return found
 

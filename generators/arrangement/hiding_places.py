@@ -39,9 +39,6 @@ from remqa_data.sim.physics.support import Support, supports
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
-__all__ = ["Area", "HidingPlace", "PlaceKey", "Spot", "hiding_places", "surface_points"]
-
-
 PlaceKey = tuple[str, str]
 """An object and what is done with it: what is in it and what is under it are brought to light in two ways."""
 

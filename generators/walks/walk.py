@@ -20,22 +20,9 @@ from remqa_data.geometry.types import Flags
 from remqa_data.sim.metadata import AgentState, FrameMetadata, frame_metadata, object_metadata, scaled_min_pixels
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
-from remqa_data.sim.navigation.paths import path_length_m, pose_after, shortest_actions
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, HEADINGS_DEG, AgentPose, pixel_counts
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import Observation, WorldView
-
-__all__ = [
-    "WalkFrame",
-    "WalkSettings",
-    "breadth_first",
-    "path_length_m",
-    "plan_walk",
-    "pose_after",
-    "shortest_actions",
-    "walk",
-]
-
 
 GROUND_VIEW_M = 3.0
 """Farther away, the rows of a 300 x 300 frame are more than a voxel apart on the ground."""

@@ -115,18 +115,6 @@ class Vocabulary:
             row[: len(numbers)] = numbers
         return padded, lengths
 
-    def answer_id(self, answer: str) -> int:
-        """Class of an answer.
-
-        Raises
-        ------
-        UnknownNameError
-            If no train question has this answer.
-        """
-        if answer not in self._answer_ids:
-            raise UnknownNameError("answer", answer, self.answers)
-        return self._answer_ids[answer]
-
     def save(self, path: str | Path) -> None:
         """Write the vocabulary as JSON."""
         with atomic_path(path) as temporary:
@@ -160,7 +148,3 @@ class Vocabulary:
     @cached_property
     def _word_ids(self) -> dict[str, int]:
         return {word: number for number, word in enumerate(self.words)}
-
-    @cached_property
-    def _answer_ids(self) -> dict[str, int]:
-        return {answer: number for number, answer in enumerate(self.answers)}

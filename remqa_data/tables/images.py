@@ -94,11 +94,11 @@ def encode_instances(
     return _encoded(".png", numbers[objects], _PNG_OPTIONS, name)
 
 
-def encode_labels(labels: npt.NDArray[np.uint16], name: str | None = None) -> StoredImage:
+def encode_labels(labels: npt.NDArray[np.uint16]) -> StoredImage:
     """Encode an (h, w) uint16 image of numbers, such as a semantic map, as it is."""
     if labels.dtype != np.uint16 or labels.ndim != 2:
         raise ImageFormatError(f"a label image is (h, w) uint16, not {labels.shape} {labels.dtype}")
-    return _encoded(".png", labels, _PNG_OPTIONS, name)
+    return _encoded(".png", labels, _PNG_OPTIONS, None)
 
 
 def decode_rgb(data: bytes | memoryview) -> npt.NDArray[np.uint8]:

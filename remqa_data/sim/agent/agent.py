@@ -189,23 +189,18 @@ class Agent(Body):
             spots.append((self.x + ahead * cos, self.y + ahead * sin, self.world.scene.floor_z + height))
         return spots
 
-    def move_object(self, object_id: str, position: Vec3, force: bool = False) -> ActionResult:
+    def move_object(self, object_id: str, position: Vec3) -> ActionResult:
         """Bring the centre of an object somewhere near, metres, with what is in or on it; what is under it stays."""
         if not object_type(self.world.type_of(object_id)).is_loose:
             return ActionResult(False, f"{object_id} is not moveable")
-        if not force:
-            refusal = self.refusal(object_id)
-            if refusal is None and math.dist(self.world.state(object_id).position, position) > self.embodiment.push_m:
-                refusal = ActionResult(
-                    False, f"{object_id} cannot be moved more than {self.embodiment.push_m} m at once"
-                )
-            if refusal is None:
-                blocker = handling.blocker_at(self.world, object_id, position) or self._body_at(object_id, position)
-                refusal = (
-                    ActionResult(False, f"{blocker} is blocking {object_id}") if blocker else self.reach(object_id)
-                )
-            if refusal is not None:
-                return refusal
+        refusal = self.refusal(object_id)
+        if refusal is None and math.dist(self.world.state(object_id).position, position) > self.embodiment.push_m:
+            refusal = ActionResult(False, f"{object_id} cannot be moved more than {self.embodiment.push_m} m at once")
+        if refusal is None:
+            blocker = handling.blocker_at(self.world, object_id, position) or self._body_at(object_id, position)
+            refusal = ActionResult(False, f"{blocker} is blocking {object_id}") if blocker else self.reach(object_id)
+        if refusal is not None:
+            return refusal
         return ActionResult(True, value=self.world.move(object_id, position))
 
     def push(

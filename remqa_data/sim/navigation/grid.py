@@ -68,33 +68,33 @@ class ReachableGrid:
         return np.array(self.cells, dtype=np.float64).reshape(-1, 2) * self.body.step_m
 
 
-def reachable_grid(world: World, body: Embodiment = AGENT, clearance: Clearance | None = None) -> ReachableGrid:
+def reachable_grid(world: World, clearance: Clearance | None = None) -> ReachableGrid:
     """The grid of a world as it is now; everything between ankle and head height blocks, but for what is held.
 
     `clearance` is `clearance_map(world)`, if the caller has it already.
     """
-    clearance, step_m = clearance or clearance_map(world), body.step_m
+    clearance, step_m = clearance or clearance_map(world), AGENT.step_m
     x0, y0, x1, y1 = world.scene.bounds
     free: set[Cell] = set()
     for i in range(math.ceil(x0 / step_m), math.floor(x1 / step_m) + 1):
         for j in range(math.ceil(y0 / step_m), math.floor(y1 / step_m) + 1):
-            if clearance.at(i * step_m, j * step_m) > body.radius_m:
+            if clearance.at(i * step_m, j * step_m) > AGENT.radius_m:
                 free.add((i, j))
     graph: nx.Graph[Cell] = nx.Graph()
     graph.add_nodes_from(sorted(free))
     for i, j in sorted(free):
         for k, m in ((i + 1, j), (i, j + 1)):
             if (k, m) in free and all(
-                clearance.at((i + t * (k - i)) * step_m, (j + t * (m - j)) * step_m) > body.radius_m
+                clearance.at((i + t * (k - i)) * step_m, (j + t * (m - j)) * step_m) > AGENT.radius_m
                 for t in (0.25, 0.5, 0.75)
             ):
                 graph.add_edge((i, j), (k, m))
     parts = sorted((sorted(part) for part in nx.connected_components(graph)), key=lambda part: (-len(part), part))
     if not parts:
-        return ReachableGrid((), nx.Graph(), (), world.scene.floor_z, body)
+        return ReachableGrid((), nx.Graph(), (), world.scene.floor_z)
     main = _part_nearest_to_most(world, parts, step_m)
     sizes = tuple(len(part) for part in parts if part is not main)
-    return ReachableGrid(tuple(main), nx.Graph(graph.subgraph(main)), sizes, world.scene.floor_z, body)
+    return ReachableGrid(tuple(main), nx.Graph(graph.subgraph(main)), sizes, world.scene.floor_z)
 
 
 def _part_nearest_to_most(world: World, parts: list[list[Cell]], step_m: float) -> list[Cell]:

@@ -218,13 +218,10 @@ class Renderer:
             smooth_edges(self._geometry, buffers, view, rgb)
         return Frame(rgb, depth, instances)
 
-    def render_instances(self, camera: AnyCamera, only: Flags | None = None) -> tuple[F32, I32]:
-        """Depth and instances of the frame that `render` would draw, several times quicker than with its colours.
-
-        With (n,) `only`, as if there were none but some of the parts.
-        """
+    def render_instances(self, camera: AnyCamera) -> tuple[F32, I32]:
+        """Depth and instances of the frame that `render` would draw, several times quicker than with its colours."""
         view = camera.view()
-        buffers = self._drawn(view, only)
+        buffers = self._drawn(view, None)
         return self._depth(buffers, view), self._labels(buffers, view, self._instances)
 
     def render_depth(self, camera: AnyCamera, only: Flags | None = None, scissor: Scissor | None = None) -> F32:

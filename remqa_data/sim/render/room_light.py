@@ -13,7 +13,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.scene import Scene, SceneObject
-from remqa_data.sim.light.bake import Lamps, bake
+from remqa_data.sim.light.bake import Lamps
 from remqa_data.sim.light.cache import bake_once
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.light.voxels import Faces
@@ -50,11 +50,6 @@ def static_scene(scene: Scene) -> Scene:
 @lru_cache(maxsize=4)
 def _baked(scene: Scene) -> Volume:
     return _exposed(_balanced(bake_once(*_asked(scene))))
-
-
-def indirect_light(scene: Scene) -> Volume:
-    """The indirect light of a room as it is, before the camera balances its white and exposes for the shade."""
-    return bake(*_asked(scene))
 
 
 def _asked(scene: Scene) -> tuple[Faces, Lamps, Vec3, Vec3, float]:

@@ -289,13 +289,10 @@ class WorldView:
         self.sync()
         return self.renderer.render_depth(camera, only, scissor)
 
-    def depth_and_instances(self, camera: AnyCamera, only: Flags | None = None) -> tuple[F32, I32]:
-        """Only the (h, w) images of depth, metres, and of object indices.
-
-        With (parts,) `only`, as if there were nothing but some parts.
-        """
+    def depth_and_instances(self, camera: AnyCamera) -> tuple[F32, I32]:
+        """Only the (h, w) images of depth, metres, and of object indices."""
         self.sync()
-        depth, parts = self.renderer.render_instances(camera, only)
+        depth, parts = self.renderer.render_instances(camera)
         return depth, self._object_of.take(parts)
 
     def pixels(self, camera: AnyCamera, only: Flags | None = None, scissor: Scissor | None = None) -> I64:

@@ -13,7 +13,7 @@ from remqa_data.sim.light.voxels import Faces, surface_points, voxelise
 from remqa_data.sim.navigation.grid import reachable_grid
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.renderer import room_lights
-from remqa_data.sim.render.room_light import LEVEL, _balanced, _exposed, indirect_light, static_faces
+from remqa_data.sim.render.room_light import LEVEL, _asked, _balanced, _exposed, static_faces
 
 NO_LAMPS = Lamps(np.zeros((0, 3)), np.zeros(0, np.float32), 4.0)
 
@@ -130,12 +130,12 @@ def test_probes_that_no_surface_looks_at_need_no_light_for_the_second_reflection
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     scene = load_scene("FloorPlan412")
-    usual = indirect_light(scene)
+    usual = bake(*_asked(scene))
     places = np.full((9, 9, 9), IN_AIR, np.uint8)
     places[4, 4, 4] = NEAR_SURFACE
     assert (bake_module._looked_up(places) != BEYOND).sum() == 27
     monkeypatch.setattr(bake_module, "_looked_up", lambda places: places)
-    whole = indirect_light(scene)
+    whole = bake(*_asked(scene))
     assert np.array_equal(usual.light, whole.light)
     assert np.array_equal(usual.is_valid, whole.is_valid)
 
@@ -177,7 +177,7 @@ def test_samples_of_a_face_lie_in_rows_from_its_third_corner() -> None:
 def test_a_room_is_lit_as_traced_paths_say(name: str) -> None:
     """Relative RMS error below 12 % of paths of four reflections, traced by Embree, where one sees when one walks about."""
     scene = load_scene(name)
-    faces, volume = static_faces(scene), indirect_light(scene)
+    faces, volume = static_faces(scene), bake(*_asked(scene))
     rng = np.random.default_rng(0)
     tracer = tracer_of(faces)
     points, normals = seen_points(faces, tracer, scene, rng)

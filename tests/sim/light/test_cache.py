@@ -11,7 +11,7 @@ from remqa_data.scene import Scene
 from remqa_data.sim.light import cache
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render import room_light as rendering
-from remqa_data.sim.render.room_light import indirect_light, room_light
+from remqa_data.sim.render.room_light import room_light
 
 Lit = Callable[[Scene], tuple[Volume, int]]
 
@@ -83,9 +83,8 @@ def test_where_nothing_can_be_kept_light_is_baked_all_the_same(
 ) -> None:
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setenv("REMQA_CACHE", str(tmp_path / "file"))
-    assert_same(
-        lit(bathroom)[0], rendering._exposed(rendering._balanced(indirect_light(rendering.static_scene(bathroom))))
-    )
+    baked = cache.bake(*rendering._asked(rendering.static_scene(bathroom)))
+    assert_same(lit(bathroom)[0], rendering._exposed(rendering._balanced(baked)))
 
 
 def test_what_was_used_longest_ago_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
