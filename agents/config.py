@@ -9,8 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from remqa_data.agents.training.config import is_committee, load_committee_config, seeded_name
 from remqa_data.generators.config_files import preset_names, read_config
-from remqa_data.limits import MOST_SEED
-from remqa_data.metrics import MAX_ACTIONS
+from remqa_data.limits import MAX_ACTIONS, MOST_SEED
 from remqa_data.storage.manifest import config_hash
 
 PRESETS = "remqa_data.configs.agents"

@@ -30,7 +30,7 @@ from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.evaluation.submission.reader import Header, write_submission
 from remqa_data.files import atomic_path
-from remqa_data.metrics import MAX_ACTIONS
+from remqa_data.limits import MAX_ACTIONS
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table

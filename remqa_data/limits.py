@@ -1,4 +1,4 @@
-"""How much a dataset may hold: what is read from files is refused beyond this.
+"""How much a dataset, or a submission, may hold: what is read from files is refused beyond this.
 
 A dataset may come from anywhere, and what it says decides how much memory and time reading it takes. Each limit is
 several times what generation makes (in brackets: the most in the 120 floor plans and the sampled ones), and so low that
@@ -41,3 +41,12 @@ MOST_ASSET_PARTS = 64
 
 MOST_SEED = 2**63 - 1
 """It is stored as an int64."""
+
+MAX_ACTIONS = 500
+"""Of a walk in a submission."""
+MAX_TEXT, MAX_NAME = 300, 200
+"""Characters of an id, an answer or a manipulation in a submission, and of its agent's name, its split or its dataset."""
+MAX_PX = 10_000
+"""Coordinates of a box in a submission."""
+MAX_COORDINATE = 10_000
+"""Of a pose in a submission, in metres or degrees."""

@@ -25,12 +25,6 @@ DISTANCE_SLACK_M = 1e-6
 """So that four steps of 0.25 m away is near enough, whatever their rounding."""
 LOCALISED_IOU = 0.5
 """The predicted box of the target must overlap the true one this much."""
-MAX_ACTIONS = 500
-"""A longer walk is no submission."""
-MAX_TEXT = 300
-"""Characters of an id, an answer or a manipulation in a submission."""
-MAX_NAME = 200
-"""Characters of the agent's name in a submission."""
 BLOCK = 1 << 15
 """Pairs of boxes that are compared at a time: what fits into a core's cache."""
 

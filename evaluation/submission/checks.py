@@ -10,8 +10,8 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from remqa_data.errors import ActionError
-from remqa_data.evaluation.submission.tracks import MAX_COORDINATE, MAX_PX, WORDS
-from remqa_data.metrics import MAX_ACTIONS, MAX_TEXT
+from remqa_data.evaluation.submission.tracks import WORDS
+from remqa_data.limits import MAX_ACTIONS, MAX_COORDINATE, MAX_PX, MAX_TEXT
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, parse_action
 from remqa_data.tables.row_checks import Problem
 

@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 from remqa_data.errors import SubmissionError, one_line
 from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, arrow_schema
 from remqa_data.files import local_path
-from remqa_data.metrics import MAX_ACTIONS, MAX_TEXT
+from remqa_data.limits import MAX_ACTIONS, MAX_TEXT
 from remqa_data.tables.parquet_pages import Chunk, PageError, row_groups, unpacked
 
 METADATA_KEY = FORMAT.encode()

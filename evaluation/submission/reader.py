@@ -26,7 +26,7 @@ from remqa_data.evaluation.submission.checks import find_problem
 from remqa_data.evaluation.submission.parquet_rows import METADATA_KEY, parquet_batches, parquet_header, too_many_rows
 from remqa_data.evaluation.submission.tracks import COLUMNS, FORMAT, TRACKS, VERSION, Track, arrow_schema
 from remqa_data.files import atomic_path, local_path
-from remqa_data.metrics import MAX_NAME
+from remqa_data.limits import MAX_NAME
 
 MAX_LINE_BYTES = 1 << 20
 BATCH_ROWS = 4096

@@ -12,16 +12,13 @@ from typing import Annotated, Any, Final, Literal
 import pyarrow as pa
 from annotated_types import MaxLen
 
-from remqa_data.metrics import MAX_ACTIONS, MAX_TEXT
+from remqa_data.limits import MAX_ACTIONS, MAX_PX, MAX_TEXT
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, WALKING
 
 Track = Literal["remqa", "nav", "rec", "qa"]
 
 FORMAT: Final = "remqa-submission"
 VERSION: Final = 1
-MAX_PX = 10_000
-MAX_COORDINATE = 10_000
-"""Of a pose, in metres or degrees."""
 WORDS = (*WALKING, DONE)
 """What an action list may hold: no amounts, so that a step is a step for everyone."""
 

@@ -15,7 +15,7 @@ import numpy as np
 from gymnasium import spaces
 
 from remqa_data.errors import ActionError
-from remqa_data.metrics import MAX_TEXT
+from remqa_data.limits import MAX_TEXT
 from remqa_data.sim.agent.actions import (
     DONE,
     MANIPULATION,

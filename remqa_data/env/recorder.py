@@ -10,7 +10,7 @@ import gymnasium
 from remqa_data.env import RemqaEnv
 from remqa_data.errors import ActionError, one_line
 from remqa_data.evaluation.submission.reader import Header, write_submission
-from remqa_data.metrics import MAX_ACTIONS, MAX_NAME
+from remqa_data.limits import MAX_ACTIONS, MAX_NAME
 from remqa_data.sim.agent.actions import NAVIGATION
 
 

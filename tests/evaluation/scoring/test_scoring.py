@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from remqa_data.metrics import MAX_ACTIONS
+from remqa_data.limits import MAX_ACTIONS
 from remqa_data.sim.agent.actions import ACTIONS
 from tests.helpers.dataset_rows import MUG_BOX_2D
 from tests.helpers.submissions import results_of, scored, written
