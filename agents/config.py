@@ -13,7 +13,7 @@ from remqa_data.limits import MAX_ACTIONS, MOST_SEED
 from remqa_data.storage.manifest import config_hash
 
 PRESETS = "remqa_data.configs.agents"
-SEED = ", seed "
+OF_SEED = ", seed "
 """In titles, before the seed if it is not 0."""
 
 
@@ -115,7 +115,7 @@ class SystemConfig(_Section):
         navigator = self.navigator
         if isinstance(navigator, PolicyConfig | ImitatorConfig):
             navigator = navigator.model_copy(update={"network": seeded_name(navigator.network, seed)})
-        title = f"{self.title}{SEED}{seed}" if seed else self.title
+        title = f"{self.title}{OF_SEED}{seed}" if seed else self.title
         return self.model_copy(update={"title": title, "seed": seed, "navigator": navigator})
 
     @property

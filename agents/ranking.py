@@ -8,7 +8,7 @@ from itertools import combinations
 
 from scipy.stats import kendalltau
 
-from remqa_data.agents.config import SEED
+from remqa_data.agents.config import OF_SEED
 from remqa_data.agents.paper import paper_results
 from remqa_data.agents.table import STAGES, Scored
 from remqa_data.evaluation.report.tables import Grid
@@ -107,7 +107,7 @@ def _columns(systems: Sequence[Scored], expressions: Sequence[Results]) -> Itera
     values: dict[tuple[str, str], dict[str, list[float]]] = {}
 
     def add(table: str, column: str, title: str, value: float | None) -> None:
-        name = NAMESAKES[table].get(title.partition(SEED)[0])
+        name = NAMESAKES[table].get(title.partition(OF_SEED)[0])
         if name is not None and value is not None:
             values.setdefault((table, column), {}).setdefault(name, []).append(value)
 

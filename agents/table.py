@@ -13,12 +13,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.agents.config import SEED as OF_SEED
+from remqa_data.agents.config import OF_SEED
 from remqa_data.agents.paper import PAPER, paper_results
 from remqa_data.errors import ResultsError, SubmissionError
 from remqa_data.evaluation.report.html import write_tables_page
-from remqa_data.evaluation.report.tables import STAGES as FAILS_AT
-from remqa_data.evaluation.report.tables import Grid, cell, failed_at, markdown_rows, notes, rounded
+from remqa_data.evaluation.report.tables import FAILS_AT, Grid, cell, failed_at, markdown_rows, notes, rounded
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth, load_ground_truth
 from remqa_data.evaluation.scoring.kept_results import score_once
 from remqa_data.evaluation.scoring.measures import STEP_LIMITS

@@ -87,7 +87,7 @@ def generate(
     makes = make_executor(executor, workers, ray_address)
     announce_compiling(makes.workers if isinstance(makes, LocalExecutor) else 1)
     started = time.monotonic()
-    with _progress(len(settings.scene_names)) as on_scene:
+    with _Progress(len(settings.scene_names)) as on_scene:
         manifest = run(out, settings, makes, on_scene, overwrite=overwrite)
     seconds = time.monotonic() - started
     _summary(out, settings, manifest.questions, seconds)
@@ -97,7 +97,7 @@ def generate(
     )
 
 
-class _progress:
+class _Progress:
     """Calls back with each finished room: a bar on a terminal, else a line for each room."""
 
     def __init__(self, total: int) -> None:

@@ -30,7 +30,7 @@ IN_WORDS = {measure.name: measure.words for measure in MEASURES if measure.words
 }
 """Measures and details whose name for people is not their name with spaces."""
 
-STAGES = {
+FAILS_AT = {
     "S_N": "navigation",
     "success": "navigation",
     "S_L": "localisation",
@@ -105,7 +105,7 @@ def failed_at(results: Results, place: int) -> str:
         return "nothing was submitted"
     if measured.get("success"):
         return "too many steps"
-    return next(stage for name, stage in STAGES.items() if not measured.get(name, True))
+    return next(stage for name, stage in FAILS_AT.items() if not measured.get(name, True))
 
 
 def in_words(name: str) -> str:

@@ -42,8 +42,9 @@ from remqa_data.sim.agent.actions import (
     object_of,
     perform,
 )
-from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
+from remqa_data.sim.agent.agent import Agent, Hands
 from remqa_data.sim.agent.pictures import BYTES_PER_PIXEL
+from remqa_data.sim.agent.results import ActionResult
 
 ENV_ID = "remqa_data/Remqa-v0"
 
