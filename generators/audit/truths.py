@@ -1,6 +1,9 @@
 """The truths that a stored question must satisfy, checked from its row, its room's row and a freshly loaded world.
 
-Nothing here trusts what generation found: answers are worked out anew, and pictures are drawn anew.
+Nothing that generation found is trusted: answers are worked out anew, and pictures are drawn anew. Some of what it looks
+with is used again: `surface_points`, `seen_share`, `most_pixels_anywhere`, the words of `question_words`, and the limits
+`FRONT_DEG`, `LEAST_SHARE` and `MOST_PIXELS`. The limits below are said again on purpose: where generation's
+are lowered, that comes to light.
 """
 
 from __future__ import annotations
@@ -19,9 +22,7 @@ from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
 from remqa_data.generators.audit.question_words import asked, understood
 from remqa_data.generators.provable import LEAST_SHARE, seen_share
-from remqa_data.generators.questions.questions import (
-    NO,
-)
+from remqa_data.generators.questions.questions import NO
 from remqa_data.generators.seen_anywhere import MOST_PIXELS, most_pixels_anywhere
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.geometry import arithmetic

@@ -63,7 +63,7 @@ class Targets:
 def best_shoulders(base: ArmBase, points: F64) -> F64:
     """(n, 3) places in the room where the shoulder is nearest to (n, 3) points: turned to them, and at their height.
 
-    The distance from there is `navigation.reach_distance`, but for points above the agent's own base.
+    The distance from there is `grid.reach_distance`, but for points above the agent's own base.
     """
     shoulders = np.empty_like(points)
     shoulders[:, :2] = points[:, :2] - [base.x, base.y]

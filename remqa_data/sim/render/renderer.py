@@ -54,7 +54,7 @@ class Frame:
     depth: F32
     """(h, w) metres along the camera's forward axis at the pixel's centre, 0 where nothing is."""
     instances: I32
-    """(h, w) `Part.instance` at the pixel's centre, -1 where nothing is."""
+    """(h, w) `RenderPart.instance` at the pixel's centre, -1 where nothing is."""
 
 
 class Renderer:
