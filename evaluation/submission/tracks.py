@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Final, Literal
 
 import pyarrow as pa
-from annotated_types import MaxLen
+from pydantic import Field
 
 from remqa_data.limits import MAX_ACTIONS, MAX_PX, MAX_TEXT
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, WALKING
@@ -47,22 +47,22 @@ COLUMNS: dict[str, SubmissionColumn] = {
     "question_id": SubmissionColumn(str, pa.string(), "the id of a question of the split"),
     "expression_id": SubmissionColumn(str, pa.string(), "the id of a referring expression of the split"),
     "actions": SubmissionColumn(
-        Annotated[list[str], MaxLen(MAX_ACTIONS)],
+        Annotated[list[str], Field(max_length=MAX_ACTIONS)],
         pa.list_(pa.string()),
         f"at most {MAX_ACTIONS} of {', '.join(WORDS)}, with {DONE} only at the end",
     ),
     "poses": SubmissionColumn(
-        Annotated[list[Annotated[list[float], MaxLen(4)]], MaxLen(MAX_ACTIONS + 1)],
+        Annotated[list[Annotated[list[float], Field(max_length=4)]], Field(max_length=MAX_ACTIONS + 1)],
         pa.list_(NUMBERS),
         f"1 to {MAX_ACTIONS + 1} poses [x, y, yaw_deg, horizon_deg], the initial pose first",
     ),
     "target_box": SubmissionColumn(
-        Annotated[list[float], MaxLen(4)] | None,
+        Annotated[list[float], Field(max_length=4)] | None,
         NUMBERS,
         "[x1, y1, x2, y2] of the target in the final view, or null where it is not visible",
     ),
     "box": SubmissionColumn(
-        Annotated[list[float], MaxLen(4)] | None,
+        Annotated[list[float], Field(max_length=4)] | None,
         NUMBERS,
         f"[x1, y1, x2, y2] in pixels with 0 <= x1 <= x2 <= {MAX_PX} and the same for y, or null for no prediction",
     ),
