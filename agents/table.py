@@ -17,7 +17,7 @@ from remqa_data.agents.config import OF_SEED
 from remqa_data.agents.paper import PAPER, paper_results
 from remqa_data.errors import ResultsError, SubmissionError
 from remqa_data.evaluation.report.html import write_tables_page
-from remqa_data.evaluation.report.tables import FAILS_AT, Grid, cell, failed_at, markdown_rows, notes, rounded
+from remqa_data.evaluation.report.tables import FAILS_AT, Grid, cell, failed_at, markdown_lines, notes, rounded
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth, load_ground_truth
 from remqa_data.evaluation.scoring.kept_results import score_once
 from remqa_data.evaluation.scoring.measures import STEP_LIMITS
@@ -123,7 +123,7 @@ def write_tables(folder: Path, systems: Sequence[Scored], grids: Sequence[Grid])
     """Write table.md, table.json and, where the extra `report` is installed, table.html."""
     lines: list[str] = []
     for grid in grids:
-        lines += [f"**{grid.title}**", "", *markdown_rows(grid), ""]
+        lines += [*markdown_lines(grid), ""]
     remarks = [f"{system.title}: {' '.join(notes(system.results))}" for system in systems]
     for remark in remarks:
         lines += [remark, ""]

@@ -15,9 +15,7 @@ import numpy.typing as npt
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.boxes import is_hit
-from remqa_data.geometry.types import F64
-
-Bools = npt.NDArray[np.bool_]
+from remqa_data.geometry.types import F64, Flags
 
 SUCCESS_DISTANCE_M = 1.0
 """The agent must stop this near to a goal pose, straight and in plan."""
@@ -172,7 +170,7 @@ def distance_to_goal_m(positions: npt.ArrayLike, goals: npt.ArrayLike) -> F64:
     return np.asarray(np.min(np.where(np.isnan(distances), np.inf, distances), axis=-1, initial=np.inf))
 
 
-def navigation_success(distance_m: npt.ArrayLike, is_visible: npt.ArrayLike) -> Bools:
+def navigation_success(distance_m: npt.ArrayLike, is_visible: npt.ArrayLike) -> Flags:
     """(n,) whether the agent has stopped at most 1.0 m from a goal pose, with the target in its final view.
 
     Parameters
@@ -192,7 +190,7 @@ def navigation_success(distance_m: npt.ArrayLike, is_visible: npt.ArrayLike) -> 
     return np.asarray(near & np.asarray(is_visible, dtype=bool))
 
 
-def is_localised(iou: npt.ArrayLike) -> Bools:
+def is_localised(iou: npt.ArrayLike) -> Flags:
     """(n,) whether a box is near enough to that of the target in the final view before the manipulation.
 
     >>> is_localised([0.5, 0.4])
@@ -201,7 +199,7 @@ def is_localised(iou: npt.ArrayLike) -> Bools:
     return np.asarray(is_hit(iou, LOCALISED_IOU))
 
 
-def chained(conditions: Mapping[Condition, npt.ArrayLike]) -> dict[str, Bools]:
+def chained(conditions: Mapping[Condition, npt.ArrayLike]) -> dict[str, Flags]:
     """By name, the (n,) successes of `CHAIN`.
 
     Parameters
@@ -222,7 +220,7 @@ def chained(conditions: Mapping[Condition, npt.ArrayLike]) -> dict[str, Bools]:
     }
 
 
-def is_right_answer(answers: Sequence[str | None], truths: Sequence[str]) -> Bools:
+def is_right_answer(answers: Sequence[str | None], truths: Sequence[str]) -> Flags:
     """(n,) whether each answer is the true one, but for case and spaces around it; None (no answer) is not.
 
     >>> is_right_answer(["Yes ", "2", None], ["yes", "3", "no"])

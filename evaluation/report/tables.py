@@ -138,14 +138,14 @@ def markdown(results: Results) -> str:
     """The table of kinds and the notes, ready to paste."""
     grid = grid_of(results)
     about = f"Agent: {_escaped(results.submission.agent)}. "
-    return "\n".join([f"**{grid.title}**", "", *markdown_rows(grid), "", about + " ".join(notes(results))]) + "\n"
+    return "\n".join([*markdown_lines(grid), "", about + " ".join(notes(results))]) + "\n"
 
 
-def markdown_rows(grid: Grid) -> list[str]:
-    """The lines of a Markdown table."""
+def markdown_lines(grid: Grid) -> list[str]:
+    """A table's title and its rows in Markdown."""
     escaped = [[_escaped(text) for text in row] for row in (grid.headings, *grid.rows)]
     lines = [f"| {' | '.join(row)} |" for row in escaped]
-    return [lines[0], "|" + "---|" + "---:|" * (len(grid.headings) - 1), *lines[1:]]
+    return [f"**{grid.title}**", "", lines[0], "|" + "---|" + "---:|" * (len(grid.headings) - 1), *lines[1:]]
 
 
 def print_results(console: Console, results: Results) -> None:

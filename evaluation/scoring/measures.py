@@ -16,7 +16,7 @@ import numpy.typing as npt
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
 from remqa_data.evaluation.submission.tracks import Track
 from remqa_data.geometry.boxes import is_hit
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, I64, Flags
 from remqa_data.metrics import (
     CHAIN,
     ChainedSuccess,
@@ -31,8 +31,6 @@ from remqa_data.metrics import (
 STEP_LIMITS = (25, 50)
 """Steps within which the track `nav` asks for success, beside any number of them."""
 IOU_THRESHOLDS = (0.5, 0.6, 0.7, 0.8, 0.9)
-
-Bools = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,22 +54,22 @@ class Answers:
     """
 
     truth: GroundTruth
-    answered: Bools
+    answered: Flags
     boxes: F64
     target_boxes: F64
     texts: list[str | None]
-    steps: npt.NDArray[np.int64]
+    steps: I64
     walked_m: F64
     distance_m: F64
-    is_manipulated: Bools
+    is_manipulated: Flags
 
     @cached_property
-    def is_visible(self) -> Bools:
+    def is_visible(self) -> Flags:
         """Whether the target is in the final view."""
         return np.asarray(~np.isnan(self.target_boxes[:, 0]))
 
     @cached_property
-    def navigated(self) -> Bools:
+    def navigated(self) -> Flags:
         """Whether the agent has got to a goal pose and sees the target."""
         return np.asarray(self.answered & navigation_success(self.distance_m, self.is_visible))
 
@@ -81,12 +79,12 @@ class Answers:
         return box_iou(self.boxes, self.truth.boxes if self.truth.track == "rec" else self.target_boxes)
 
     @cached_property
-    def is_right(self) -> Bools:
+    def is_right(self) -> Flags:
         """Whether the answer is right."""
         return is_right_answer(self.texts, self.truth.texts("answer"))
 
     @cached_property
-    def chained(self) -> dict[str, Bools]:
+    def chained(self) -> dict[str, Flags]:
         """The conjunctive successes, by name."""
         return chained(
             {
@@ -97,7 +95,7 @@ class Answers:
             }
         )
 
-    def success(self, limit: int | None) -> Bools:
+    def success(self, limit: int | None) -> Flags:
         """Whether the agent has navigated, in at most so many steps."""
         return self.navigated if limit is None else np.asarray(self.navigated & (self.steps <= limit))
 
@@ -105,7 +103,7 @@ class Answers:
         """Success weighted by path length."""
         return spl(self.success(limit), self.truth.path_lengths_m, self.walked_m)
 
-    def precision(self, threshold: float) -> Bools:
+    def precision(self, threshold: float) -> Flags:
         """Whether the boxes overlap at least so much."""
         return np.asarray(is_hit(self.iou, threshold))
 

@@ -18,7 +18,7 @@ from remqa_data.evaluation.scoring.measures import Answers, measures_of
 from remqa_data.evaluation.scoring.replay import Attempt, Replayed, Room, replay_all
 from remqa_data.evaluation.submission.reader import Batch, Submission
 from remqa_data.evaluation.submission.tracks import TRACKS
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, I64, Flags
 from remqa_data.metrics import distance_to_goal_m, path_lengths_m
 from remqa_data.sim.agent.actions import parse_action, parse_actions
 from remqa_data.sim.agent.outcome import Wanted
@@ -28,7 +28,6 @@ START_SLACK = 1e-3
 MOST_KNOWN_FOR_HINTS = 10_000
 """Finding the nearest of more ids takes too long."""
 
-Bools = npt.NDArray[np.bool_]
 Columns = dict[str, npt.NDArray[np.generic]]
 
 
@@ -51,7 +50,7 @@ class Scores:
         Whether walks were replayed, and not believed; None where nobody walks.
     """
 
-    answered: Bools
+    answered: Flags
     measures: Columns
     details: Columns
     refused: int = 0
@@ -144,7 +143,7 @@ class _Filled:
         self.is_manipulated = np.zeros(count, dtype=bool)
         self.refused = 0
 
-    def add_predictions(self, places: npt.NDArray[np.int64], rows: pa.RecordBatch) -> None:
+    def add_predictions(self, places: I64, rows: pa.RecordBatch) -> None:
         self.answered[places] = True
         if "box" in rows.schema.names:
             self.boxes[places] = _boxes(rows["box"])
@@ -152,9 +151,7 @@ class _Filled:
             for place, answer in zip(places.tolist(), rows["answer"].to_pylist(), strict=True):
                 self.texts[place] = answer
 
-    def add_walks(
-        self, truth: GroundTruth, places: npt.NDArray[np.int64], poses: F64, counts: npt.NDArray[np.int64]
-    ) -> None:
+    def add_walks(self, truth: GroundTruth, places: I64, poses: F64, counts: I64) -> None:
         """(sum of counts, 4) poses of walks, one walk after the other."""
         self.steps[places] = counts - 1
         self.walked_m[places] = path_lengths_m(poses[:, :2], counts)
@@ -195,7 +192,7 @@ def _details(answers: Answers) -> Columns:
     return found
 
 
-def _places(submission: Submission, truth: GroundTruth, batch: Batch, answered: Bools) -> npt.NDArray[np.int64]:
+def _places(submission: Submission, truth: GroundTruth, batch: Batch, answered: Flags) -> I64:
     """Where in the truth the rows belong; an unknown id, or one that was there before, is an error."""
     name = TRACKS[truth.track].id_column
     places = truth.places(batch.rows[name])
@@ -216,9 +213,7 @@ def _places(submission: Submission, truth: GroundTruth, batch: Batch, answered: 
     raise SubmissionError(submission.path, f"{submission.place(batch.first + row)}, field {name}", reason)
 
 
-def _fill_claimed(
-    submission: Submission, truth: GroundTruth, filled: _Filled, places: npt.NDArray[np.int64], batch: Batch
-) -> None:
+def _fill_claimed(submission: Submission, truth: GroundTruth, filled: _Filled, places: I64, batch: Batch) -> None:
     """Take poses and true boxes as the file claims them; only the initial pose is known, and checked."""
     lists = batch.rows["poses"]
     counts = np.asarray(lists.value_lengths().to_numpy(zero_copy_only=False), dtype=np.int64)

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, I64
 
 LEVEL = 0.95
 RESAMPLES = 9999
@@ -22,7 +22,6 @@ POWER = 0.8
 ROUNDING = 1e-12
 """Means that differ by less are the same."""
 IntervalKind = Literal["bootstrap", "wilson", "none"]
-I64 = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.compute as pc
 
 from remqa_data.errors import ActionError
 from remqa_data.evaluation.submission.tracks import WORDS
+from remqa_data.geometry.types import I64, Flags
 from remqa_data.limits import MAX_ACTIONS, MAX_COORDINATE, MAX_PX, MAX_TEXT
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, parse_action
 from remqa_data.tables.row_checks import Problem
@@ -23,9 +23,6 @@ def find_problem(batch: pa.RecordBatch) -> Problem | None:
         if problem is not None:
             return problem
     return None
-
-
-Bools = npt.NDArray[np.bool_]
 
 
 def _id(name: str, values: pa.Array) -> Problem | None:
@@ -124,7 +121,7 @@ def _numbers(name: str, lists: pa.Array) -> Problem | None:
     return _element(name, lists, _parents(lists), int(wrong.argmax()), numbers) if wrong.any() else None
 
 
-def _element(name: str, lists: pa.Array, rows: npt.NDArray[np.int64], flat: int, elements: pa.Array) -> Problem:
+def _element(name: str, lists: pa.Array, rows: I64, flat: int, elements: pa.Array) -> Problem:
     """The problem of one element of a list: it should not be what it is."""
     place = flat - int(np.searchsorted(rows, rows[flat]))
     shown = str(elements[flat].as_py())
@@ -137,10 +134,10 @@ def _first(flags: pa.Array, name: str, reason: str) -> Problem | None:
     return Problem(int(set_.argmax()), name, reason) if set_.any() else None
 
 
-def _flags(values: pa.Array) -> Bools:
+def _flags(values: pa.Array) -> Flags:
     return np.asarray(pc.fill_null(values, False).to_numpy(zero_copy_only=False), dtype=bool)
 
 
-def _parents(lists: pa.Array) -> npt.NDArray[np.int64]:
+def _parents(lists: pa.Array) -> I64:
     """Row of each element of lists."""
     return np.asarray(pc.list_parent_indices(lists).to_numpy(zero_copy_only=False), dtype=np.int64)

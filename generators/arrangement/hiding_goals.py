@@ -7,19 +7,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from remqa_data.generators.arrangement.areas import Area, largest_rectangle
 from remqa_data.generators.arrangement.hiding_rules import HidingRules
 from remqa_data.generators.arrangement.sightlines import Sightlines, cells_that_reach
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
-from remqa_data.geometry.types import F32, F64
+from remqa_data.geometry.types import F32, F64, Flags
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import Outline, outline_distance
 from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses
 
-Mask = npt.NDArray[np.bool_]
 Depths = Mapping[AgentPose, F32]
 
 AROUND_M = (0.3, 3.0)
@@ -212,7 +210,7 @@ def _probe(rules: HidingRules, area: Area, motion: F64) -> _Probe:
     return _Probe(lattice.shape[:2], closed, arithmetic.moved(closed[:-1], motion))
 
 
-def _seen(sight: Sightlines, pose: AgentPose, probes: Sequence[_Probe], before: F32, after: F32) -> list[list[Mask]]:
+def _seen(sight: Sightlines, pose: AgentPose, probes: Sequence[_Probe], before: F32, after: F32) -> list[list[Flags]]:
     """For each area and height of sight: the lattice points that are seen after, and hidden at all heights before."""
     hidden = sight.hides(pose, before, np.concatenate([probe.closed.reshape(-1, 3) for probe in probes]))
     seen = sight.sees(pose, after, np.concatenate([probe.opened.reshape(-1, 3) for probe in probes]))
@@ -226,7 +224,7 @@ def _seen(sight: Sightlines, pose: AgentPose, probes: Sequence[_Probe], before: 
     return found
 
 
-def _parts(rules: HidingRules, areas: Sequence[Area], seen: Sequence[Sequence[Mask]]) -> list[Area]:
+def _parts(rules: HidingRules, areas: Sequence[Area], seen: Sequence[Sequence[Flags]]) -> list[Area]:
     """The largest rectangle of each area that is seen, from the lowest height from which enough is."""
     parts = []
     for area, masks in zip(areas, seen, strict=True):
@@ -238,7 +236,7 @@ def _parts(rules: HidingRules, areas: Sequence[Area], seen: Sequence[Sequence[Ma
     return parts
 
 
-def _largest_part(rules: HidingRules, area: Area, mask: Mask, seen_from_m: float = 0.0) -> Area | None:
+def _largest_part(rules: HidingRules, area: Area, mask: Flags, seen_from_m: float = 0.0) -> Area | None:
     """The largest rectangle of true lattice points, if it is large enough for anything."""
     found = largest_rectangle(mask)
     if found is None:

@@ -18,7 +18,7 @@ from typing import TypeGuard
 import numpy as np
 import numpy.typing as npt
 
-F64 = npt.NDArray[np.float64]
+from remqa_data.geometry.types import F64
 
 LENGTH_STEP_M = 2.0**-20
 """Lengths that others computed are snapped to a micrometre: far more than their error, far less than a pixel shows."""

@@ -32,8 +32,6 @@ SEEN_PX = 10
 MOVED_M = 0.01
 """What is so much farther away than what a pixel showed before is something else."""
 
-Mask = npt.NDArray[np.bool_]
-
 
 def measured_views(root: str | os.PathLike[str]) -> pd.DataFrame:
     """One row for each question of a dataset, in its order.

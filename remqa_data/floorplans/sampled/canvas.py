@@ -6,13 +6,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.plan import SIDES
 from remqa_data.floorplans.ithor.table import RecordedObject
 from remqa_data.floorplans.sampled.furniture_sets import FurnitureSet, RestingSpot
-from remqa_data.geometry.types import F64, Rect
+from remqa_data.geometry.types import F64, Flags, Rect
 from remqa_data.opencv import cv2
 from remqa_data.sim.navigation.embodiment import AGENT
 
@@ -26,7 +25,6 @@ MARGIN_M = 0.03
 STEP_M = AGENT.step_m / 2
 DOOR_CLEAR_M = 0.7
 OPENS_FORWARD = types_with("opens_forward")
-Mask = npt.NDArray[np.bool_]
 
 FACING = {side: (int(np.abs(inward).argmax()), float(inward.sum())) for side, inward in SIDES.items()}
 """Axis across each wall, and the sign of the direction from it into the room."""
@@ -187,7 +185,7 @@ class Canvas:
         cells = main & _on_grid(xs)[:, None] & _on_grid(ys)[None, :]
         return all(_holds(cells, xs, ys, box) for box in (*self.kept_clear, *clear))
 
-    def free_floor(self, more: Sequence[tuple[F64, F64]] = ()) -> tuple[Mask, F64, F64]:
+    def free_floor(self, more: Sequence[tuple[F64, F64]] = ()) -> tuple[Flags, F64, F64]:
         """Cells that are free, and halves of steps between them, (n, m) bool; with coordinates of its rows and columns."""
         x0, y0, x1, y1 = self.bounds
         xs = np.arange(np.ceil(x0 / STEP_M), np.floor(x1 / STEP_M) + 1) * STEP_M
@@ -236,12 +234,12 @@ def _shortened(wall: Wall, notch: Rect) -> Wall:
     return Wall(wall.side, wall.face, wall.start, a)
 
 
-def _on_grid(values: F64) -> Mask:
+def _on_grid(values: F64) -> Flags:
     """Which coordinates, multiples of half a step, are those of cells."""
     return np.equal(np.round(values / STEP_M) % 2, 0)
 
 
-def _holds(cells: Mask, xs: F64, ys: F64, box: tuple[F64, F64]) -> bool:
+def _holds(cells: Flags, xs: F64, ys: F64, box: tuple[F64, F64]) -> bool:
     """Whether one can stand in or next to a box."""
     low, high = box
     in_x, in_y = (xs > low[0] - 0.15) & (xs < high[0] + 0.15), (ys > low[1] - 0.15) & (ys < high[1] + 0.15)

@@ -169,7 +169,7 @@ class Agent(Body):
             return ActionResult(False, "nothing is held")
         if not object_type(self.world.type_of(receptacle_id)).receptacle:
             return ActionResult(False, f"{receptacle_id} is not a receptacle")
-        refusal = None if force else self.refusal(receptacle_id) or self.reach(receptacle_id)
+        refusal = self.access_refusal(receptacle_id, force)
         if refusal is not None:
             return refusal
         near = near or (self.x, self.y)
