@@ -100,6 +100,8 @@ def test_what_is_excluded_stays_and_stays_free(kitchen) -> None:
 
 def test_what_is_held_is_put_down_too(kitchen) -> None:
     kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    refused = kitchen.step("InitialRandomSpawn", numRepeats=[{"objectType": "Mug", "count": 500}])
+    assert refused.metadata["inventoryObjects"]
     event = kitchen.step("InitialRandomSpawn", randomSeed=1)
     assert event, event.metadata["errorMessage"]
     assert event.metadata["inventoryObjects"] == []

@@ -182,7 +182,7 @@ class Body:
 
     def _go(self, x: float, y: float, blocker: str | None) -> ActionResult:
         if blocker is not None:
-            return ActionResult(False, f"{blocker} is blocking Agent from moving")
+            return ActionResult(False, f"{blocker} is blocking Agent from moving", blocked_by=blocker)
         self._prepare_to_move()
         self.x, self.y = x, y
         return DONE

@@ -8,11 +8,24 @@ from typing import Any
 
 @dataclass(frozen=True)
 class ActionResult:
-    """What came of an action: whether it was done, why not, and what it answers."""
+    """What came of an action.
+
+    Attributes
+    ----------
+    success : bool
+        Whether it was done.
+    error : str
+        Why not.
+    value
+        What it answers.
+    blocked_by : str, optional
+        What the agent met on its way.
+    """
 
     success: bool
     error: str = ""
     value: Any = None
+    blocked_by: str | None = None
 
 
 DONE = ActionResult(True)

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,8 +16,6 @@ from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, facing, to_room, to_thor, whole, yaw_to_room
 from remqa_data.thor.state.simulator import SimulatorState
 
-BLOCKED = " is blocking Agent from moving"
-"""What an agent says that meets something."""
 NO_PITCH = "No agents currently can change in pitch or roll. So, you must set rotation(x=0, y=yaw, z=0)."
 """AI2-THOR's words."""
 UPRIGHT_DEG = 0.01
@@ -190,13 +189,11 @@ def _too_far_from(
 def _move(simulator: SimulatorState, ahead: float, right: float) -> ActionResult:
     agent = simulator.agent
     moved = agent.move(ahead, right)
-    if not moved.error.endswith(BLOCKED):
+    if moved.blocked_by is None:
         return moved
     way = _way(simulator, ahead, right)
     by = f"({way['x']:.4f}, {way['y']:.4f}, {way['z']:.4f})"
-    return ActionResult(
-        False, f"{moved.error.removesuffix(BLOCKED)} is blocking Agent {agent.number} from moving by {by}."
-    )
+    return replace(moved, error=f"{moved.blocked_by} is blocking Agent {agent.number} from moving by {by}.")
 
 
 def _rotate(simulator: SimulatorState, counter_clockwise: int, degrees: float | None) -> ActionResult:

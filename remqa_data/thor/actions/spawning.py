@@ -83,12 +83,12 @@ def initial_random_spawn(
         room.world.type_of(name)  # names the nearest ids if there is no such object
     for type_name in excludedReceptacles or []:
         object_type(type_name)
-    if (refusal := room.let_go(room.agents)) is not None:
-        return refusal
     kept_free = _drawn(simulator, minFreePerReceptacleType or [], rng)
     copies = _copies(simulator, [*(numDuplicatesOfType or []), *(numRepeats or [])], rng)
     if len(copies) > MOST_COPIES:
         return ActionResult(False, f"{len(copies)} copies are asked for: no more than {MOST_COPIES} are made at once")
+    if (refusal := room.let_go(room.agents)) is not None:
+        return refusal
     room.copy(copies, "(Clone)_random_copy_", simulator.settings)
     world, away = room.world, dict(room.records.away)
     surfaces = _surfaces(world, {*away, *kept_free}, set(excludedReceptacles or []), forceVisible)

@@ -211,7 +211,6 @@ def _add(files: Files, names: Sequence[str], seen: Observation, images: Images, 
 def _outcome(done: Outcome, agent: int) -> Metadata:
     """All keys of the metadata: what the action says, and what has a meaning in no room of ours."""
     action, result, code = done.action, done.result, done.code
-    is_blocked = " is blocking Agent" in result.error
     return {
         "isSceneAtRest": True,
         "agent": None,
@@ -221,8 +220,8 @@ def _outcome(done: Outcome, agent: int) -> Metadata:
         "cameraPosition": None,
         "cameraOrthSize": -1.0,
         "thirdPartyCameras": [],
-        "collided": is_blocked,
-        "collidedObjects": [result.error.split(" is blocking")[0]] if is_blocked else [],
+        "collided": result.blocked_by is not None,
+        "collidedObjects": [] if result.blocked_by is None else [result.blocked_by],
         "inventoryObjects": [],
         "sceneName": "",
         "lastAction": action,
