@@ -310,3 +310,29 @@ def test_what_an_arm_does_otherwise(before_apple) -> None:
     event = before_apple.step("MoveAhead", moveMagnitude=-0.25)
     assert event, event.metadata["errorMessage"]
     assert event.metadata["agent"]["position"]["x"] == pytest.approx(before["position"]["x"] - 0.25)
+
+
+def test_the_hand_takes_all_that_it_touches(before_apple) -> None:
+    start = before_apple.step("TeleportFull", **BEFORE_APPLE)
+    assert before_apple.step("MoveArmBase", y=1.25, normalizedY=False)
+    event = before_apple.step("MoveArm", position=start.get_object(APPLE)["position"], coordinateSpace="world")
+    assert event, event.metadata["errorMessage"]
+    event = before_apple.step("SetHandSphereRadius", radius=0.5)
+    touched = event.metadata["arm"]["pickupableObjects"]
+    assert len(touched) > 1
+    before = {name: event.get_object(name)["position"] for name in touched}
+    event = before_apple.step("PickupObject")
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["arm"]["heldObjects"] == touched
+    assert event.metadata["inventoryObjects"] == []
+    assert all(event.get_object(name)["isPickedUp"] for name in touched)
+    assert not any(event.get_object(name)["parentReceptacles"] for name in touched)
+    for name in touched:
+        assert list(event.get_object(name)["position"].values()) == pytest.approx(list(before[name].values()), abs=0.01)
+    event = before_apple.step("ReleaseObject")
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["arm"]["heldObjects"] == []
+    assert not any(event.get_object(name)["isPickedUp"] for name in touched)
+    assert all(event.get_object(name)["parentReceptacles"] for name in touched)
+    event = before_apple.step("PickupObject", objectIdCandidates=touched[:1])
+    assert event.metadata["arm"]["heldObjects"] == touched[:1]

@@ -90,7 +90,7 @@ def pick_up_object(
     forceAction: bool = False,
     manualInteract: bool = False,
 ) -> ActionResult:
-    """Take hold of the nearest object that the hand touches, of those that are named, if any; no point of a frame names one."""
+    """Take hold of the objects that the hand touches, of those that are named, if any are; no point of a frame names one."""
     if (x, y) != (None, None):
         return ActionResult(False, "an arm takes what its hand touches: x and y name nothing")
     agent, world = simulator.agent, simulator.room.world
@@ -100,7 +100,7 @@ def pick_up_object(
     chosen = [name for name in fit if names is None or name in names]
     if not chosen:
         return ActionResult(False, "no pickupable object is within the hand's sphere")
-    return agent.pick_up(chosen[0], force=True)
+    return agent.pick_up(chosen[0], force=True, along=chosen[1:])
 
 
 def release_object(simulator: SimulatorState) -> ActionResult:

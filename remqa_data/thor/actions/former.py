@@ -109,7 +109,7 @@ def move_mid_level_arm_height(
 def pick_up_mid_level_hand(
     simulator: SimulatorState, objectIdCandidates: list[str] | None = None, **ignored: Any
 ) -> ActionResult:
-    """Take hold of the nearest object that the hand touches."""
+    """Take hold of the objects that the hand touches."""
     return arm.pick_up_object(simulator, objectIdCandidates)
 
 

@@ -80,6 +80,7 @@ class ThorAgent(Agent):
     ) -> None:
         self.frame, self.hand_offset, self._all = frame, HAND, others
         self._passes_agents = False
+        self._along: tuple[str, ...] = ()
         body = Embodiment(
             fov_deg=settings.field_of_view,
             step_m=settings.grid_size,
@@ -99,6 +100,7 @@ class ThorAgent(Agent):
         if self.hands != before.hands:
             return
         self.hand_offset, self._grasp, self._usual_turn = before.hand_offset, before._grasp, before._usual_turn
+        self._along = before._along
         if "arm" in vars(before):  # it has been used
             self.arm.state, self.arm.hand_radius_m = before.arm.state, before.arm.hand_radius_m
 
@@ -164,11 +166,17 @@ class ThorAgent(Agent):
         tall = ahead * float(sine / cosine)
         return abs(up) <= tall and abs(right) <= tall * self.frame.width / self.frame.height
 
-    def pick_up(self, object_id: str, force: bool = False) -> ActionResult:
-        """Take an object into the hand, which is where it usually is; it turns with the agent from now on."""
-        middle = self.world.box(object_id).mean(axis=0)
+    def pick_up(self, object_id: str, force: bool = False, along: Sequence[str] = ()) -> ActionResult:
+        """Take an object into the hand, which is where it usually is, and others along; all turn with the agent then."""
+        middle, before = self.world.box(object_id).mean(axis=0), self._along
+        bears = any(self.world.bears_something(other) for other in along)
+        self._along = tuple(along)
         result = super().pick_up(object_id, force)
-        if result.success:
+        if not result.success:
+            self._along = before
+        else:
+            if bears:
+                handling.settle(self.world)
             self.hand_offset = HAND
             self._grasp = middle - np.asarray(self.hand_at()) if self.hands == "arm" else np.zeros(3)
             self._usual_turn = None
@@ -191,10 +199,22 @@ class ThorAgent(Agent):
             self.world.move_alone(self.held, self.world.state(self.held).position, quaternion)
 
     def load(self, object_id: str) -> list[str]:
-        """See `Agent`: what lies in or on a receptacle, if a hand can pick it up."""
-        if not object_type(self.world.type_of(object_id)).receptacle:
+        """See `Agent`: what is taken along, and what lies in or on receptacles, if a hand can pick it up."""
+        found: dict[str, None] = {}
+        for name in (object_id, *self._along):
+            found[name] = None
+            if object_type(self.world.type_of(name)).receptacle:
+                found |= dict.fromkeys(self.world.contents(name))
+        del found[object_id]
+        return [name for name in found if object_type(self.world.type_of(name)).pickupable]
+
+    @property
+    def in_hand(self) -> list[str]:
+        """Ids of what its hand itself holds, and not only something that does."""
+        if self.held is None:
             return []
-        return [o for o in self.world.contents(object_id) if object_type(self.world.type_of(o)).pickupable]
+        load = self.world.load_of(self.held)
+        return [self.held, *(name for name in self._along if name in load)]
 
     def _face(self, yaw_deg: float) -> None:
         """See `Body`; what it holds turns with it, and stays upright when it looks up or down."""

@@ -54,7 +54,7 @@ def arm_metadata(room: LoadedFloorPlan) -> Metadata:
         parent = pose
     return {
         "joints": joints,
-        "heldObjects": [] if agent.held is None else [agent.held],
+        "heldObjects": agent.in_hand,
         "pickupableObjects": [name for name in touched if object_type(room.world.type_of(name)).pickupable],
         "touchedNotHeldObjects": touched,
         "handSphereCenter": to_thor(hand),

@@ -164,7 +164,7 @@ def _recorded(
     room = simulator.room
     records, agent = room.records, room.agent_position()
     hands = {
-        name: InHand(state, name == who.held, who is room.agent and who.has_in_frame(who.offset_of(state.position)))
+        name: InHand(state, name in who.in_hand, who is room.agent and who.has_in_frame(who.offset_of(state.position)))
         for who in room.agents
         for name, state in who.states_of_held().items()
     }

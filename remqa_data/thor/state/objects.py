@@ -345,7 +345,7 @@ def _parents_and_contents(
             continue
         parents[object_id].append(support.id)
         contents[support.id].append(object_id)
-    for held in world.held:
+    for held in (name for name in world.held if object_type(world.type_of(name)).receptacle):
         for object_id in world.load_of(held):
             parents[object_id].append(held)
             contents[held].append(object_id)
