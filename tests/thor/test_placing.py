@@ -106,6 +106,29 @@ def test_recorded_poses_that_are_a_little_off_are_no_obstacle(kitchen) -> None:
         assert {o["name"] for o in event.metadata["objects"] if o["pickupable"]} == {o["name"] for o in loose}
 
 
+def test_names_that_were_recorded_elsewhere_stand_for_objects_of_their_types(kitchen) -> None:
+    """AI2-THOR's digits are not ours, and nothing else of a name says which object is meant."""
+    loose = [o for o in kitchen.last_event.metadata["objects"] if o["pickupable"]]
+    assert len({o["objectType"] for o in loose}) < len(loose)  # there are several of a type
+    foreign = [
+        {"objectName": f"{o['objectType']}_{number:08x}", "position": o["position"], "rotation": o["rotation"]}
+        for number, o in enumerate(loose)
+    ]
+    kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    event = kitchen.step("SetObjectPoses", objectPoses=foreign, skipMoveable=True)
+    assert event, event.metadata["errorMessage"]
+    for o in loose:
+        assert list(event.get_object(o["objectId"])["position"].values()) == pytest.approx(
+            list(o["position"].values()), abs=0.002
+        )
+    mug = next(pose for pose in foreign if pose["objectName"].startswith("Mug"))
+    event = kitchen.step("SetObjectPoses", objectPoses=[mug, {**mug, "objectName": "Mug_ffffffff"}])
+    assert "Mug_ffffffff" in event.metadata["errorMessage"]  # one mug is no second one
+    assert len(event.objects_by_type("Mug")) == 1
+    event = kitchen.step("SetObjectPoses", objectPoses=[mug, mug])
+    assert len(event.objects_by_type("Mug")) == 2
+
+
 def test_an_object_with_several_poses_is_copied(kitchen) -> None:
     start = kitchen.last_event
     all_poses = poses(start)

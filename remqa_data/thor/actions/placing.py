@@ -1,4 +1,4 @@
-"""Where things are said to be: taken out of the scene and put back, set to poses, placed at points.
+"""Where things are said to be: set to poses, placed at points.
 
 What is moved comes to rest: it falls from where it was put, and a piece of furniture stands still afterwards. What would
 end up in something else is refused, and the room is as before.
@@ -6,6 +6,8 @@ end up in something else is refused, and the room is as before.
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NotRequired
@@ -32,6 +34,8 @@ SAME_M, SAME_COSINE = 1e-4, 1.0 - 1e-9
 """A pose that is so near to where an object is, or was when the room was loaded, is that pose."""
 AT_REST_M = 0.001
 """What physics moves by no more was at rest."""
+RECORDED_NAME = re.compile("([A-Z][A-Za-z]*)_[0-9a-f]{8}")
+"""What AI2-THOR calls an object: its type and eight hexadecimal digits."""
 MOST_STUCK_M = 0.02
 """What physics leaves in something by no more than this, among many things that were put somewhere at once, may stay there."""
 ON_FLOOR_M = 0.02
@@ -45,55 +49,6 @@ class ObjectPose(TypedDict):
     objectId: NotRequired[str]
     position: PartialVector
     rotation: NotRequired[PartialVector]
-
-
-def remove_from_scene(
-    simulator: SimulatorState, objectId: str | None = None, objectIds: list[str] | None = None
-) -> ActionResult:
-    """Take an object, or some, out of the scene; what lay on them falls."""
-    names = objectIds if objectId is None else [objectId]
-    if names is None:
-        raise missing_argument("RemoveFromScene", "objectId")
-    if not names:
-        return ActionResult(False, "objectIds must not be empty!")
-    for name in names:
-        if (refusal := not_there(simulator, name)) is not None:
-            return refusal
-    return _remove(simulator.room, names)
-
-
-def _remove(room: LoadedFloorPlan, names: Sequence[str]) -> ActionResult:
-    for name in dict.fromkeys(names):
-        if name in room.records.away:
-            continue  # it was held with one before
-        bears = room.world.bears_something(name)
-        room.take_away(name)
-        if bears:
-            handling.settle(room.world)
-    return ActionResult(True)
-
-
-def disable_all_objects_of_type(simulator: SimulatorState, objectType: str) -> ActionResult:
-    """Take all objects of a type out of the scene."""
-    return _remove(simulator.room, of_type(simulator, object_type(objectType).name))
-
-
-def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
-    """Put an object back to where it was when it was taken out of the scene."""
-    room, world = simulator.room, simulator.room.world
-    absence = not_there(simulator, objectId)
-    if absence is None:
-        return ActionResult(True)
-    if objectId in room.records.sliced:
-        return absence
-    before, away = world.save(), dict(room.records.away)
-    world.put_back(objectId, away[objectId])
-    if blocker := _sunken(world, [objectId]):
-        world.restore(before)
-        return ActionResult(False, f"{objectId} cannot come back: {blocker} is where it was")
-    room.show_all_but({name: state for name, state in away.items() if name != objectId})
-    settle(world)
-    return ActionResult(True)
 
 
 def set_object_poses(
@@ -149,12 +104,14 @@ def _poses_by_id(
 ) -> tuple[dict[str, ObjectPose], dict[str, str], str]:
     """The poses by the ids of the objects, which of them are copies of which, and why the last one that has none has none."""
     world, records = simulator.room.world, simulator.room.records
+    known = {name: object_id for pose in wanted if (object_id := records.id_of(name := _named(pose))) is not None}
+    known |= _meant_by_others(simulator, wanted, known)
     poses: dict[str, ObjectPose] = {}
     copies: dict[str, str] = {}
     complaint = ""
     for number, pose in enumerate(wanted):
-        name = pose.get("objectId") or pose.get("objectName") or ""
-        object_id = records.id_of(name)
+        name = _named(pose)
+        object_id = known.get(name)
         if object_id is None or not object_type(world.type_of(object_id)).is_loose:
             complaint = f"No Pickupable or Moveable object of name {name} found in scene."
             continue
@@ -167,6 +124,31 @@ def _poses_by_id(
             object_id = copy_id
         poses[object_id] = pose
     return poses, copies, complaint
+
+
+def _named(pose: ObjectPose) -> str:
+    return pose.get("objectId") or pose.get("objectName") or ""
+
+
+def _meant_by_others(
+    simulator: SimulatorState, wanted: Sequence[ObjectPose], known: Mapping[str, str]
+) -> dict[str, str]:
+    """Which objects are meant by names that AI2-THOR has recorded, whose digits are others than ours.
+
+    A name stands for an object of its type that no other name stands for, of several for the one that is nearest to its pose.
+    """
+    room, found = simulator.room, dict[str, str]()
+    for pose in wanted:
+        name = _named(pose)
+        type_name = RECORDED_NAME.fullmatch(name)
+        if name in known or name in found or type_name is None:
+            continue
+        ids = of_type(simulator, type_name[1])
+        free = [one for one in ids if one not in room.records.copies and one not in {*known.values(), *found.values()}]
+        there = to_room(whole(pose["position"]))
+        if free:
+            found[name] = min(free, key=lambda one: (math.dist(room.records.position(one), there), one))
+    return found
 
 
 def place_object_at_point(
@@ -305,14 +287,14 @@ def farthest(world: World, states: Mapping[str, ObjectState]) -> float:
     return float(arithmetic.length(moved).max())
 
 
+def sunken(world: World, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
+    """What one of some objects is in by more than metres, by default more than things that touch are."""
+    return next((other for name in moved for other, gap in world.overlapping(name) if gap < -most_m), None)
+
+
 ACTIONS: dict[str, Action] = {
-    "DisableAllObjectsOfType": disable_all_objects_of_type,
-    "DisableObject": remove_from_scene,
-    "EnableObject": enable_object,
     "GetSpawnCoordinatesAboveReceptacle": get_spawn_coordinates_above_receptacle,
     "PlaceObjectAtPoint": place_object_at_point,
-    "RemoveFromScene": remove_from_scene,
-    "RemoveObjsFromScene": remove_from_scene,
     "SetObjectPoses": set_object_poses,
     "TeleportObject": teleport_object,
 }
@@ -363,7 +345,7 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
 
 def _put_down(room: LoadedFloorPlan, moved: Sequence[str], force: bool = False) -> str | None:
     """Let what was moved come to rest; what is in its way before that, if it is not forced, or where it ends."""
-    return (None if force else _sunken(room.world, moved)) or _come_to_rest(room, moved)
+    return (None if force else sunken(room.world, moved)) or _come_to_rest(room, moved)
 
 
 def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
@@ -381,9 +363,4 @@ def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str], most_m: float = h
     settle(world)
     for name in furniture:
         world.set_fixed(name, True)
-    return _sunken(world, [name for name in moved if world.state(name) is not room.at_rest.states.get(name)], most_m)
-
-
-def _sunken(world: World, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
-    """What one of some objects is in by more than metres, by default more than things that touch are."""
-    return next((other for name in moved for other, gap in world.overlapping(name) if gap < -most_m), None)
+    return sunken(world, [name for name in moved if world.state(name) is not room.at_rest.states.get(name)], most_m)

@@ -1,17 +1,23 @@
-"""Actions on the simulation itself: scenes, settings, cameras, what the metadata list."""
+"""Actions on the simulation itself: scenes, what is in them, settings, cameras, what the metadata list."""
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from remqa_data.catalog import object_type
 from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import scene_names
+from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.thor.actions.placing import settle, sunken
+from remqa_data.thor.actions.targets import not_there, of_type
 from remqa_data.thor.state.cameras import ThirdPartyCamera
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import Action, missing_argument
+from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, whole
 from remqa_data.thor.state.objects import box_metadata
 from remqa_data.thor.state.settings import QUALITIES, FrameSize, Images, Settings
@@ -174,6 +180,55 @@ def reset_object_filter(simulator: SimulatorState) -> ActionResult:
     return ActionResult(True)
 
 
+def remove_from_scene(
+    simulator: SimulatorState, objectId: str | None = None, objectIds: list[str] | None = None
+) -> ActionResult:
+    """Take an object, or some, out of the scene; what lay on them falls."""
+    names = objectIds if objectId is None else [objectId]
+    if names is None:
+        raise missing_argument("RemoveFromScene", "objectId")
+    if not names:
+        return ActionResult(False, "objectIds must not be empty!")
+    for name in names:
+        if (refusal := not_there(simulator, name)) is not None:
+            return refusal
+    return _remove(simulator.room, names)
+
+
+def _remove(room: LoadedFloorPlan, names: Sequence[str]) -> ActionResult:
+    for name in dict.fromkeys(names):
+        if name in room.records.away:
+            continue  # it was held with one before
+        bears = room.world.bears_something(name)
+        room.take_away(name)
+        if bears:
+            handling.settle(room.world)
+    return ActionResult(True)
+
+
+def disable_all_objects_of_type(simulator: SimulatorState, objectType: str) -> ActionResult:
+    """Take all objects of a type out of the scene."""
+    return _remove(simulator.room, of_type(simulator, object_type(objectType).name))
+
+
+def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
+    """Put an object back to where it was when it was taken out of the scene."""
+    room, world = simulator.room, simulator.room.world
+    absence = not_there(simulator, objectId)
+    if absence is None:
+        return ActionResult(True)
+    if objectId in room.records.sliced:
+        return absence
+    before, away = world.save(), dict(room.records.away)
+    world.put_back(objectId, away[objectId])
+    if blocker := sunken(world, [objectId]):
+        world.restore(before)
+        return ActionResult(False, f"{objectId} cannot come back: {blocker} is where it was")
+    room.show_all_but({name: state for name, state in away.items() if name != objectId})
+    settle(world)
+    return ActionResult(True)
+
+
 def get_scene_bounds(simulator: SimulatorState) -> ActionResult:
     """The box of the room."""
     return ActionResult(True, value=box_metadata(simulator.room.box()))
@@ -246,7 +301,10 @@ ACTIONS: dict[str, Action] = {
     "ChangeFOV": change_fov,
     "ChangeQuality": change_quality,
     "ChangeResolution": change_resolution,
+    "DisableAllObjectsOfType": disable_all_objects_of_type,
+    "DisableObject": remove_from_scene,
     "Done": do_nothing,
+    "EnableObject": enable_object,
     "GetMapViewCameraProperties": get_map_view_camera_properties,
     "GetSceneBounds": get_scene_bounds,
     "GetScenesInBuild": get_scenes_in_build,
@@ -254,6 +312,8 @@ ACTIONS: dict[str, Action] = {
     "NoOp": do_nothing,
     "Pass": do_nothing,
     "PausePhysicsAutoSim": do_nothing,
+    "RemoveFromScene": remove_from_scene,
+    "RemoveObjsFromScene": remove_from_scene,
     "Reset": reset,
     "ResetObjectFilter": reset_object_filter,
     "SetObjectFilter": set_object_filter,
