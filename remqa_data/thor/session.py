@@ -8,7 +8,7 @@ from typing import Any
 from weakref import WeakSet
 
 from remqa_data.errors import MisuseError, RemqaError
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.actions import arm as actions_arm
 from remqa_data.thor.actions import conditions as actions_conditions
 from remqa_data.thor.actions import expert as actions_expert

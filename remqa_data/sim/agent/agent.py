@@ -27,7 +27,7 @@ from remqa_data.sim.render.view import WorldView
 if TYPE_CHECKING:
     from remqa_data.sim.arm.arm import Arm, ArmBase, ArmMove
 
-__all__ = ["ActionResult", "Agent", "Embodiment", "Hands"]
+__all__ = ["Agent", "Embodiment", "Hands"]
 
 Hands = Literal["arm", "reach", "near"]
 """What it takes to act on a thing. "arm": the arm finds a way on which its hand touches it. "reach": the agent sees it

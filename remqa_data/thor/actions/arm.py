@@ -14,7 +14,7 @@ import numpy as np
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.actions import navigation

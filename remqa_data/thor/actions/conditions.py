@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remqa_data.catalog import object_type
-from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.handling import settle
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.object_states.conditions import BROKEN, CONDITIONS, FILLED, LIQUIDS
 from remqa_data.thor.object_states.pieces import pieces_of

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import networkx as nx
 import numpy as np
 
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.grid import Cell
 from remqa_data.thor.actions.search import Plan, nearest_cell, object_meant
 from remqa_data.thor.state.agent import ThorAgent

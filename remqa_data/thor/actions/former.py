@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from remqa_data.geometry import arithmetic
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.actions import arm, hand, navigation, objects, search
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector

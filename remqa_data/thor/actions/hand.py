@@ -15,7 +15,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent import handling
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.objects import PUSH_S
 from remqa_data.thor.object_states.conditions import FILLED

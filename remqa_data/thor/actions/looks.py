@@ -10,7 +10,7 @@ from remqa_data.assets.core.model import Material
 from remqa_data.assets.looks import materials
 from remqa_data.floorplans.ithor.building import PAINTS
 from remqa_data.geometry.types import Vec3
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.actions.targets import not_there
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.looks import Lighting, Look

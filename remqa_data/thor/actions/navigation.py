@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from remqa_data.errors import MisuseError
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, facing, to_room, to_thor, whole, yaw_to_room
 from remqa_data.thor.state.simulator import SimulatorState

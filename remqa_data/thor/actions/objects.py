@@ -8,8 +8,8 @@ from collections.abc import Collection
 from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, rotation_of
-from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import CLOSED
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
 from remqa_data.thor.actions.compatible import is_compatible, is_specific

@@ -20,8 +20,8 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent import handling
-from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import lattice, open_spaces
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.targets import copy_id_of, not_there, of_type

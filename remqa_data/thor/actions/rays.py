@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from remqa_data.geometry.types import F64
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole
 from remqa_data.thor.state.simulator import SimulatorState

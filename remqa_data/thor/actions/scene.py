@@ -11,7 +11,7 @@ from remqa_data.catalog import object_type
 from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import scene_names
 from remqa_data.sim.agent import handling
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.actions.placing import settle, sunken
 from remqa_data.thor.actions.targets import not_there, of_type

@@ -14,8 +14,8 @@ from typing_extensions import TypedDict
 from remqa_data.catalog import object_type
 from remqa_data.generators.arrangement.loose_objects import OpenSurface, put_anew
 from remqa_data.sim.agent import handling
-from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.receptacles import open_spaces
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.world import AWAY, World
 from remqa_data.thor.actions.compatible import is_compatible
 from remqa_data.thor.actions.placing import AT_REST_M, farthest, settle

@@ -8,8 +8,8 @@ from typing import Any, Required
 from typing_extensions import TypedDict
 
 from remqa_data.catalog import object_type
-from remqa_data.sim.agent.agent import ActionResult
 from remqa_data.sim.agent.handling import OVERLAP_M
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.conditions import cut
 from remqa_data.thor.object_states.conditions import BROKEN, CONDITIONS, FILLED

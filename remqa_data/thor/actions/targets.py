@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection
 
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.state.dispatch import missing_argument
 from remqa_data.thor.state.simulator import SimulatorState
 

@@ -19,9 +19,9 @@ from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, s
 from remqa_data.geometry.types import F64, I32, Flags, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent import handling
-from remqa_data.sim.agent.agent import ActionResult, Agent, Hands
+from remqa_data.sim.agent.agent import Agent, Hands
 from remqa_data.sim.agent.body import direction
-from remqa_data.sim.agent.results import DONE
+from remqa_data.sim.agent.results import DONE, ActionResult
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts

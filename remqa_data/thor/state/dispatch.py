@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ConfigDict, ValidationError, validate_call
 
 from remqa_data.errors import MisuseError, nearest_names
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 
 Action = Callable[..., ActionResult]
 """Executes an action on a simulator state; its parameters are AI2-THOR's, by name."""

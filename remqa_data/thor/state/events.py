@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
-from remqa_data.sim.agent.agent import ActionResult
+from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.render.view import Observation
 from remqa_data.thor.state.arm_metadata import arm_metadata
 from remqa_data.thor.state.floor_plan import LoadedFloorPlan
