@@ -199,7 +199,7 @@ def test_no_television_stands_amid_the_room() -> None:
     assert not hosts.keys() & {"CoffeeTable", "DiningTable"}
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.sampled_from(ROOM_TYPES[1:]), st.integers(0, 10_000), st.integers(1, 3))
 def test_a_turned_piece_is_the_same_piece(room_type: str, number: int, quarters: int) -> None:
     patterns = [piece for pieces in recorded_rooms(room_type).patterns.values() for piece in pieces]

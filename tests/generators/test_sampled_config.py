@@ -36,7 +36,7 @@ def test_rooms_that_test_questions_are_about_also_test_expressions() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(count=st.integers(1, 600))
 def test_any_number_of_rooms_can_be_allotted(sampled: Config, count: int) -> None:
     config = sampled.with_scenes(count)

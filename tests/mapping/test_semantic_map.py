@@ -103,7 +103,7 @@ def random_frame(seed: int) -> tuple[np.ndarray, np.ndarray, Camera]:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(st.integers(0, 10**6), min_size=1, max_size=4), st.sampled_from([0.05, 0.1, 0.3]))
 def test_labels_are_those_that_counting_unprojected_pixels_one_by_one_gives(seeds: list[int], voxel_m: float) -> None:
     voxels = VoxelMap(BOUNDS, 0.013, 2.5, voxel_m)
@@ -128,7 +128,7 @@ def test_labels_are_those_that_counting_unprojected_pixels_one_by_one_gives(seed
     assert (voxels.corner[0] + voxels.shape[0]) * voxel_m >= BOUNDS[2] + 0.2
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.lists(st.integers(0, 10**6), min_size=2, max_size=4), st.randoms(use_true_random=False))
 def test_the_order_of_the_frames_does_not_matter(seeds: list[int], shuffler) -> None:
     shuffled = list(seeds)
@@ -151,7 +151,7 @@ def assert_same(one: SparseVoxels, other: SparseVoxels) -> None:
 # ---- storage
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(0, 10**6))
 def test_stored_voxels_are_sorted_and_give_the_same_map_again(seed: int) -> None:
     voxels = empty_map()

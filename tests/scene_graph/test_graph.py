@@ -146,7 +146,7 @@ def test_inverses_and_exclusions_hold_in_real_rooms(room: list[ObjectMetadata]) 
 
 @pytest.mark.slow
 @given(st.randoms(use_true_random=False), st.integers(1, 20))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_the_order_of_seeing_does_not_matter(random, batch: int) -> None:
     objects = kitchen()
     whole = SceneGraph.from_objects(objects)

@@ -47,7 +47,7 @@ def test_moves_what_it_holds(holding, direction, expected) -> None:
     assert event.get_object(APPLE)["isPickedUp"]
 
 
-@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=8, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(right=st.floats(-0.2, 0.2), up=st.floats(-0.2, 0.2), ahead=st.floats(0.0, 0.4))  # it stays in the frame
 def test_there_and_back_again(holding, right, up, ahead) -> None:
     before = place(holding.last_event)

@@ -7,7 +7,7 @@ FRIDGE = "Fridge|-02.10|+00.00|+01.07"
 BEFORE_FRIDGE = {"position": {"x": -0.75, "y": 0.9, "z": 1.5}, "rotation": 270, "horizon": 30}
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(row=st.integers(0, 299), column=st.integers(0, 299), rotation=st.sampled_from([0.0, 45.0, 200.0, 270.0]))
 def test_a_point_of_the_frame_is_where_its_depth_says(kitchen, row, column, rotation) -> None:
     event = kitchen.step("Teleport", **{**BEFORE_FRIDGE, "rotation": rotation}, renderDepthImage=True)

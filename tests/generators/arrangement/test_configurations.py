@@ -167,7 +167,7 @@ def test_too_many_things_are_refused_with_the_place() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     st.lists(st.tuples(st.floats(0.02, 0.2), st.floats(0.02, 0.2)), min_size=1, max_size=6),
     st.integers(0, 1000),

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from remqa_data.errors import QuotaError, UnknownNameError
@@ -87,7 +87,6 @@ def test_a_room_without_anything_to_open_owes_only_spatial_questions() -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None)
 @given(st.integers(1, 120), st.data())
 def test_exact_and_balanced_for_any_rooms_and_totals(count, data) -> None:
     rooms = []

@@ -247,7 +247,7 @@ def test_selection_keeps_what_was_asked_unless_something_was_refused() -> None:
     assert select(groups, everything, quota) == {g.name: g.asked for g in groups if g.asked}
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.data())
 def test_selection_is_exact_whatever_is_refused_or_says_why_not(data) -> None:
     quota = quotas()[0]

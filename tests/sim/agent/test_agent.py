@@ -90,7 +90,7 @@ def test_a_step_ahead_succeeds_where_the_grid_has_an_edge_and_nowhere_else(name:
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @example(steps=[(0.0, 0.0, -1e-300)])
 @given(steps=st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-180, 180)), max_size=12))
 def test_no_walk_ends_nearer_to_anything_than_the_radius(steps: list[tuple[float, ...]]) -> None:

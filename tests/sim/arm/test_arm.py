@@ -121,7 +121,6 @@ def test_parts_are_drawn_where_the_links_are() -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None)  # the first call compiles
 @given(st.integers(0, 10_000))
 def test_depth_is_what_pybullet_measures(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -138,7 +137,7 @@ def test_depth_is_what_pybullet_measures(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0.1, 1.5)), st.floats(0.0, 1.0))
 def test_what_the_hand_touches_is_what_pybullet_says(point, openness: float) -> None:
     with World(room(mug(0.4, 0.5, 0.8), drawer(0.6))) as world:
@@ -195,7 +194,7 @@ def _owned(obstacles: Obstacles) -> tuple[list[int], list[float]]:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(st.floats(0.3, 0.6), st.floats(-50, 50), st.floats(-0.3, 0.3))
 @example(0.5625, -28.0, -0.125)  # here and below the ways to the first postures lead through the agent's own column
 @example(0.45, -50.0, 0.2)

@@ -134,7 +134,7 @@ poses = st.tuples(
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(grids(), poses, poses)
 def test_no_other_search_finds_a_shorter_way(grid: ReachableGrid, a: tuple[int, ...], b: tuple[int, ...]) -> None:
     start, goal = (AgentPose(grid.cells[pose[0] % len(grid.cells)], *pose[1:]) for pose in (a, b))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from remqa_data.opencv import cv2
@@ -33,7 +33,6 @@ def renderer() -> Renderer:
 @pytest.mark.slow
 @pytest.mark.parametrize("camera", CAMERAS)
 @given(sides)
-@settings(deadline=None)
 def test_within_a_scissor_all_is_as_in_the_whole_picture(
     renderer: Renderer, camera: AnyCamera, sides: tuple[int, int, int, int]
 ) -> None:
