@@ -21,10 +21,9 @@ from remqa_data.agents.knowledge.outlook import Outlook, frontality, is_in_the_w
 from remqa_data.agents.knowledge.reading import Question
 from remqa_data.agents.knowledge.sight import seen_of
 from remqa_data.agents.parts.interfaces import Percept
-from remqa_data.generators.arrangement.sightlines import cells_that_reach
 from remqa_data.geometry.types import F64, Flags
 from remqa_data.sim.metadata import scaled_pixels
-from remqa_data.sim.navigation.grid import Cell, ReachableGrid
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid, cells_that_reach
 from remqa_data.sim.navigation.paths import MOVE_AHEAD, cell_ahead, shortest_actions
 from remqa_data.sim.navigation.viewpoints import AgentPose
 

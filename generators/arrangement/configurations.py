@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remqa_data.floorplans.loose_objects import open_surfaces, put_anew
 from remqa_data.generators.arrangement.hiding_check import (
     Hidden,
     Violation,
@@ -23,7 +24,6 @@ from remqa_data.generators.arrangement.hiding_check import (
 )
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
-from remqa_data.generators.arrangement.loose_objects import open_surfaces, put_anew
 from remqa_data.generators.arrangement.wished_things import PACKED, WishedThings, parking
 from remqa_data.geometry.types import Box, Vec3
 from remqa_data.scene import Scene

@@ -10,12 +10,12 @@ import numpy as np
 
 from remqa_data.generators.arrangement.areas import Area, largest_rectangle
 from remqa_data.generators.arrangement.hiding_rules import HidingRules
-from remqa_data.generators.arrangement.sightlines import Sightlines, cells_that_reach
+from remqa_data.generators.arrangement.sightlines import Sightlines
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F32, F64, Flags
 from remqa_data.sim.navigation.embodiment import AGENT
-from remqa_data.sim.navigation.grid import Outline, outline_distance
+from remqa_data.sim.navigation.grid import Outline, cells_that_reach, outline_distance
 from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses
 
 Depths = Mapping[AgentPose, F32]

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from remqa_data.geometry.types import F32, F64, Flags
-from remqa_data.sim.navigation.grid import Cell, ReachableGrid, cells_in_reach
+from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.sim.render.camera import Camera, scissor_around
 from remqa_data.sim.render.view import WorldView
@@ -62,11 +60,3 @@ class Sightlines:
         row = np.where(inside, y, 0).astype(np.int64)
         shown = depth[row, column].astype(np.float64)
         return np.asarray(inside), np.where(shown > 0, z - shown, -np.inf)
-
-
-def cells_that_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[Cell]:
-    """Cells from which the arm reaches at least one of some points, nearest to their middle first."""
-    middle = points.mean(axis=0)[:2]
-    return sorted(
-        cells_in_reach(grid, points, reach_m), key=lambda cell: (math.dist(grid.position(cell), middle), cell)
-    )

@@ -14,6 +14,7 @@ from remqa_data.assets import AssetSpec, build, variant_count
 from remqa_data.assets.looks.seen_colors import inner_colors, mean_color
 from remqa_data.catalog import object_type
 from remqa_data.errors import ArrangementError
+from remqa_data.floorplans.loose_objects import SKIN_M
 from remqa_data.generators.arrangement.hiding_check import (
     Hidden,
     Violation,
@@ -25,7 +26,6 @@ from remqa_data.generators.arrangement.hiding_check import (
 from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules, largest_size
 from remqa_data.generators.arrangement.inner_packing import Link, packed_with_link
-from remqa_data.generators.arrangement.loose_objects import SKIN_M
 from remqa_data.generators.arrangement.packing import Put, packed
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3

@@ -182,6 +182,14 @@ def cells_in_reach(grid: ReachableGrid, points: Iterable[Vec3] | F64, reach_m: f
     return found
 
 
+def cells_that_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[Cell]:
+    """Cells from which the arm reaches at least one of some points, nearest to their middle first."""
+    middle = points.mean(axis=0)[:2]
+    return sorted(
+        cells_in_reach(grid, points, reach_m), key=lambda cell: (math.dist(grid.position(cell), middle), cell)
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Clearance:
     """How far the nearest obstacle is, on a fine raster.

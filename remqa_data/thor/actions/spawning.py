@@ -12,7 +12,7 @@ import numpy as np
 from typing_extensions import TypedDict
 
 from remqa_data.catalog import object_type
-from remqa_data.generators.arrangement.loose_objects import OpenSurface, put_anew
+from remqa_data.floorplans.loose_objects import OpenSurface, put_anew
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.receptacles import open_spaces
 from remqa_data.sim.agent.results import ActionResult
