@@ -338,6 +338,19 @@ def test_nothing_is_put_out_of_the_room(kitchen) -> None:
         assert "must not be empty" in kitchen.step("RemoveFromScene", objectIds=wrong or []).metadata["errorMessage"]
 
 
+def test_what_is_sent_to_the_floor_stands_on_it(kitchen) -> None:
+    event = kitchen.step("TeleportObjectToFloor", objectId=APPLE, x=1.2, z=0.0)
+    assert event, event.metadata["errorMessage"]
+    assert position(event, APPLE)[1] < 0.1
+    assert (position(event, APPLE)[0], position(event, APPLE)[2]) == (
+        pytest.approx(1.2, abs=0.1),
+        pytest.approx(0, abs=0.1),
+    )
+    kitchen.step("PickupObject", objectId=APPLE, forceAction=True)
+    refused = kitchen.step("TeleportObjectToFloor", objectId=APPLE, x=1.2, z=0.0)
+    assert refused.metadata["errorMessage"] == "Cannot teleport object in hand."
+
+
 def test_what_is_not_there_answers_no_question(kitchen) -> None:
     mug = next(o["objectId"] for o in kitchen.last_event.metadata["objects"] if o["objectType"] == "Mug")
     assert kitchen.step("RemoveFromScene", objectId=mug)

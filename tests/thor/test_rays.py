@@ -119,6 +119,27 @@ def test_points_of_an_object_are_on_its_surface_and_apart(kitchen) -> None:
         assert np.ptp(found, axis=0) == pytest.approx(np.ptp(corners, axis=0), abs=0.1)
 
 
+def test_hulls_from_above_are_in_the_boxes_and_reach_their_sides(kitchen) -> None:
+    event = kitchen.step("Get2DSemanticHulls")
+    hulls = event.metadata["actionReturn"]
+    assert set(hulls) == {o["objectId"] for o in event.metadata["objects"]}
+    for object_id in (FRIDGE, "Apple|-00.47|+01.15|+00.48"):
+        corners = np.array(event.get_object(object_id)["axisAlignedBoundingBox"]["cornerPoints"])[:, [0, 2]]
+        hull = np.array(hulls[object_id])
+        assert hull.shape[1] == 2
+        assert len(hull) >= 4
+        assert hull.min(axis=0) == pytest.approx(corners.min(axis=0), abs=0.01)
+        assert hull.max(axis=0) == pytest.approx(corners.max(axis=0), abs=0.01)
+        assert kitchen.step("Get2DSemanticHull", objectId=object_id).metadata["actionReturn"] == hulls[object_id]
+    some = kitchen.step("Get2DSemanticHulls", objectTypes=["Drawer"]).metadata["actionReturn"]
+    assert len(some) > 3
+    assert all(name.startswith("Drawer|") for name in some)
+    one = kitchen.step("Get2DSemanticHulls", objectIds=[FRIDGE]).metadata["actionReturn"]
+    assert one == {FRIDGE: hulls[FRIDGE]}
+    assert not kitchen.step("Get2DSemanticHulls", objectIds=[FRIDGE], objectTypes=["Fridge"])
+    assert "Fridge|0" in kitchen.step("Get2DSemanticHulls", objectIds=["Fridge|0"]).metadata["errorMessage"]
+
+
 def test_ids_of_a_type(kitchen) -> None:
     every = [o["objectId"] for o in kitchen.last_event.metadata["objects"] if o["objectType"] == "Drawer"]
     assert len(every) > 3

@@ -196,6 +196,16 @@ def _place_at(
     return ActionResult(True, value=to_thor(room.records.position(objectId)))
 
 
+def teleport_object_to_floor(
+    simulator: SimulatorState, objectId: str, x: float, z: float, rotation: PartialVector | None = None
+) -> ActionResult:
+    """Put an object on the floor, with the middle of its box above a point; it comes to rest."""
+    if objectId in simulator.room.world.held:
+        return ActionResult(False, "Cannot teleport object in hand.")
+    floor_y = to_thor((0.0, 0.0, simulator.room.world.scene.floor_z))["y"]
+    return _place_at(simulator, objectId, {"x": x, "y": floor_y, "z": z}, rotation)
+
+
 def teleport_object(
     simulator: SimulatorState,
     objectId: str,
@@ -297,6 +307,7 @@ ACTIONS: dict[str, Action] = {
     "PlaceObjectAtPoint": place_object_at_point,
     "SetObjectPoses": set_object_poses,
     "TeleportObject": teleport_object,
+    "TeleportObjectToFloor": teleport_object_to_floor,
 }
 
 

@@ -197,14 +197,35 @@ def get_visibility_points(simulator: SimulatorState, objectId: str) -> ActionRes
     """Some points of an object's surface, as far apart as can be; which of them are seen is not asked."""
     if (refusal := not_there(simulator, objectId)) is not None:
         return refusal
-    world = simulator.room.world
-    links = zip(world.link_poses(objectId), world.assets[objectId].links, strict=True)
-    corners = [arithmetic.moved(surface.vertices, pose) for pose, link in links for surface in link.surfaces]
-    return ActionResult(True, value=[to_thor(point) for point in _spread(np.concatenate(corners), SURFACE_POINTS)])
+    points = _spread(_vertices(simulator, objectId), SURFACE_POINTS)
+    return ActionResult(True, value=[to_thor(point) for point in points])
+
+
+def get_2d_semantic_hulls(
+    simulator: SimulatorState, objectIds: list[str] | None = None, objectTypes: list[str] | None = None
+) -> ActionResult:
+    """The convex hulls of objects as seen from above, by their ids, each a list of x and z; by default of all."""
+    if objectIds is not None and objectTypes is not None:
+        return ActionResult(False, "Either objectIds or objectTypes should be null.")
+    world, away = simulator.room.world, simulator.room.records.away
+    names = [name for name in world.ids if name not in away] if objectIds is None else objectIds
+    for name in names:
+        if (refusal := not_there(simulator, name)) is not None:
+            return refusal
+    wanted = None if objectTypes is None else {object_type(name).name for name in objectTypes}
+    chosen = [name for name in names if wanted is None or world.type_of(name) in wanted]
+    return ActionResult(True, value={name: _hull(simulator, name) for name in chosen})
+
+
+def get_2d_semantic_hull(simulator: SimulatorState, objectId: str) -> ActionResult:
+    """The convex hull of an object as seen from above, a list of x and z."""
+    return not_there(simulator, objectId) or ActionResult(True, value=_hull(simulator, objectId))
 
 
 ACTIONS: dict[str, Action] = {
     "DistanceToObject": distance_to_object,
+    "Get2DSemanticHull": get_2d_semantic_hull,
+    "Get2DSemanticHulls": get_2d_semantic_hulls,
     "GetInteractablePoses": get_interactable_poses,
     "GetObjectInFrame": get_object_in_frame,
     "GetObjectMetadata": get_object_metadata,
@@ -248,6 +269,23 @@ def nearest_cell(agent: ThorAgent, low: npt.ArrayLike, high: npt.ArrayLike) -> C
         return math.dist(place, np.clip(place, low, high)), math.dist(place, middle)
 
     return min(agent.grid.cells, key=distance)
+
+
+def _vertices(simulator: SimulatorState, object_id: str) -> F64:
+    """(n, 3) corners of an object's surfaces, metres in the room."""
+    world = simulator.room.world
+    links = zip(world.link_poses(object_id), world.assets[object_id].links, strict=True)
+    return np.concatenate(
+        [arithmetic.moved(surface.vertices, pose) for pose, link in links for surface in link.surfaces]
+    )
+
+
+def _hull(simulator: SimulatorState, object_id: str) -> list[list[float]]:
+    from scipy.spatial import ConvexHull
+
+    plan = _vertices(simulator, object_id)[:, :2]  # AI2-THOR's x and z
+    hull: list[list[float]] = plan[ConvexHull(plan).vertices].tolist()
+    return hull
 
 
 def _spread(points: F64, count: int) -> F64:
