@@ -23,7 +23,7 @@ from remqa_data.agents.knowledge.sight import seen_of
 from remqa_data.agents.parts.interfaces import Percept
 from remqa_data.geometry.types import F64, Flags
 from remqa_data.sim.metadata import scaled_pixels
-from remqa_data.sim.navigation.grid import Cell, ReachableGrid, cells_that_reach
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid, nearest_cells_in_reach
 from remqa_data.sim.navigation.paths import MOVE_AHEAD, cell_ahead, shortest_actions
 from remqa_data.sim.navigation.viewpoints import AgentPose
 
@@ -144,8 +144,8 @@ def goals(instance: Instance, memory: WalkMemory, grid: ReachableGrid, *, opens:
     are less for who stands aside, who sees less of the inside.
     """
     points = points_of(instance, memory)
-    reach = cells_that_reach(grid, points, memory.body.reach_m)
-    near = cells_that_reach(grid, points, memory.body.reach_m + NEAR_M)
+    reach = nearest_cells_in_reach(grid, points, memory.body.reach_m)
+    near = nearest_cells_in_reach(grid, points, memory.body.reach_m + NEAR_M)
     front = {cell: frontality(instance, grid.position(cell)) if opens else 1.0 for cell in near}
     before = [cell for cell in reach if front[cell]]
     clear = [
@@ -160,7 +160,7 @@ def goals(instance: Instance, memory: WalkMemory, grid: ReachableGrid, *, opens:
 
 def inside_goals(inside: Inside, instance: Instance, memory: WalkMemory, grid: ReachableGrid) -> list[Outlook]:
     """Poses before the front of an open object, out of its reach too, that should see something of its inside."""
-    near = cells_that_reach(grid, inside.points, memory.body.reach_m + NEAR_M)
+    near = nearest_cells_in_reach(grid, inside.points, memory.body.reach_m + NEAR_M)
     before = [cell for cell in near if frontality(instance, grid.position(cell))]
     return [look for look in looks_inside(inside, instance, memory, grid, before) if look.share > 0]
 

@@ -15,7 +15,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F32, F64, Flags
 from remqa_data.sim.navigation.embodiment import AGENT
-from remqa_data.sim.navigation.grid import Outline, cells_that_reach, outline_distance
+from remqa_data.sim.navigation.grid import Outline, nearest_cells_in_reach, outline_distance
 from remqa_data.sim.navigation.viewpoints import AgentPose, facing_poses
 
 Depths = Mapping[AgentPose, F32]
@@ -80,7 +80,7 @@ def poses_that_reach(
     found: list[AgentPose] = []
     cells = [
         cell
-        for cell in cells_that_reach(sight.grid, points, AGENT.reach_m)
+        for cell in nearest_cells_in_reach(sight.grid, points, AGENT.reach_m)
         if outline_distance(outlines, sight.grid.position(cell)) > AGENT.radius_m
         and (front is None or front.faces(sight.grid.position(cell)))
     ]

@@ -182,7 +182,7 @@ def cells_in_reach(grid: ReachableGrid, points: Iterable[Vec3] | F64, reach_m: f
     return found
 
 
-def cells_that_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[Cell]:
+def nearest_cells_in_reach(grid: ReachableGrid, points: F64, reach_m: float) -> list[Cell]:
     """Cells from which the arm reaches at least one of some points, nearest to their middle first."""
     middle = points.mean(axis=0)[:2]
     return sorted(
