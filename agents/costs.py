@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from remqa_data.agents.runner import pace_path
-from remqa_data.agents.training.config import networks, shipped_path
+from remqa_data.agents.training.config import networks, weights_file
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.report.tables import Grid
 from remqa_data.evaluation.submission.reader import open_submission
@@ -44,12 +44,7 @@ class Cost(NamedTuple):
 
 def known_costs(folder: Path | None = None) -> list[Cost]:
     """Of the networks of the package that are trained; those in a folder come before those of the package."""
-    found = []
-    for name in networks():
-        shipped = shipped_path(name)
-        places = [folder / shipped.name, shipped] if folder else [shipped]
-        found += [cost_of(path) for path in [path for path in places if path.is_file()][:1]]
-    return found
+    return [cost_of(path) for name in networks() if (path := weights_file(name, folder)) is not None]
 
 
 def cost_of(path: Path) -> Cost:

@@ -178,15 +178,14 @@ def rank(
     """Order submissions, the best first: those to the track remqa by S_MQA."""
     from rich.console import Console
 
-    from remqa_data.errors import OutputError
     from remqa_data.evaluation.report.ranking import rank as run
     from remqa_data.evaluation.report.ranking import ranking_grid, ranking_markdown, ranking_notes
     from remqa_data.evaluation.report.tables import print_grid
-    from remqa_data.files import atomic_path
+    from remqa_data.files import atomic_path, check_beside
     from remqa_data.storage.manifest import dataset_around
 
     if out is not None and (outer := dataset_around(out)):
-        raise OutputError(f"{out} is in the dataset {outer}, which holds nothing else; give another place")
+        check_beside(out, outer)
     ranked = run(paths)
     say = output()
     if not (say.is_quiet or say.is_json):

@@ -259,9 +259,11 @@ def networks() -> tuple[str, ...]:
     return preset_names(PRESETS)
 
 
-def shipped_path(name: str) -> Path:
-    """The file of a network that comes with the package, if it is trained."""
-    return Path(str(resources.files(SHIPPED) / f"{name}{SUFFIX}"))
+def weights_file(name: str, folder: Path | None = None) -> Path | None:
+    """The weights of a network in a folder, or else those that come with the package; None if there are neither."""
+    file = f"{name}{SUFFIX}"
+    places = [*([folder / file] if folder else []), Path(str(resources.files(SHIPPED) / file))]
+    return next((place for place in places if place.is_file()), None)
 
 
 def committees() -> tuple[str, ...]:

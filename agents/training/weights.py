@@ -35,7 +35,7 @@ from remqa_data.agents.training.config import (
     ViewEncoderConfig,
     WalkerConfig,
     load_committee_config,
-    shipped_path,
+    weights_file,
 )
 from remqa_data.agents.training.grounding import GROUNDERS
 from remqa_data.agents.training.imitating import DOERS
@@ -128,12 +128,11 @@ def weights_path(name: str, folder: Path | None = None) -> Path:
     ConfigError
         If there are none.
     """
-    shipped = shipped_path(name)
-    places = [Path(name), *([folder / f"{name}{SUFFIX}"] if folder else []), shipped]
-    for place in places:
-        if place.suffix == SUFFIX and place.is_file():
-            return place
-    raise ConfigError(f"no weights of {name!r}; remqa-agent train makes them")
+    named = Path(name)
+    path = named if named.suffix == SUFFIX and named.is_file() else weights_file(name, folder)
+    if path is None:
+        raise ConfigError(f"no weights of {name!r}; remqa-agent train makes them")
+    return path
 
 
 def load_network(path: Path, root: Path | None = None, *, force: bool = False) -> tuple[nn.Module, About]:

@@ -22,6 +22,7 @@ from remqa_data.evaluation.scoring.statistics import LEVEL, RESAMPLES, IntervalK
 from remqa_data.evaluation.submission.reader import Submission
 from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.files import atomic_path, sha256_of
+from remqa_data.geometry.types import F64
 from remqa_data.metrics import LOCALISED_IOU, SUCCESS_DISTANCE_M
 from remqa_data.sim.agent.outcome import OPEN_SHARE
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
@@ -196,12 +197,15 @@ def _wrong_mean(results: Results) -> str | None:
     groups = {
         name: np.array(results.samples.get(name, [])) for name in {metric.breakdown for metric in results.metrics}
     }
-    for metric in results.metrics:
-        column = results.samples.get(metric.name, [])
+    samples: dict[str, F64] = {}
+    for name in results.measures:
+        column = results.samples.get(name, [])
         try:
-            rows = np.array([] if None in column else column, dtype=np.float64)
+            samples[name] = np.array([] if None in column else column, dtype=np.float64)
         except (TypeError, ValueError):
-            return f"a sample of {metric.name} is no number"
+            return f"a sample of {name} is no number"
+    for metric in results.metrics:
+        rows = samples[metric.name]
         if metric.breakdown != OVERALL and len(groups[metric.breakdown]) == len(rows):
             rows = rows[groups[metric.breakdown] == metric.group]
         if (metric.value is None) != (len(rows) == 0):

@@ -140,8 +140,8 @@ class Agent(Body):
         """Close an object."""
         return self.open(object_id, 0.0, force)
 
-    def pick_up(self, object_id: str, force: bool = False) -> ActionResult:
-        """Take an object into the hand; what lay on it falls, but for what `load` says."""
+    def pick_up(self, object_id: str, force: bool = False, along: Sequence[str] = ()) -> ActionResult:
+        """Take an object into the hand, and others along; what lay on them falls, but for what `load` says."""
         if not object_type(self.world.type_of(object_id)).pickupable:
             return ActionResult(False, f"{object_id} is not pickupable")
         if self.held is not None:
@@ -150,8 +150,10 @@ class Agent(Body):
             return ActionResult(False, f"agent {self.world.held[object_id]} holds {object_id}")
         refusal = self.access_refusal(object_id, force)
         if refusal is None:
-            bears = self.world.bears_something(object_id)
-            self.world.pick_up(object_id, self.number, self.load(object_id))
+            taken = (object_id, *along)
+            bears = any(self.world.bears_something(name) for name in taken)
+            _, *load = dict.fromkeys(name for one in taken for name in (one, *self.load(one)))
+            self.world.pick_up(object_id, self.number, load)
             if bears:
                 handling.settle(self.world)
         return refusal or DONE

@@ -170,9 +170,9 @@ def is_free(world: World, object_id: str, spot: Vec3) -> bool:
     return not any(other not in group for name in group for other, _ in world.overlapping(name))
 
 
-def sunk_into(world: World, object_id: str) -> list[str]:
-    """What an object is in by more than things are that touch, the deepest first."""
-    return [other for other, gap in world.overlapping(object_id) if gap < -OVERLAP_M]
+def sunk_into(world: World, object_id: str, most_m: float = OVERLAP_M) -> list[str]:
+    """What an object is in by more than metres, by default more than things that touch are, the deepest first."""
+    return [other for other, gap in world.overlapping(object_id) if gap < -most_m]
 
 
 def move_out(world: World, object_id: str) -> None:

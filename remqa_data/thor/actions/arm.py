@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from remqa_data.catalog import object_type
+from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.agent.results import ActionResult
@@ -38,8 +39,6 @@ def move_arm(
     simulator: SimulatorState, position: PartialVector, coordinateSpace: str = "armBase", returnToStart: bool = True
 ) -> ActionResult:
     """Bring the hand to a position, metres."""
-    if coordinateSpace not in SPACES:
-        return ActionResult(False, f"Invalid coordinateSpace: {coordinateSpace}")
     arm, base = simulator.agent.arm, simulator.agent.base
     origin = arm.hand(base) if coordinateSpace == "wrist" else arm.shoulder(base)
     return _reach(simulator, _in_room(simulator, whole(position), coordinateSpace, origin), returnToStart)
@@ -49,8 +48,6 @@ def move_arm_relative(
     simulator: SimulatorState, offset: PartialVector, coordinateSpace: str = "armBase", returnToStart: bool = True
 ) -> ActionResult:
     """Bring the hand somewhere, as seen from where it is."""
-    if coordinateSpace not in SPACES:
-        return ActionResult(False, f"Invalid coordinateSpace: {coordinateSpace}")
     hand = simulator.agent.arm.hand(simulator.agent.base)
     if coordinateSpace == "world":
         x, y, z = (np.asarray(hand) + np.asarray(to_room(whole(offset)))).tolist()
@@ -168,7 +165,15 @@ ACTIONS: dict[str, Action] = {
 
 
 def _in_room(simulator: SimulatorState, position: Vector, space: str, origin: Vec3) -> Vec3:
-    """A position of AI2-THOR in the room, metres."""
+    """A position of AI2-THOR in the room, metres.
+
+    Raises
+    ------
+    ActionError
+        If there is no such space.
+    """
+    if space not in SPACES:
+        raise ActionError(f"Invalid coordinateSpace: {space}")
     if space == "world":
         return to_room(position)
     agent = simulator.agent

@@ -63,18 +63,18 @@ def unemphasize_all(simulator: SimulatorState) -> ActionResult:
 
 def hide_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Leave an object out of all pictures, with what is in it if it can be opened; it is there all the same."""
-    if (refusal := not_there(simulator, objectId)) is not None:
-        return refusal
-    look, hidden = simulator.room.looks.look, _with_what_is_inside(simulator, objectId)
-    return _show(simulator, replace(look, hidden=look.hidden | hidden))
+    look = simulator.room.looks.look
+    return not_there(simulator, objectId) or _show(
+        simulator, replace(look, hidden=look.hidden | _with_what_is_inside(simulator, objectId))
+    )
 
 
 def unhide_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     """Let an object be in pictures again, with what is in it if it can be opened."""
-    if (refusal := not_there(simulator, objectId)) is not None:
-        return refusal
-    look, shown = simulator.room.looks.look, _with_what_is_inside(simulator, objectId)
-    return _show(simulator, replace(look, hidden=look.hidden - shown))
+    look = simulator.room.looks.look
+    return not_there(simulator, objectId) or _show(
+        simulator, replace(look, hidden=look.hidden - _with_what_is_inside(simulator, objectId))
+    )
 
 
 def set_random_seed(simulator: SimulatorState, seed: int) -> ActionResult:

@@ -24,20 +24,6 @@ HEIGHT_TOLERANCE_M = 0.05
 """How far from the floor a teleport may aim; the agent stands on the floor afterwards."""
 
 
-def rotate_right(
-    simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False, manualInteract: bool = False
-) -> ActionResult:
-    """Turn clockwise, by default as far as Initialize has set."""
-    return _then_rest(simulator, _rotate(simulator, -1, degrees), manualInteract)
-
-
-def rotate_left(
-    simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False, manualInteract: bool = False
-) -> ActionResult:
-    """Turn counter-clockwise."""
-    return _then_rest(simulator, _rotate(simulator, 1, degrees), manualInteract)
-
-
 def look_up(simulator: SimulatorState, degrees: float = 0.0, manualInteract: bool = False) -> ActionResult:
     """Tilt the camera up, by default by 30 degrees."""
     return _then_rest(simulator, _look(simulator, -1, degrees), manualInteract)
@@ -112,23 +98,24 @@ def _walk(ahead: int = 0, right: int = 0, *, any_way: bool = False) -> Action:
             return ActionResult(
                 False, f"moveMagnitude must be positive, not {distance:g}: name the direction in the action"
             )
+        step = (ahead * distance, right * distance)
         with simulator.agent.passing_agents(allowAgentsToIntersect):
-            moved = _too_far_from(simulator, objectId, maxAgentsDistance, ahead * distance, right * distance) or _move(
-                simulator, ahead * distance, right * distance
-            )
+            moved = _too_far_from(simulator, objectId, maxAgentsDistance, *step) or _move(simulator, *step)
         return _then_rest(simulator, moved, manualInteract)
 
     return walk
 
 
-def _turn(counter_clockwise: int) -> Action:
-    """The action of turning one way or, by less than nothing, the other, as an agent with an arm does."""
+def _turn(counter_clockwise: int, *, any_way: bool = False) -> Action:
+    """The action of turning, by default as far as Initialize has set, and also by nothing if any angle will do."""
 
     def turn(
         simulator: SimulatorState, degrees: float | None = None, forceAction: bool = False, manualInteract: bool = False
     ) -> ActionResult:
         angle = simulator.settings.rotate_step_degrees if degrees is None else degrees
-        return simulator.agent.rotate(counter_clockwise * angle)
+        if angle == 0 and not any_way:
+            return ActionResult(False, "degrees must be non-zero")
+        return _then_rest(simulator, simulator.agent.rotate(counter_clockwise * angle), manualInteract)
 
     return turn
 
@@ -141,9 +128,9 @@ ACTIONS: dict[str, Action] = {
     "MoveBack": _walk(ahead=-1),
     "MoveLeft": _walk(right=-1),
     "MoveRight": _walk(right=1),
-    "RotateLeft": rotate_left,
+    "RotateLeft": _turn(1),
     "RotateLook": rotate_look,
-    "RotateRight": rotate_right,
+    "RotateRight": _turn(-1),
     "Stand": stand,
     "Teleport": teleport,
     "TeleportFull": teleport,
@@ -153,8 +140,8 @@ ANY_WAY: dict[str, Action] = {
     "MoveBack": _walk(ahead=-1, any_way=True),
     "MoveLeft": _walk(right=-1, any_way=True),
     "MoveRight": _walk(right=1, any_way=True),
-    "RotateLeft": _turn(1),
-    "RotateRight": _turn(-1),
+    "RotateLeft": _turn(1, any_way=True),
+    "RotateRight": _turn(-1, any_way=True),
 }
 """What an agent with an arm does otherwise: it takes any distance and angle."""
 
@@ -194,13 +181,6 @@ def _move(simulator: SimulatorState, ahead: float, right: float) -> ActionResult
     way = _way(simulator, ahead, right)
     by = f"({way['x']:.4f}, {way['y']:.4f}, {way['z']:.4f})"
     return replace(moved, error=f"{moved.blocked_by} is blocking Agent {agent.number} from moving by {by}.")
-
-
-def _rotate(simulator: SimulatorState, counter_clockwise: int, degrees: float | None) -> ActionResult:
-    angle = simulator.settings.rotate_step_degrees if degrees is None else degrees
-    if angle == 0:
-        return ActionResult(False, "degrees must be non-zero")
-    return simulator.agent.rotate(counter_clockwise * angle)
 
 
 def _look(simulator: SimulatorState, down: int, degrees: float) -> ActionResult:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NotRequired
 
@@ -17,7 +17,7 @@ from typing_extensions import TypedDict
 
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import Vec3
+from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.receptacles import lattice, open_spaces
@@ -137,17 +137,18 @@ def _meant_by_others(
 
     A name stands for an object of its type that no other name stands for, of several for the one that is nearest to its pose.
     """
-    room, found = simulator.room, dict[str, str]()
+    room, found, taken = simulator.room, dict[str, str](), set(known.values())
     for pose in wanted:
         name = _named(pose)
         type_name = RECORDED_NAME.fullmatch(name)
         if name in known or name in found or type_name is None:
             continue
         ids = of_type(simulator, type_name[1])
-        free = [one for one in ids if one not in room.records.copies and one not in {*known.values(), *found.values()}]
+        free = [one for one in ids if one not in room.records.copies and one not in taken]
         there = to_room(whole(pose["position"]))
         if free:
             found[name] = min(free, key=lambda one: (math.dist(room.records.position(one), there), one))
+            taken.add(found[name])
     return found
 
 
@@ -160,11 +161,8 @@ def place_object_at_point(
     positions: list[PartialVector] | None = None,
 ) -> ActionResult:
     """Put the bottom of an object's box at a point, or the first of some, with what is in or on it; it comes to rest."""
-    for place in _places("PlaceObjectAtPoint", position, positions):
-        placed = _place_at(simulator, objectId, place, rotation)
-        if placed.success:
-            break
-    return placed
+    places = _places("PlaceObjectAtPoint", position, positions)
+    return _first_that_works(_place_at(simulator, objectId, place, rotation) for place in places)
 
 
 def _place_at(
@@ -202,8 +200,7 @@ def teleport_object_to_floor(
     """Put an object on the floor, with the middle of its box above a point; it comes to rest."""
     if objectId in simulator.room.world.held:
         return ActionResult(False, "Cannot teleport object in hand.")
-    floor_y = to_thor((0.0, 0.0, simulator.room.world.scene.floor_z))["y"]
-    return _place_at(simulator, objectId, {"x": x, "y": floor_y, "z": z}, rotation)
+    return _place_at(simulator, objectId, {"x": x, "y": simulator.room.world.scene.floor_z, "z": z}, rotation)
 
 
 def teleport_object(
@@ -234,24 +231,27 @@ def teleport_object(
         position = {"x": x or 0.0, "y": y or 0.0, "z": z or 0.0}
     places = _places("TeleportObject", position, positions)
     turn = room.records.turn(objectId) if rotation is None else turn_of_euler(whole(rotation))
-    before, refusal = world.save(), None
-    for place in places:
-        refusal = _out_of_bounds(room, place)
-        if refusal is not None:
-            continue
-        was_held, blocker = objectId in world.held, None
-        if was_held:
-            world.put(objectId, world.state(objectId).position)
-        pivot, quaternion = room.records.pose_of(objectId, to_room(whole(place)), turn)
-        if was_held or not _is_same(world.state(objectId), pivot, quaternion):
-            moved = [objectId, *world.move(objectId, pivot, quaternion)]
-            blocker = _put_down(room, moved, forceAction)
-        if blocker is None:
-            simulator.agent.rest_hand()
-            return ActionResult(True, value=None if positions else to_thor(room.records.position(objectId)))
-        world.restore(before)
-        refusal = ActionResult(False, f"{blocker} is in the way of {objectId}")
-    return refusal or ActionResult(True)
+    done = _first_that_works(_teleport_to(simulator, objectId, place, turn, forceAction) for place in places)
+    return replace(done, value=None) if positions else done
+
+
+def _teleport_to(
+    simulator: SimulatorState, objectId: str, position: PartialVector, turn: F64, force: bool
+) -> ActionResult:
+    room, world = simulator.room, simulator.room.world
+    if (refusal := _out_of_bounds(room, position)) is not None:
+        return refusal
+    before, was_held = world.save(), objectId in world.held
+    if was_held:
+        world.put(objectId, world.state(objectId).position)
+    pivot, quaternion = room.records.pose_of(objectId, to_room(whole(position)), turn)
+    if was_held or not _is_same(world.state(objectId), pivot, quaternion):
+        moved = [objectId, *world.move(objectId, pivot, quaternion)]
+        if (blocker := _put_down(room, moved, force)) is not None:
+            world.restore(before)
+            return ActionResult(False, f"{blocker} is in the way of {objectId}")
+    simulator.agent.rest_hand()
+    return ActionResult(True, value=to_thor(room.records.position(objectId)))
 
 
 def get_spawn_coordinates_above_receptacle(
@@ -299,7 +299,7 @@ def farthest(world: World, states: Mapping[str, ObjectState]) -> float:
 
 def sunken(world: World, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
     """What one of some objects is in by more than metres, by default more than things that touch are."""
-    return next((other for name in moved for other, gap in world.overlapping(name) if gap < -most_m), None)
+    return next((other for name in moved for other in handling.sunk_into(world, name, most_m)), None)
 
 
 ACTIONS: dict[str, Action] = {
@@ -317,6 +317,14 @@ def _places(action: str, position: PartialVector | None, positions: list[Partial
     if not places:
         raise missing_argument(action, "position")
     return places
+
+
+def _first_that_works(tries: Iterable[ActionResult]) -> ActionResult:
+    """The first success of some tries, of which there is one at least, or the last failure; none is made after a success."""
+    for result in tries:
+        if result.success:
+            break
+    return result
 
 
 def _out_of_bounds(room: LoadedFloorPlan, position: PartialVector) -> ActionResult | None:

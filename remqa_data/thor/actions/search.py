@@ -156,7 +156,7 @@ def get_visible_objects(
 
     By default that is its visibility distance. Of some objects, if these are given.
     """
-    agent, cameras, world = simulator.agent, simulator.cameras, simulator.room.world
+    agent, cameras = simulator.agent, simulator.cameras
     camera: AnyCamera
     distance = simulator.settings.visibility_distance if maxDistance is None else maxDistance
     if thirdPartyCameraIndex is None:
@@ -169,7 +169,7 @@ def get_visible_objects(
         return ActionResult(False, f"there is no third party camera {thirdPartyCameraIndex}: {len(cameras)} were added")
     wanted = [name for name in seen if objectIds is None or name in objectIds]
     eye = camera.view().eye
-    wanted.sort(key=lambda name: (math.dist(eye, simulator.room.records.position(name)), world.ids.index(name)))
+    wanted.sort(key=lambda name: math.dist(eye, simulator.room.records.position(name)))
     return ActionResult(True, value=wanted)
 
 

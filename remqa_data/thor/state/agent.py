@@ -168,15 +168,10 @@ class ThorAgent(Agent):
 
     def pick_up(self, object_id: str, force: bool = False, along: Sequence[str] = ()) -> ActionResult:
         """Take an object into the hand, which is where it usually is, and others along; all turn with the agent then."""
-        middle, before = self.world.box(object_id).mean(axis=0), self._along
-        bears = any(self.world.bears_something(other) for other in along)
-        self._along = tuple(along)
-        result = super().pick_up(object_id, force)
-        if not result.success:
-            self._along = before
-        else:
-            if bears:
-                handling.settle(self.world)
+        middle = self.world.box(object_id).mean(axis=0)
+        result = super().pick_up(object_id, force, along)
+        if result.success:
+            self._along = tuple(along)
             self.hand_offset = HAND
             self._grasp = middle - np.asarray(self.hand_at()) if self.hands == "arm" else np.zeros(3)
             self._usual_turn = None
@@ -199,14 +194,10 @@ class ThorAgent(Agent):
             self.world.move_alone(self.held, self.world.state(self.held).position, quaternion)
 
     def load(self, object_id: str) -> list[str]:
-        """See `Agent`: what is taken along, and what lies in or on receptacles, if a hand can pick it up."""
-        found: dict[str, None] = {}
-        for name in (object_id, *self._along):
-            found[name] = None
-            if object_type(self.world.type_of(name)).receptacle:
-                found |= dict.fromkeys(self.world.contents(name))
-        del found[object_id]
-        return [name for name in found if object_type(self.world.type_of(name)).pickupable]
+        """See `Agent`: what lies in or on a receptacle, if a hand can pick it up."""
+        if not object_type(self.world.type_of(object_id)).receptacle:
+            return []
+        return [name for name in self.world.contents(object_id) if object_type(self.world.type_of(name)).pickupable]
 
     @property
     def in_hand(self) -> list[str]:

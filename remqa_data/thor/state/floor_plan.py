@@ -282,12 +282,10 @@ class LoadedFloorPlan:
 
         From above one sees into the room: there is no ceiling then, and nothing around the house.
         """
-        shown, hidden = self.looks.only, self.looks.hidden
-        if shown is None and camera.view().eye[2] >= self.world.scene.floor_z + self.world.scene.height:
-            shown = ~self._hides_room
-        if hidden is not None:
-            shown = ~hidden if shown is None else shown & ~hidden
-        return shown
+        shown = self.looks.only
+        if camera.view().eye[2] < self.world.scene.floor_z + self.world.scene.height:
+            return shown
+        return ~self._hides_room if shown is None else shown & ~self._hides_room
 
     def picture(
         self, camera: AnyCamera, only: Flags | None, quality: Quality, whose: ThorAgent | None = None

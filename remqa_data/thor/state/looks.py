@@ -75,8 +75,6 @@ class Looks:
         What there is in the room, in the order of its surfaces, each once.
     only : (parts,) array of bool, or None
         What alone is shown; None for everything.
-    hidden : (parts,) array of bool, or None
-        What of that is not; None for nothing.
     """
 
     def __init__(self, view: WorldView) -> None:
@@ -86,7 +84,6 @@ class Looks:
         self.lamps = len(view.renderer.lights.positions)
         self.look = Look()
         self.only: Flags | None = None
-        self.hidden: Flags | None = None
 
     def change(self, look: Look) -> None:
         """Show the room so from now on."""
@@ -105,10 +102,12 @@ class Looks:
         self._choose_parts()
 
     def _choose_parts(self) -> None:
-        """Note which of the renderer's parts are shown alone, and which are not."""
+        """Note which of the renderer's parts are shown alone: of what is emphasised, or of all, what is not hidden."""
         look = self.look
         self.only = None if look.emphasized is None else self._view.parts_of([look.emphasized])
-        self.hidden = self._view.parts_of(look.hidden) if look.hidden else None
+        if look.hidden:
+            shown = ~self._view.parts_of(look.hidden)
+            self.only = shown if self.only is None else shown & self.only
 
     def _read_parts(self) -> None:
         """Note what the renderer's surfaces are made of."""
