@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from remqa_data.agents.training.config import is_committee, load_committee_config, seeded_name
-from remqa_data.generators.config_files import preset_names, read_config
 from remqa_data.limits import MAX_ACTIONS, MOST_SEED
 from remqa_data.storage.manifest import config_hash
+from remqa_data.yaml_files import preset_names, read_config
 
 PRESETS = "remqa_data.configs.agents"
 OF_SEED = ", seed "

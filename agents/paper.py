@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 from functools import lru_cache
 
-from remqa_data.template_files import template_text
+from remqa_data.yaml_files import template_text
 
 SOURCE = "paper_results.csv"
 PAPER = " (paper)"

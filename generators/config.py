@@ -18,7 +18,6 @@ from pydantic import (
 from remqa_data.errors import ConfigError, UnknownNameError
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
-from remqa_data.generators.config_files import checked, preset_names, read_config, read_keys
 from remqa_data.generators.questions.allotment import LOT_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
 from remqa_data.generators.walks.walk import WalkSettings
 from remqa_data.limits import MOST_IMAGE_PX, MOST_SEED
@@ -26,6 +25,7 @@ from remqa_data.scene import Light
 from remqa_data.storage.manifest import config_hash
 from remqa_data.tables.images import RgbFormat
 from remqa_data.tables.rows import KINDS, QuestionKind
+from remqa_data.yaml_files import checked, preset_names, read_config, read_keys
 
 Layouts = Literal["ithor", "sampled"]
 LAYOUTS: tuple[Layouts, ...] = ("ithor", "sampled")

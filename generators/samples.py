@@ -22,7 +22,7 @@ from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.questions import Candidate, mentioned_types
 from remqa_data.generators.revealed import Views
 from remqa_data.generators.undisturbed import counted_again, disturbed
-from remqa_data.language.answers import execute, is_clear
+from remqa_data.language.answers import Answer, execute, is_clear
 from remqa_data.language.inner import inner_of, is_sure, needed
 from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M
 from remqa_data.scene_graph.graph import SceneGraph
@@ -87,17 +87,10 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         Draws where the agent starts.
     """
     question, hiding = group.question, group.question.place
-    wanted = group.answers[room.place.configuration]
     answer = execute(question.program, room.graph)
-    if answer.text != wanted:
-        return Refusal("answer", f"{question.text} is {answer.text}, planned was {wanted}")
-    if question.expression.text not in {found.text for found in room.expressions.of(hiding.object_id)}:
-        return Refusal("unique", f"{question.expression.text} does not pick out {hiding.object_id} only")
-    if not is_clear(question.program, room.graph, room.loose_graph):
-        return Refusal("clear", f"{question.text}: something else nearly fits")
-    inner = inner_of(question.program)
-    if inner is not None and not is_sure(inner, room.graph, wanted):
-        return Refusal("clear", f"{question.text}: it is hard to say")
+    refusal = _misasked(room, group, answer.text)
+    if refusal is not None:
+        return refusal
     witness_ids = needed(question.program, answer.ids, room.graph)
     manipulation = _manipulation(hiding)
     found = _goal(room, question, witness_ids, manipulation)
@@ -110,7 +103,6 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         return Refusal("away", f"the agent stands nowhere farther than {AWAY_M} m from the goal at {hiding.object_id}")
     start = AgentPose(cells[int(rng.integers(len(cells)))], int(rng.choice(HEADINGS_DEG)))
     way = [Action(name) for name in shortest_actions(room.grid, start, goal)]
-    before, after = views.before, views.after
     refusal = _disturbance(room, group, answer.ids, views)
     if refusal is None and witness_ids and not room.hides(hiding, witness_ids):
         refusal = Refusal("necessary", f"what {hiding.object_id} hides is seen from elsewhere")
@@ -118,11 +110,31 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         return refusal
     if not (_leads_to(room, start, way, goal) and room.repeats(goal, manipulation)):
         return Refusal("replayable", f"{hiding.object_id}: the actions end in another picture")
-    name = f"{group.name}-c{room.place.configuration}"
+    task = _Task(start, goals, (*way, manipulation, Action(DONE)), path_length_m(room.grid, start.cell, goal.cell))
+    sample = _row(room, group, answer, task, views)
+    shows_something = answer.ids or inner_of(question.program) is not None
+    if not shows_something and room.share_by_chance(goal, manipulation, sample) < LEAST_SHARE_BY_CHANCE:
+        return Refusal("provable", f"too little of what {hiding.object_id} hides comes to light, tried at random")
+    return sample
+
+
+class _Task(NamedTuple):
+    """What the agent is to do: from where, to one of which poses, and how the shortest way goes."""
+
+    start: AgentPose
+    goals: Sequence[AgentPose]
+    actions: tuple[Action, ...]
+    length_m: float
+
+
+def _row(room: AuditedRoom, group: GroupPlan[HidingPlace], answer: Answer, task: _Task, views: Views) -> QuestionRow:
+    """The sample as it is stored."""
+    question, hiding = group.question, group.question.place
+    before, after = views.before, views.after
+    name, form = f"{group.name}-c{room.place.configuration}", room.rgb_format
     ids = room.replay.world.ids
-    form = room.rgb_format
     shown = shown_ids(before, after, ids)
-    sample = QuestionRow(
+    return QuestionRow(
         question_id=name,
         kind=question.kind,
         question=question.text,
@@ -134,8 +146,8 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         configuration=room.place.configuration,
         split=room.place.split,
         group=group.name,
-        initial_pose=AgentState.of(room.grid, start),
-        goal_poses=tuple(AgentState.of(room.grid, pose) for pose in goals),
+        initial_pose=AgentState.of(room.grid, task.start),
+        goal_poses=tuple(AgentState.of(room.grid, pose) for pose in task.goals),
         target_id=hiding.object_id,
         target_type=hiding.type,
         start_target_box_2d=tight_box(before.objects == ids.index(hiding.object_id)),
@@ -143,9 +155,9 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         answer_ids=answer.ids,
         manipulation=hiding.manipulation,
         manipulation_object_id=hiding.object_id,
-        path_length_m=path_length_m(room.grid, start.cell, goal.cell),
-        path_steps=len(way),
-        actions=tuple(map(str, (*way, manipulation, Action(DONE)))),
+        path_length_m=task.length_m,
+        path_steps=len(task.actions) - 2,  # the others are the manipulation and Done
+        actions=tuple(map(str, task.actions)),
         start_rgb=encode_rgb(before.rgb, f"{name}-start", form=form),
         start_depth=encode_depth(before.depth, f"{name}-start-depth"),
         start_instances=encode_instances(before.objects, ids, shown, f"{name}-start-instances"),
@@ -154,9 +166,6 @@ def make_sample(room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random
         end_instances=encode_instances(after.objects, ids, shown, f"{name}-end-instances"),
         object_ids=shown,
     )
-    if not answer.ids and inner is None and room.share_by_chance(goal, manipulation, sample) < LEAST_SHARE_BY_CHANCE:
-        return Refusal("provable", f"too little of what {hiding.object_id} hides comes to light, tried at random")
-    return sample
 
 
 def goals_and_starts(grid: ReachableGrid, goals: Sequence[AgentPose]) -> tuple[list[AgentPose], list[Cell]]:
@@ -186,6 +195,22 @@ def shown_ids(before: Observation, after: Observation, ids: Sequence[str]) -> tu
     """Ids of the objects of which one of two views shows anything, in the order of the room."""
     seen = pixel_counts(before.objects, len(ids)) + pixel_counts(after.objects, len(ids))
     return tuple(object_id for object_id, pixels in zip(ids, seen, strict=True) if pixels)
+
+
+def _misasked(room: AuditedRoom, group: GroupPlan[HidingPlace], answer: str) -> Refusal | None:
+    """What the graph says against a question: another answer than was planned, or that it is not clear what it means."""
+    question, hiding = group.question, group.question.place
+    wanted = group.answers[room.place.configuration]
+    if answer != wanted:
+        return Refusal("answer", f"{question.text} is {answer}, planned was {wanted}")
+    if question.expression.text not in {found.text for found in room.expressions.of(hiding.object_id)}:
+        return Refusal("unique", f"{question.expression.text} does not pick out {hiding.object_id} only")
+    if not is_clear(question.program, room.graph, room.loose_graph):
+        return Refusal("clear", f"{question.text}: something else nearly fits")
+    inner = inner_of(question.program)
+    if inner is not None and not is_sure(inner, room.graph, wanted):
+        return Refusal("clear", f"{question.text}: it is hard to say")
+    return None
 
 
 def _goal(

@@ -28,7 +28,7 @@ from pydantic import (
 )
 
 from remqa_data.errors import CatalogError, UnknownNameError, one_line
-from remqa_data.template_files import template_text, template_values
+from remqa_data.yaml_files import template_text, template_values
 
 Flag = Literal[
     "openable",

@@ -111,6 +111,13 @@ def test_rooms_of_one_floor_do_not_import_each_other():
     assert [(a, b) for a, b in found if level[a] == level[b] and (b, a) in found] == []
 
 
+def test_who_learns_acts_or_scores_needs_no_generator():
+    makers = ("generators", "browse", "cli", "commands")
+    found = [(upper, lower) for upper, lower in arrows() if lower.split(".")[0] == "generators"]
+    assert len(found) > 10
+    assert [upper for upper, _ in found if upper.split(".")[0] not in makers] == []
+
+
 def test_no_folder_holds_more_modules_than_one_can_survey():
     folders: dict[Path, int] = {}
     for path in modules().values():

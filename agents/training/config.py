@@ -10,9 +10,9 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.agents.networks.windows import SIDE_PX
-from remqa_data.generators.config_files import preset_names, read_config
 from remqa_data.limits import MOST_SEED
 from remqa_data.storage.manifest import config_hash
+from remqa_data.yaml_files import preset_names, read_config
 
 PRESETS = "remqa_data.configs.agents.training"
 COMMITTEES = "remqa_data.configs.agents.committees"

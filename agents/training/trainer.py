@@ -154,83 +154,128 @@ def train(
         raise ConfigError("--workers: this system forks no processes; leave it out")
     torch.manual_seed(schedule.seed)
     torch.use_deterministic_algorithms(device == "cpu")
-    model = task.model.to(device)
-    on_gpu = torch.device(device).type == "cuda"
-    optimizer = torch.optim.AdamW(
-        model.parameters(), lr=schedule.learning_rate, weight_decay=schedule.weight_decay, fused=on_gpu
-    )
-    state = _State()
-    path = folder / CHECKPOINT
-    about = json.dumps({"schedule": vars(schedule), "of": fingerprint})
-    if resume and path.is_file():
-        stored = _checkpoint(path, device)
-        if stored["about"] != about:
+    run = _Run(task, schedule, folder, fingerprint, device)
+    if resume:
+        run.go_on()
+    made = _Batches(task, schedule).since(run.step_of_all, workers)
+    tell = progress if progress is not None else _to_nobody
+    tell(run.step_of_all * schedule.batch_size)
+    while run.state.epoch < schedule.epochs:
+        run.model.train()
+        while run.state.step < run.batches:
+            run.learn_from(next(made))
+            tell(schedule.batch_size)
+            if time.monotonic() - run.saved > checkpoint_s:
+                run.save()
+        run.end_epoch()
+    run.model.eval()
+    return run.state.score | {"minutes": run.state.minutes}
+
+
+class _Run:
+    """One training: the network, its optimizer, and how far it has come.
+
+    Attributes
+    ----------
+    batches : int
+        Of an epoch.
+    saved : float
+        When the last checkpoint was written, or the run began, by the clock of `time.monotonic`.
+    """
+
+    def __init__(self, task: Task, schedule: Schedule, folder: Path, fingerprint: str, device: str) -> None:
+        self.task, self.schedule, self.folder, self.device = task, schedule, folder, device
+        self.model = task.model.to(device)
+        self.kind = torch.device(device).type
+        self.optimizer = torch.optim.AdamW(
+            self.model.parameters(),
+            lr=schedule.learning_rate,
+            weight_decay=schedule.weight_decay,
+            fused=self.kind == "cuda",
+        )
+        self.state = _State()
+        self.batches = schedule.batches(len(task))
+        self.saved = time.monotonic()
+        self._about = json.dumps({"schedule": vars(schedule), "of": fingerprint})
+        self._is_short = schedule.precision == "bfloat16" and knows_bfloat16(device)
+        self._unread: list[Mapping[str, Tensor]] = []
+
+    @property
+    def step_of_all(self) -> int:
+        """Steps that are done, of all epochs."""
+        return self.state.epoch * self.batches + self.state.step
+
+    def go_on(self) -> None:
+        """Take up an interrupted run, if there is one.
+
+        Raises
+        ------
+        ConfigError
+            If it is another run's, or damaged.
+        """
+        path = self.folder / CHECKPOINT
+        if not path.is_file():
+            return
+        stored = _checkpoint(path, self.device)
+        if stored["about"] != self._about:
             raise ConfigError(f"{path} is of another training; leave --resume out to begin anew")
-        model.load_state_dict(stored["model"])
-        optimizer.load_state_dict(stored["optimizer"])
-        state = _State(**stored["state"])
+        self.model.load_state_dict(stored["model"])
+        self.optimizer.load_state_dict(stored["optimizer"])
+        self.state = _State(**stored["state"])
 
-    unread: list[Mapping[str, Tensor]] = []
+    def learn_from(self, batch: Any) -> None:
+        """One step."""
+        rate = self.schedule.rate(self.step_of_all / (self.schedule.epochs * self.batches))
+        for group in self.optimizer.param_groups:
+            group["lr"] = rate
+        with torch.autocast(self.kind, torch.bfloat16, enabled=self._is_short):
+            losses = self.task.losses(batch)
+        self.optimizer.zero_grad()
+        losses["loss"].backward()  # type: ignore[no-untyped-call]
+        nn.utils.clip_grad_norm_(self.model.parameters(), 10.0)
+        self.optimizer.step()
+        self.state.step += 1
+        self._unread.append({name: value.detach() for name, value in losses.items()})
+        if len(self._unread) >= UNREAD:
+            self._read()
 
-    def read() -> None:
-        for losses in unread:
-            for name, value in losses.items():
-                state.sums[name] = state.sums.get(name, 0.0) + float(value)
-        unread.clear()
-
-    def save() -> None:
-        read()
-        parts = {"model": model.state_dict(), "optimizer": optimizer.state_dict(), "state": vars(state)}
-        whole = io.BytesIO()  # what PyTorch says of a full disk is no OSError
-        torch.save({"about": about, **parts}, whole)
-        with atomic_path(path) as temporary:
-            temporary.write_bytes(whole.getbuffer())
-
-    is_short = schedule.precision == "bfloat16" and knows_bfloat16(device)
-    batches = schedule.batches(len(task))
-    if progress is not None:
-        progress((state.epoch * batches + state.step) * schedule.batch_size)
-    saved = began = time.monotonic()
-    made = _Batches(task, schedule).since(state.epoch * batches + state.step, workers)
-    while state.epoch < schedule.epochs:
-        model.train()
-        while state.step < batches:
-            batch = next(made)
-            rate = schedule.rate((state.epoch * batches + state.step) / (schedule.epochs * batches))
-            for group in optimizer.param_groups:
-                group["lr"] = rate
-            with torch.autocast(torch.device(device).type, torch.bfloat16, enabled=is_short):
-                losses = task.losses(batch)
-            optimizer.zero_grad()
-            losses["loss"].backward()  # type: ignore[no-untyped-call]
-            nn.utils.clip_grad_norm_(model.parameters(), 10.0)
-            optimizer.step()
-            state.step += 1
-            unread.append({name: value.detach() for name, value in losses.items()})
-            if len(unread) >= UNREAD:
-                read()
-            if progress is not None:
-                progress(schedule.batch_size)
-            if time.monotonic() - saved > checkpoint_s:
-                state.minutes += (time.monotonic() - began) / 60
-                save()
-                saved = began = time.monotonic()
+    def end_epoch(self) -> None:
+        """Score the network where that is due, add to the curves, and begin the next epoch."""
+        state = self.state
         state.epoch += 1
-        read()
-        curve: dict[str, float] = {"epoch": state.epoch} | {k: v / batches for k, v in state.sums.items()}
-        if state.epoch % schedule.score_every == 0 or state.epoch == schedule.epochs:
-            model.eval()
+        self._read()
+        curve: dict[str, float] = {"epoch": state.epoch} | {k: v / self.batches for k, v in state.sums.items()}
+        if state.epoch % self.schedule.score_every == 0 or state.epoch == self.schedule.epochs:
+            self.model.eval()
             with torch.no_grad():
-                state.score = dict(task.score())
+                state.score = dict(self.task.score())
             curve |= state.score
         state.curves.append(curve)
         state.step, state.sums = 0, {}
-        state.minutes += (time.monotonic() - began) / 60
-        save()
-        _write_curves(folder / CURVES, state.curves)
-        saved = began = time.monotonic()
-    model.eval()
-    return state.score | {"minutes": state.minutes}
+        self.save()
+        _write_curves(self.folder / CURVES, state.curves)
+
+    def save(self) -> None:
+        """Write a checkpoint; what that takes is not counted among the minutes."""
+        self.state.minutes += (time.monotonic() - self.saved) / 60
+        self._read()
+        parts = {"model": self.model.state_dict(), "optimizer": self.optimizer.state_dict(), "state": vars(self.state)}
+        whole = io.BytesIO()  # what PyTorch says of a full disk is no OSError
+        torch.save({"about": self._about, **parts}, whole)
+        with atomic_path(self.folder / CHECKPOINT) as temporary:
+            temporary.write_bytes(whole.getbuffer())
+        self.saved = time.monotonic()
+
+    def _read(self) -> None:
+        """Add up the losses of the last batches."""
+        for losses in self._unread:
+            for name, value in losses.items():
+                self.state.sums[name] = self.state.sums.get(name, 0.0) + float(value)
+        self._unread.clear()
+
+
+def _to_nobody(_: int) -> None:
+    """Nobody asked for progress."""
 
 
 def _checkpoint(path: Path, device: str) -> dict[str, Any]:

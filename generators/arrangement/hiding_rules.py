@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.geometry.types import Vec3
-from remqa_data.template_files import template_rules
+from remqa_data.yaml_files import template_rules
 
 SOURCE = "hiding.yaml"
 

@@ -9,7 +9,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from remqa_data.catalog import Room, object_type
-from remqa_data.template_files import template_rules
+from remqa_data.yaml_files import template_rules
 
 SOURCE = "plausible.yaml"
 DEFAULT = "default"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from remqa_data.generators.audit.failures import Failure
-from remqa_data.generators.questions.questions import question_rules
+from remqa_data.language.question_rules import question_rules
 from remqa_data.storage.manifest import Manifest
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.rows import KINDS

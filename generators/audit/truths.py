@@ -22,7 +22,6 @@ from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
 from remqa_data.generators.audit.question_words import asked, understood
 from remqa_data.generators.provable import LEAST_SHARE, seen_share
-from remqa_data.generators.questions.questions import NO
 from remqa_data.generators.seen_anywhere import MOST_PIXELS, most_pixels_anywhere
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.geometry import arithmetic
@@ -30,6 +29,7 @@ from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
 from remqa_data.language.inner import inner_of, is_sure, needed
+from remqa_data.language.question_rules import NO
 from remqa_data.language.referring import resolve
 from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M, distance_to_goal_m
 from remqa_data.scene import Scene

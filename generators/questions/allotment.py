@@ -18,10 +18,10 @@ from typing import Literal
 from remqa_data.errors import QuotaError, UnknownNameError
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import PREFIX, is_sampled, room_type_of, sampled_index, sampled_split
-from remqa_data.generators.questions.questions import question_rules
+from remqa_data.language.question_rules import question_rules
 from remqa_data.published import QUESTIONS
 from remqa_data.tables.rows import KINDS, QuestionKind, Split
-from remqa_data.template_files import template_text
+from remqa_data.yaml_files import template_text
 
 SOURCE = "capacities.csv"
 SAMPLED_SOURCE = "sampled_capacities.csv"

@@ -30,8 +30,9 @@ from remqa_data.generators.questions.allotment import (
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import shapes_of
 from remqa_data.generators.questions.planning import Planner
-from remqa_data.generators.questions.questions import P, question_rules
+from remqa_data.generators.questions.questions import P
 from remqa_data.generators.questions.sites import FittingTypes, TakesThings, any_room, sites_of, takes
+from remqa_data.language.question_rules import question_rules
 from remqa_data.published import QUESTIONS
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.metadata import object_metadata

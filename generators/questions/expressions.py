@@ -15,13 +15,12 @@ from typing import Literal
 
 from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry.boxes import centre_distance
+from remqa_data.language.question_rules import ExpressionKind
 from remqa_data.language.referring import Program, Step, candidates, resolve
 from remqa_data.language.rules import SEEN_AS_ONE, expression_rules, may_be_called
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.scene_graph.relations import Relation, relation_rules
 from remqa_data.sim.metadata import ObjectMetadata
-
-ExpressionKind = Literal["bare", "relation", "attribute", "superlative"]
 
 STACKED = types_with("in_stacks")
 IN_ROWS = types_with("in_rows")

@@ -14,7 +14,8 @@ from typing import Generic
 from remqa_data.errors import QuotaError
 from remqa_data.generators.arrangement.hiding_check import Hidden
 from remqa_data.generators.arrangement.hiding_places import HidingPlace
-from remqa_data.generators.questions.questions import NO, YES, Candidate, P
+from remqa_data.generators.questions.questions import Candidate, P
+from remqa_data.language.question_rules import NO, YES
 from remqa_data.tables.rows import QuestionKind
 
 

@@ -20,10 +20,8 @@ from remqa_data.generators.questions.groups import GroupPlan, shapes_of, things_
 from remqa_data.generators.questions.questions import (
     Candidate,
     P,
-    QuestionRules,
     confusable,
     mentioned_types,
-    question_rules,
 )
 from remqa_data.generators.questions.sites import (
     FittingTypes,
@@ -39,6 +37,7 @@ from remqa_data.generators.questions.sites import (
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.language.inner import InnerRelation, Partner
+from remqa_data.language.question_rules import QuestionRules, question_rules
 from remqa_data.tables.rows import QuestionKind
 
 Clashes = Mapping[SiteKey, Collection[frozenset[str]]]

@@ -6,24 +6,19 @@ in `remqa_data.generators.questions.groups`; the answers come from `remqa_data.l
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache
 from typing import Generic, Literal, Protocol, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat
-
 from remqa_data.catalog import Manipulation, object_type, plural, with_article
-from remqa_data.generators.questions.expressions import Expression, ExpressionKind
-from remqa_data.language.inner import InnerRelation, Partner
+from remqa_data.generators.questions.expressions import Expression
+from remqa_data.language.inner import Partner
+from remqa_data.language.question_rules import question_rules
 from remqa_data.language.referring import AnyProgram, Program
 from remqa_data.language.rules import may_be_called
 from remqa_data.scene_graph.relations import Relation, relation_rules
 from remqa_data.tables.rows import KINDS, QuestionKind
-from remqa_data.template_files import template_rules
-
-SOURCE = "questions.yaml"
-YES, NO = "yes", "no"
 
 
 class QuestionSite(Protocol):
@@ -51,42 +46,6 @@ class QuestionSite(Protocol):
 
 
 P = TypeVar("P", bound=QuestionSite)
-
-
-class QuestionRules(BaseModel):
-    """All of `templates/questions.yaml`, which says what each field means."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    templates: Mapping[QuestionKind, str]
-    inner_template: str
-    inner_share: float = Field(ge=0, le=1)
-    inner_longest_words: int
-    inner_relations: Mapping[InnerRelation, float]
-    aim_words: Mapping[QuestionKind, PositiveFloat]
-    bare_share: Mapping[QuestionKind, float]
-    bare_share_per_word: float = Field(ge=0)
-    tolerance_words: Mapping[QuestionKind, PositiveFloat]
-    longest_words: Mapping[QuestionKind, int]
-    expression_weights: Mapping[ExpressionKind, float]
-    rank_factor: float = Field(gt=0, le=1)
-    spatial_words: Mapping[Relation, str]
-    manipulations: Mapping[QuestionKind, Mapping[Manipulation, float]]
-    type_weights: Mapping[str, PositiveFloat]
-    max_groups_per_place: Mapping[QuestionKind, int]
-    max_groups_per_type: int
-    again_factor: float = Field(ge=1)
-    counts: tuple[int, ...]
-
-    def answers(self, kind: QuestionKind) -> tuple[str, ...]:
-        """The answers to a kind of question."""
-        return tuple(map(str, self.counts)) if kind == "COUNTING" else (YES, NO)
-
-
-@lru_cache(maxsize=1)
-def question_rules() -> QuestionRules:
-    """The rules that come with the package, read once."""
-    return template_rules(QuestionRules, SOURCE)
 
 
 @dataclass(frozen=True)

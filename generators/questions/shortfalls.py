@@ -22,7 +22,7 @@ from remqa_data.generators.questions.allotment import (
     allot,
     capacities,
 )
-from remqa_data.generators.questions.questions import question_rules
+from remqa_data.language.question_rules import question_rules
 from remqa_data.tables.rows import KINDS, QuestionKind
 
 Answers: TypeAlias = Mapping[QuestionKind, Mapping[str, int]]

@@ -15,10 +15,10 @@ from remqa_data.generators.questions.questions import (
     QuestionSite,
     confusable,
     kinds_for,
-    question_rules,
     usable_expressions,
 )
 from remqa_data.language.inner import Partner
+from remqa_data.language.question_rules import question_rules
 from remqa_data.tables.rows import QuestionKind
 
 FittingTypes = Callable[[P, int], Sequence[tuple[str, float]]]

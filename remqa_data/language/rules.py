@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict
 
 from remqa_data.catalog import catalog, types_with
 from remqa_data.scene_graph.relations import Relation
-from remqa_data.template_files import template_rules
+from remqa_data.yaml_files import template_rules
 
 SOURCE = "expressions.yaml"
 SEEN_AS_ONE = types_with("seen_as_one")

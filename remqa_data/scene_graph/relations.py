@@ -20,7 +20,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.geometry.types import F64
 from remqa_data.sim.metadata import ObjectMetadata
-from remqa_data.template_files import template_rules
+from remqa_data.yaml_files import template_rules
 
 Relation = Literal["in", "on", "under", "above", "below", "next to"]
 """What one object is to another, by their boxes and by what holds them: the edges of the scene graph."""

@@ -5,7 +5,7 @@ import pytest
 
 from remqa_data.catalog import catalog
 from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
-from remqa_data.template_files import template_values
+from remqa_data.yaml_files import template_values
 
 FRIDGE = "Fridge|-02.10|+00.00|+01.07"
 APPLE = "Apple|-00.47|+01.15|+00.48"

@@ -7,7 +7,7 @@ from functools import lru_cache
 from remqa_data.catalog import catalog
 from remqa_data.errors import UnknownNameError
 from remqa_data.geometry.types import Vec3
-from remqa_data.template_files import template_values
+from remqa_data.yaml_files import template_values
 
 
 def typical_size(type_: str) -> Vec3:

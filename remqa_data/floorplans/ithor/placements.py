@@ -6,7 +6,7 @@ import csv
 from collections.abc import Iterable
 from functools import lru_cache
 
-from remqa_data.template_files import template_text
+from remqa_data.yaml_files import template_text
 
 SOURCE = "placements.csv"
 

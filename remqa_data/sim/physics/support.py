@@ -20,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
-from remqa_data.template_files import template_rules
+from remqa_data.yaml_files import template_rules
 
 if TYPE_CHECKING:
     from remqa_data.assets.core.model import Space

@@ -6,7 +6,7 @@ from functools import cache
 
 from pydantic import BaseModel, ConfigDict
 
-from remqa_data.template_files import template_rules
+from remqa_data.yaml_files import template_rules
 
 SOURCE = "thor_receptacles.yaml"
 

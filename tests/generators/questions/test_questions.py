@@ -10,12 +10,12 @@ from remqa_data.generators.questions.questions import (
     confusable,
     kinds_for,
     mentioned_types,
-    question_rules,
     question_text,
     usable_expressions,
 )
 from remqa_data.language.answers import execute
 from remqa_data.language.inner import Partner
+from remqa_data.language.question_rules import question_rules
 from remqa_data.language.referring import resolve
 from remqa_data.tables.rows import KINDS
 from tests.helpers.room_records import kitchen_graph

@@ -1,4 +1,7 @@
-"""Configuration files: YAML of a few keys, read without trust, with errors that name the file and the key."""
+"""YAML files: those of `templates/`, which come with the package, and configurations, which are read without trust.
+
+What is wrong with a configuration is told with the file and the key.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,31 @@ MOST_CONFIG_DEPTH = 8
 """Lists and mappings inside of one another; it takes four."""
 
 M = TypeVar("M", bound=BaseModel)
+
+
+def template_text(name: str) -> str:
+    """The text of a file of `templates/`.
+
+    >>> template_text("traits.yaml").splitlines()[0]
+    '# What the code knows of an object type by its name. Each type in objects.yaml lists the traits that it has.'
+    """
+    return (resources.files("remqa_data.templates") / name).read_text(encoding="utf-8")
+
+
+def template_values(name: str) -> Any:
+    """What a YAML file of `templates/` says."""
+    return yaml.safe_load(template_text(name))
+
+
+def template_rules(model: type[M], name: str) -> M:
+    """The rules that a YAML file of `templates/` says, checked.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        If it says anything else.
+    """
+    return model.model_validate(template_values(name))
 
 
 def preset_names(package: str) -> tuple[str, ...]:
