@@ -6,7 +6,8 @@ an action, such as "OpenObject Fridge|+02.10|+00.00|-00.28" or "Answer yes", or 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
@@ -63,13 +64,13 @@ class Command:
         What to do; None for an answer.
     answer : str or None
         Ends the episode.
-    box : tuple of float or None
+    box : sequence of float or None
         Where the agent says that the question's target is in the present view: left, top, right, bottom, from 0 to 1.
 
     Raises
     ------
     ActionError
-        If it is neither an action nor an answer, or what a submission cannot hold.
+        If it is not one of the two, an action or an answer, or what a submission cannot hold.
     """
 
     action: Action | None = None
@@ -79,22 +80,34 @@ class Command:
     def __post_init__(self) -> None:
         if self.action is None and self.answer is None:
             raise ActionError("a Command has an action or an answer; action=Action(DONE) ends an episode without one")
+        if self.action is not None and self.answer is not None:
+            raise ActionError("a Command has an action or an answer, not both: an answer ends the episode")
         if not isinstance(self.action, Action | None):
             raise ActionError(f"Command(action={self.action!r}): give an Action, such as parse_action('MoveAhead')")
         if not (self.answer is None or (isinstance(self.answer, str) and len(self.answer) <= MAX_TEXT)):
             raise ActionError(f"Command(answer={self.answer!r}): give a text of at most {MAX_TEXT} characters")
-        if self.box is not None and not _is_box(self.box):
-            raise ActionError(f"Command(box={self.box!r}): give left, top, right and bottom, shares from 0 to 1")
+        if self.answer is not None and not _is_unicode(self.answer):
+            raise ActionError(f"Command(answer={self.answer!r}): half a character, which no file holds")
+        if self.box is not None:
+            object.__setattr__(self, "box", _box(self.box))
 
     def __str__(self) -> str:
         return f"{ANSWER} {self.answer}" if self.action is None else str(self.action)
 
 
-def _is_box(box: Shares) -> bool:
-    if np.shape(box) != (4,):
-        return False
-    left, top, right, bottom = box
-    return bool(0.0 <= left <= right <= 1.0 and 0.0 <= top <= bottom <= 1.0)
+def _is_unicode(text: str) -> bool:
+    """Whether a text has no lone surrogates."""
+    return not any("\ud800" <= character <= "\udfff" for character in text)
+
+
+def _box(box: Sequence[float]) -> Shares:
+    try:
+        left, top, right, bottom = (float(share) for share in box)
+    except (TypeError, ValueError):
+        left = top = right = bottom = math.nan
+    if not (0.0 <= left <= right <= 1.0 and 0.0 <= top <= bottom <= 1.0):
+        raise ActionError(f"Command(box={box!r:.200}): give left, top, right and bottom, shares from 0 to 1")
+    return left, top, right, bottom
 
 
 def action_space(mode: ActionMode) -> spaces.Space[Any]:

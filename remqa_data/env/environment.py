@@ -24,7 +24,7 @@ from gymnasium import spaces
 
 from remqa_data.catalog import catalog
 from remqa_data.datasets.vocabulary import Vocabulary
-from remqa_data.env.actions import ActionMode, Command, action_space, command
+from remqa_data.env.actions import ActionMode, Command, Shares, action_space, command
 from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes, check_counts
 from remqa_data.env.loaded_scene import LoadedRoom
 from remqa_data.env.question import QuestionText
@@ -38,8 +38,8 @@ from remqa_data.sim.agent.actions import (
     NAVIGATION,
     TELEPORT,
     Action,
+    amounts_of,
     nothing_at,
-    object_of,
     perform,
 )
 from remqa_data.sim.agent.agent import Agent, Hands
@@ -77,7 +77,8 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
     max_steps : int
         An episode is truncated after so many steps.
     privileged : bool
-        Whether the agent gets what no agent should: instance images, and Teleport. `info["privileged"]` marks the run.
+        Whether the agent gets what no agent should: instance images, Teleport, and to act on what it does not see.
+        `info["privileged"]` marks the run.
     vocabulary : Vocabulary, optional
         For the question's tokens; by default that of the dataset's train split.
     views_kept : int
@@ -128,15 +129,16 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
             raise ActionError(f"vocabulary is {vocabulary!r:.80}: give a Vocabulary")
         if max(width, height) > MOST_IMAGE_PX:
             raise ActionError(f"a view of {width} x {height} pixels: give at most {MOST_IMAGE_PX} x {MOST_IMAGE_PX}")
-        if isinstance(scenes, str):
-            raise ActionError(f"scenes is a text: give a list, [{scenes!r}]")
+        if isinstance(scenes, str | Scene):
+            what = "a text" if isinstance(scenes, str) else "a room"
+            raise ActionError(f"scenes is {what}: give a list, such as ['FloorPlan1']")
         self.episodes: Episodes
         self.split = None if root is None else split
         if root is not None:
             self.episodes = DatasetEpisodes(root, split, question_ids)
             self.vocabulary = vocabulary or Vocabulary.from_dataset(root)
         else:
-            self.episodes = SceneEpisodes(scenes or ())
+            self.episodes = SceneEpisodes(() if scenes is None else scenes)
             self.vocabulary = vocabulary or Vocabulary.build((), ())
         self.action_mode: ActionMode = action_mode
         self.hands: Hands = hands
@@ -200,7 +202,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         ActionError
             If it is no action, or the episode has not begun or is over.
         UnknownNameError
-            If it names an object that is not in the room.
+            If a privileged agent names an object that is not in the room. To another one that is as any that it does not see.
         """
         if self._is_over:
             raise ActionError("there is no episode going on: call reset")
@@ -221,7 +223,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
             task = self.episode.task
             if task is not None:
                 info["answer"] = wanted.answer
-                self.record.look(self.agent, task, wanted.box)
+                self.record.look(self.agent, task, self._in_frame(wanted.box))
                 info |= self.record.measures(task, wanted.answer)
                 reward = float(info["S_N"] and info["answer_accuracy"])
         return self._observe(info), reward, terminated, truncated, info
@@ -240,21 +242,47 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
     def _act(self, action: Action, wanted: Command) -> ActionResult:
         if action.name == TELEPORT and not self.privileged:
             raise ActionError(f"{TELEPORT} is only for privileged agents")
-        task = self.episode.task
-        is_manipulation = action.name in MANIPULATION
-        if is_manipulation and isinstance(action.target, tuple):
-            seen = object_of(self.agent, action)
-            if seen is None:
-                return nothing_at(action)
-            action = Action(action.name, seen, action.numbers)
-        if is_manipulation and task is not None and isinstance(action.target, str):
-            self.record.look(self.agent, task, wanted.box)
+        if action.name in MANIPULATION:
+            return self._manipulate(action, wanted.box)
         result = perform(self.agent, action)
         if action.name in NAVIGATION:
             self.record.walked(action, self.agent)
-        elif result.success and isinstance(action.target, str):
-            self.record.manipulated(action, action.target, self.agent)
         return result
+
+    def _manipulate(self, action: Action, box: Shares | None) -> ActionResult:
+        """Act on a thing. Names, be they right or wrong, tell who is not privileged nothing of what it does not see."""
+        target, agent, task = action.target, self.agent, self.episode.task
+        amounts_of(action)  # is it an action at all? What is not there is asked next
+        if isinstance(target, tuple):
+            target = agent.object_at(*target, agent.camera(self.width, self.height))
+            if target is None:
+                return nothing_at(action)
+            action = Action(action.name, target, action.numbers)
+        elif target is not None and not self.privileged and target not in agent.visible_objects():
+            return ActionResult(False, f"{target} is not visible")
+        if task is not None and target is not None:
+            self.record.look(agent, task, self._in_frame(box))
+        result = perform(agent, action)
+        if result.success and target is not None:
+            self.record.manipulated(action, target, agent)
+        return result if result.success or self.privileged else self._without_names(result, target)
+
+    def _without_names(self, refusal: ActionResult, target: str | None) -> ActionResult:
+        """A refusal that names nothing but the target and what the agent sees."""
+        unseen = {*self.agent.world.ids} - {target, *self.agent.visible_objects()}
+        words = (
+            word.replace(name, "something") if (name := word.rstrip(":,")) in unseen else word
+            for word in refusal.error.split(" ")
+        )
+        return ActionResult(False, " ".join(words))
+
+    def _in_frame(self, box: Shares | None) -> Shares | None:
+        """A box of the agent's picture in the square one that is scored, which is as high, and may be narrower or wider."""
+        if box is None or self.width == self.height:
+            return box
+        left, top, right, bottom = box
+        left, right = (min(max(0.5 + (x - 0.5) * self.width / self.height, 0.0), 1.0) for x in (left, right))
+        return left, top, right, bottom
 
     def _observe(self, info: dict[str, Any]) -> dict[str, Any]:
         agent = self.agent

@@ -11,7 +11,7 @@ import numpy as np
 
 from remqa_data.env.actions import Shares
 from remqa_data.errors import ActionError, DatasetError, UnknownNameError, one_line
-from remqa_data.floorplans.load import load_scene
+from remqa_data.floorplans.load import check_scene_name, load_scene
 from remqa_data.geometry.types import F64
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import Action, parse_actions
@@ -124,9 +124,9 @@ class DatasetEpisodes:
         keys = scenes.select(["scene", "configuration"]).to_pylist()
         self._scene_rows = {(key["scene"], key["configuration"]): row for row, key in enumerate(keys)}
         self._rows = {name: row for row, name in enumerate(self._questions["question_id"].to_pylist())}
-        for name in question_ids or ():
-            self._row(name)
         self.ids = tuple(self._rows if question_ids is None else question_ids)
+        for name in self.ids:
+            self._row(name)
 
     def episode(self, name: str) -> Episode:
         """The episode of a question.
@@ -177,12 +177,30 @@ class SceneEpisodes:
     ----------
     scenes : sequence of str or Scene
         iTHOR's floor plans by name, such as "FloorPlan1", or rooms, which are taken to be at rest.
+
+    Raises
+    ------
+    ActionError
+        If it is something else, or two rooms have one name.
+    DatasetError
+        If there are none.
+    UnknownNameError
+        If there is no such floor plan.
     """
 
     def __init__(self, scenes: Sequence[str | Scene]) -> None:
-        if not scenes:
+        self._scenes: dict[str, str | Scene] = {}
+        for scene in scenes:
+            if not isinstance(scene, str | Scene):
+                raise ActionError(f"scenes has {scene!r:.80}: give names of floor plans, or rooms (Scene)")
+            name = str(scene) if isinstance(scene, str) else scene.name
+            if isinstance(scene, str):
+                check_scene_name(name)
+            if name in self._scenes:
+                raise ActionError(f"scenes has two rooms called {name!r:.80}: give each a name of its own")
+            self._scenes[name] = scene
+        if not self._scenes:
             raise DatasetError("no scenes were given: name at least one, such as FloorPlan1")
-        self._scenes = {scene if isinstance(scene, str) else scene.name: scene for scene in scenes}
         self.ids = tuple(self._scenes)
 
     def episode(self, name: str) -> Episode:
@@ -216,12 +234,15 @@ def check_question_ids(question_ids: Sequence[str] | None) -> None:
     Raises
     ------
     ActionError
-        If it is one text, or empty.
+        If it is one text, or empty, or holds something else than texts.
     """
     if isinstance(question_ids, str):
         raise ActionError(f"question_ids is a text: give a list, [{question_ids!r}]")
     if question_ids is not None and not len(question_ids):
         raise ActionError("question_ids is empty: leave it out, or name at least one")
+    for name in () if question_ids is None else question_ids:
+        if not isinstance(name, str):
+            raise ActionError(f"question_ids has {name!r:.80}: give ids of questions")
 
 
 _QUESTION_COLUMNS = (

@@ -54,6 +54,8 @@ class LoadedRoom:
         """Undo what was done, and put the agent at its initial pose."""
         self.episode = episode
         self.world.restore(self._first)
+        if "third_person" in vars(self):
+            self.third_person.begin()
         if episode.initial_pose is None:
             cells = self.agent.grid.cells
             position = self.agent.grid.position(cells[int(rng.integers(len(cells)))])

@@ -19,6 +19,20 @@ def scene_names() -> tuple[str, ...]:
     return ithor.scene_names()
 
 
+def check_scene_name(name: str) -> None:
+    """Refuse what is not the name of a floor plan or a sampled room.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is none; names the nearest.
+    """
+    if is_sampled(name):
+        sampled_index(name)
+    elif name not in scene_names():
+        raise UnknownNameError("scene", name, scene_names())
+
+
 def load_scene(name: str, light: Light = "baked") -> Scene:
     """A floor plan as a scene, or a sampled room such as "Sampled-kitchen-000000" of seed 0.
 

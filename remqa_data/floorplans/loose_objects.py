@@ -125,10 +125,8 @@ def _set_down(world: World, object_id: str, surface: OpenSurface, rng: np.random
 def _turned(world: World, object_id: str, turn: F64) -> tuple[F64, F64, float]:
     """Of a thing turned about its centre: from the centre to the middle of its bottom, half its plan, its height."""
     position = np.array(world.state(object_id).position)
-    points = []
-    for link, pose in zip(world.assets[object_id].links, world.link_poses(object_id), strict=True):
-        points += [arithmetic.moved(s.vertices, pose) for s in link.surfaces]
-    turned = arithmetic.turned(np.vstack(points) - position, turn)
+    points = world.assets[object_id].vertices_at(world.link_poses(object_id))
+    turned = arithmetic.turned(points - position, turn)
     low, high = turned.min(axis=0), turned.max(axis=0)
     return np.append((low + high)[:2] / 2, low[2]), (high - low)[:2] / 2, float(high[2] - low[2])
 

@@ -205,6 +205,29 @@ def test_a_batch_is_what_gymnasium_makes_of_environments_one_by_one(
     assert all(same(a, b) for a, b in zip(given, expected, strict=True))
 
 
+def test_a_batch_is_reset_and_seeded_as_gymnasium_does_it(small_rooms: Path, small_views: Path) -> None:
+    make = partial(CachedRemqaEnv, small_rooms, small_views, max_steps=9)
+    batch = CachedRemqaVectorEnv(3, small_rooms, small_views, max_steps=9)
+    one_by_one = gymnasium.vector.SyncVectorEnv([make] * 3)
+    mask = np.array([True, False, True])
+    with pytest.raises(ActionError, match="no episodes going on yet"):
+        batch.reset(options={"reset_mask": mask})
+    told = []
+    for envs in (batch, one_by_one):
+        first = envs.reset(seed=5)
+        assert envs.np_random_seed == (5, 6, 7)
+        envs.step(np.array([AHEAD] * 3))
+        again = envs.reset(seed=8, options={"reset_mask": mask.copy()})
+        after = envs.step(np.array([LEFT, AHEAD, DONE]))
+        told.append((first, again, [generator.random() for generator in envs.np_random], after[:4]))
+    assert batch.np_random_seed == one_by_one.np_random_seed == (8, 6, 10)
+    for one, two in zip(*told, strict=True):
+        assert all(same(a, b) for a, b in zip(one, two, strict=True))
+    for wrong in (mask[:2], mask.astype(int), ~(mask | ~mask), "all"):
+        with pytest.raises(ActionError, match="reset_mask"):
+            batch.reset(options={"reset_mask": wrong})
+
+
 def test_an_observation_of_a_batch_is_its_own(small_rooms: Path, small_views: Path) -> None:
     envs = CachedRemqaVectorEnv(2, small_rooms, small_views)
     with pytest.raises(ActionError, match="call reset"):
@@ -244,6 +267,18 @@ def test_seeds_of_numpy_are_seeds(small_rooms: Path, small_views: Path) -> None:
         envs = CachedRemqaVectorEnv(2, small_rooms, small_views)
         told.append(envs.reset(seed=seed)[1]["episode_id"].tolist())
     assert told[0] == told[1]
+
+
+def test_a_copy_in_the_middle_of_an_episode_goes_on_and_is_no_copy_of_the_cache(env: CachedRemqaEnv) -> None:
+    before = len(pickle.dumps(env))
+    env.reset(seed=4)
+    env.step(AHEAD)
+    stored = pickle.dumps(env)
+    assert len(stored) < before + 2_000
+    other = pickle.loads(stored)
+    for action in (LEFT, AHEAD, DONE):
+        one, two = env.step(action), other.step(action)
+        assert all(same(a, b) for a, b in zip(one, two, strict=True))
 
 
 def test_a_copy_in_another_process_is_the_same(env: CachedRemqaEnv) -> None:

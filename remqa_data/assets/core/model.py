@@ -199,6 +199,13 @@ class Asset:
                 high[axis] = max(high[axis], along.max().item() + shift)
         return np.array([low, high])
 
+    def vertices_at(self, link_poses: F64) -> F64:
+        """(n, 3) vertices of the visible mesh with the links at (links, 4, 4) poses."""
+        links = zip(self.links, link_poses, strict=True)
+        return np.concatenate(
+            [arithmetic.moved(surface.vertices, pose) for link, pose in links for surface in link.surfaces]
+        )
+
     @cached_property
     def _closed_bounds(self) -> F64:
         return self.box_at(self.link_poses(0.0))

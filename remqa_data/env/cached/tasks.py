@@ -56,7 +56,7 @@ class CachedTasks:
         self.views = Views(views, root)
         self.vocabulary = vocabulary or Vocabulary.from_dataset(Path(root))
         self._tasks = {task.question_id: task for task in navigation_tasks(root, split)}
-        for name in question_ids or ():
+        for name in () if question_ids is None else question_ids:
             task = self.task(name)
             if not self.views.has(task.scene, task.configuration):
                 raise DatasetError(

@@ -27,8 +27,8 @@ Batch = tuple[dict[str, Any], npt.NDArray[np.float64], npt.NDArray[np.bool_], np
 class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
     """Several `CachedRemqaEnv`, which share one cache; as Gymnasium's SyncVectorEnv, but several times faster.
 
-    An environment whose episode has ended begins the next one in the next step. In `info` there are "success", what an
-    episode's beginning and end say, and no words for refusals.
+    An environment whose episode has ended begins the next one in the next step. In `info` there are "success" (of those that
+    did an action), "privileged", what an episode's beginning and end say, and no words for actions and refusals.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         self.tasks = CachedTasks(root, views, split, question_ids, vocabulary)
         self.walks = [Walk(self.tasks, max_steps) for _ in range(num_envs)]
         self._has_features, self._has_begun = features, False
-        self._generators: list[np.random.Generator] = [seeding.np_random()[0] for _ in range(num_envs)]
+        self._draws = [seeding.np_random() for _ in range(num_envs)]
         self.single_action_space = spaces.Discrete(len(ACTIONS))
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.single_observation_space = observation_space(self.tasks, features)
@@ -66,17 +66,22 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin an episode in each; environment i draws from `seed + i`, or from seed i of a sequence."""
+        """Begin an episode in each; environment i draws from `seed + i`, or from seed i of a sequence.
+
+        `options={"reset_mask": mask}`, (num_envs,) bool, begins them only there.
+        """
+        wanted = dict(options or {})
+        mask = self._mask(wanted.pop("reset_mask", None))
         seeds = [int(seed) + i for i in range(self.num_envs)] if isinstance(seed, int | np.integer) else seed
         if seeds is not None:
             if len(seeds) != self.num_envs:
                 raise ActionError(f"there are {len(seeds)} seeds for {self.num_envs} environments")
             for number, one in enumerate(seeds):
-                if one is not None:
-                    self._generators[number] = seeding.np_random(one)[0]
+                if one is not None and mask[number]:
+                    self._draws[number] = seeding.np_random(one)
         info: dict[str, Any] = {}
-        for number in range(self.num_envs):
-            info = self._begin(number, info, options)
+        for number in np.flatnonzero(mask).tolist():
+            info = self._begin(number, info, wanted)
         self._tell()
         self._has_begun = True
         return self._observe(), info
@@ -97,10 +102,10 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         rewards = np.zeros(self.num_envs)
         terminated, truncated, success = (np.zeros(self.num_envs, dtype=np.bool_) for _ in range(3))
         info: dict[str, Any] = {}
-        has_begun = False
+        acted = np.ones(self.num_envs, dtype=np.bool_)
         for i, (walk, number) in enumerate(zip(self.walks, numbers, strict=True)):
             if walk.is_over:
-                info, has_begun = self._begin(i, info), True
+                info, acted[i] = self._begin(i, info), False
                 continue
             success[i] = not walk.act(number)
             terminated[i], truncated[i] = walk.ended(number)
@@ -108,17 +113,40 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
                 measures = walk.measures(number)
                 rewards[i] = terminated[i] and measures["S_N"]
                 info = self._add_info(info, measures, i)
-        if has_begun:
+        if not acted.all():
             self._tell()
-        return self._observe(), rewards, terminated, truncated, {**info, "success": success}
+        everywhere, nowhere = np.ones(self.num_envs, dtype=np.bool_), np.zeros(self.num_envs, dtype=np.bool_)
+        info |= {"success": success, "_success": acted, "privileged": nowhere, "_privileged": everywhere}
+        return self._observe(), rewards, terminated, truncated, info
+
+    @property
+    def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
+        """What each draws from, as SyncVectorEnv tells it."""
+        return tuple(seed for _, seed in self._draws)
+
+    @property  # type: ignore[misc]
+    def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
+        """What each draws with."""
+        return tuple(generator for generator, _ in self._draws)
 
     def close_extras(self, **kwargs: Any) -> None:
         """There are no steps any more."""
         self._has_begun = False
 
     def _begin(self, number: int, info: dict[str, Any], options: dict[str, Any] | None = None) -> dict[str, Any]:
-        said = begin(self.walks[number], self.tasks, self._generators[number], options)
+        said = begin(self.walks[number], self.tasks, self._draws[number][0], options)
         return self._add_info(info, said, number)
+
+    def _mask(self, given: Any) -> npt.NDArray[np.bool_]:
+        """Which begin an episode."""
+        if given is None:
+            return np.ones(self.num_envs, dtype=np.bool_)
+        mask = np.asarray(given)
+        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
+            raise ActionError(f"reset_mask is {given!r:.80}: give {self.num_envs} of True and False, at least one True")
+        if not (self._has_begun or mask.all()):
+            raise ActionError("reset_mask: there are no episodes going on yet; reset all of them first")
+        return mask
 
     def _tell(self) -> None:
         """Note what is told of the episodes, which stays the same until one begins."""

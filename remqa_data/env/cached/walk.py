@@ -40,14 +40,27 @@ class Walk:
         self.state = self.steps = self._moved = 0
         self.is_over = True
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the cached room, of which only what is looked at is read; another process opens it for itself."""
+        return {name: value for name, value in vars(self).items() if name not in ("room", "_table", "_refusals")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        if "task" in state:
+            self._enter()
+
     def begin(self, name: str) -> None:
         """Begin the episode of a question."""
         self.task = self._tasks.task(name)
-        self.room = self._tasks.room(self.task)
+        self._enter()
         self.state = self._tasks.start(self.task, self.room)
-        self._table, self._refusals = self.room.transitions.table, self.room.transitions.refusals
         self.steps = self._moved = 0
         self.is_over = False
+
+    def _enter(self) -> None:
+        """Open the room of the task."""
+        self.room = self._tasks.room(self.task)
+        self._table, self._refusals = self.room.transitions.table, self.room.transitions.refusals
 
     def act(self, action: int) -> str:
         """Do an action; why it was refused, or ""."""

@@ -39,11 +39,25 @@ class Action:
         What it is done to.
     numbers : tuple of float
         Its amounts; may be fewer than the action has.
+
+    Raises
+    ------
+    ActionError
+        If it is of other types; numbers of NumPy and lists of them will do.
     """
 
     name: str
     target: Target | None = None
     numbers: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if type(self.numbers) is not tuple or not all(type(number) is float for number in self.numbers):
+            object.__setattr__(self, "numbers", _floats(self, self.numbers))
+        if not isinstance(self.target, str | None):
+            point = _floats(self, self.target)
+            if len(point) != 2:
+                raise ActionError(f"{_in_words(self)}: the target is an object's id or an image point (x, y)")
+            object.__setattr__(self, "target", point)
 
     def in_short(self) -> Action:
         """The same action without the numbers at its end that are the defaults.
@@ -63,6 +77,19 @@ class Action:
         elif self.target is not None:
             parts.append("@" + ",".join(map(repr, self.target)))
         return " ".join([*parts, *map(repr, self.numbers)])
+
+
+def _floats(action: Action, given: object) -> tuple[float, ...]:
+    try:
+        if isinstance(given, str):  # float would read its digits
+            raise TypeError
+        return tuple(float(number) for number in given)  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        raise ActionError(f"{_in_words(action)}: {given!r:.80} are no numbers") from None
+
+
+def _in_words(action: Action) -> str:
+    return f"Action({action.name!r:.80}, {action.target!r:.80}, {action.numbers!r:.80})"
 
 
 class Amount(NamedTuple):
@@ -122,7 +149,7 @@ def parse_action(text: str) -> Action:
     except ValueError:
         raise ActionError(f"{text!r}: {_usage(name)}") from None
     action = Action(name, target, numbers)
-    _amounts(action)
+    amounts_of(action)
     return action
 
 
@@ -178,7 +205,7 @@ def perform(agent: Agent, action: Action) -> ActionResult:
     UnknownNameError
         If the target is no object of the room.
     """
-    spec, amounts = action_spec(action.name), _amounts(action)
+    spec, amounts = action_spec(action.name), amounts_of(action)
     if not spec.has_target:
         return spec.run(agent, *amounts)
     target = object_of(agent, action)
@@ -275,8 +302,14 @@ ACTIONS: dict[str, ActionSpec] = {
 """All actions by name."""
 
 
-def _amounts(action: Action) -> list[float]:
-    """The amounts of an action, with its defaults."""
+def amounts_of(action: Action) -> list[float]:
+    """The amounts of an action, with its defaults.
+
+    Raises
+    ------
+    ActionError
+        If there is no such action, or it has too few or wrong numbers, or lacks a target or has one that it does not take.
+    """
     spec = action_spec(action.name)
     if spec.has_target != (action.target is not None) or len(action.numbers) > len(spec.amounts):
         raise ActionError(f"{str(action)!r}: {_usage(action.name)}")

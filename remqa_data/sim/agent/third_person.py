@@ -46,6 +46,10 @@ class ThirdPerson:
     def __init__(self, agent: Agent) -> None:
         self.agent = agent
         self.view = RobotView(agent)
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget where the camera stood, so that pictures of an episode are those that it would have alone."""
         self._place = PLACES[0]
 
     def render(self, width: int = 300, height: int = 300) -> npt.NDArray[np.uint8]:

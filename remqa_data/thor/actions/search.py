@@ -274,10 +274,7 @@ def nearest_cell(agent: ThorAgent, low: npt.ArrayLike, high: npt.ArrayLike) -> C
 def _vertices(simulator: SimulatorState, object_id: str) -> F64:
     """(n, 3) corners of an object's surfaces, metres in the room."""
     world = simulator.room.world
-    links = zip(world.link_poses(object_id), world.assets[object_id].links, strict=True)
-    return np.concatenate(
-        [arithmetic.moved(surface.vertices, pose) for pose, link in links for surface in link.surfaces]
-    )
+    return world.assets[object_id].vertices_at(world.link_poses(object_id))
 
 
 def _hull(simulator: SimulatorState, object_id: str) -> list[list[float]]:
