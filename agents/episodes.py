@@ -49,7 +49,6 @@ def play_question(env: Env, question_id: str, agent: Agent, memory: WalkMemory, 
 
 def _percept(observation: dict[str, Any], memory: WalkMemory, floor_z: float, succeeded: bool) -> Percept:
     x, y, yaw_deg, horizon_deg, is_standing = observation["pose"].tolist()
-    cell = round(x / memory.body.step_m), round(y / memory.body.step_m)
-    pose = AgentPose(cell, round(yaw_deg) % 360, round(horizon_deg), bool(is_standing))
+    pose = AgentPose.nearest(x, y, yaw_deg, horizon_deg, bool(is_standing), memory.body)
     depth = observation["depth"]
     return Percept(observation["rgb"], depth, pose, pose.camera_above(floor_z, depth.shape[0], memory.body), succeeded)

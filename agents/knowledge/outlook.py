@@ -106,8 +106,7 @@ def outlooks(instance: Instance, memory: WalkMemory, grid: ReachableGrid, cells:
 def in_view(camera: Camera, points: F64, memory: WalkMemory, hiding: Flags) -> Flags:
     """(n,) which of (n, 3) points are in a camera's image, with none of the voxels that hide them before them."""
     with np.errstate(divide="ignore", invalid="ignore"):  # points beside the camera have depth 0
-        x, y, depth = camera.project(points).T
-    is_seen = np.asarray((depth > 0) & (x >= 0) & (x < camera.width) & (y >= 0) & (y < camera.height))
+        is_seen = camera.are_framed(camera.project(points))
     is_seen[is_seen] = _is_in_sight(np.array(camera.position), points[is_seen], memory, hiding)
     return is_seen
 

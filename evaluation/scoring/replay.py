@@ -144,8 +144,7 @@ def load_room(scene_json: str, name: str, body: EmbodimentRow) -> Replay:
 
 def walk(replay: Replay, attempt: Attempt) -> tuple[list[Pose], int]:
     """Put the agent at its initial pose and let it walk: the poses it passes, and how many actions were refused."""
-    x, y, yaw, horizon = attempt.initial_pose
-    replay.pose = AgentPose((round(x / AGENT.step_m), round(y / AGENT.step_m)), round(yaw), round(horizon))
+    replay.pose = AgentPose.nearest(*attempt.initial_pose)
     poses, refused = [attempt.initial_pose], 0
     agent = replay.agent
     for action in attempt.actions:

@@ -18,7 +18,6 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.language.inner import Partner, clearly_related
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
-from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.contrast import RING_PX, contrast_de
@@ -278,9 +277,9 @@ def blockers(world: World, view: WorldView, hidden: Wished) -> set[str]:
             turn = motion[area.link] if place.manipulation == "Open" else np.eye(4)
             flat = area.lattice(0.03).reshape(-1, 2)
             points = area.to_room(np.column_stack([flat, np.full(len(flat), area.seen_from_m + 0.01)]))
-            x, y, z = camera.project(arithmetic.moved(points, turn)).T
-            ok = (z > 0) & (x >= 0) & (y >= 0) & (x < FRAME_PX) & (y < FRAME_PX)
-            row, column = y[ok].astype(int), x[ok].astype(int)
-            covered = depth[row, column] < z[ok] - 0.02
+            projected = camera.project(arithmetic.moved(points, turn))
+            x, y, z = projected[camera.are_framed(projected)].T
+            row, column = y.astype(int), x.astype(int)
+            covered = depth[row, column] < z - 0.02
             found |= {world.ids[i] for i in np.unique(image[row, column][covered]) if i >= 0}
     return {o for o in found if o in world.ids and not world.state(o).is_fixed and o not in mine}

@@ -103,8 +103,9 @@ def _is_taken(tops: F64, height: float, boxes: Sequence[F64]) -> Flags:
 
 def _is_seen(points: F64, camera: Camera, depth: F32) -> Flags:
     """(n,) whether a depth image shows points and nothing in front of them."""
-    x, y, z = camera.project(points).T
-    is_ahead = (z > 0) & (x >= 0) & (y >= 0) & (x < camera.width) & (y < camera.height)
+    projected = camera.project(points)
+    is_ahead = camera.are_framed(projected)
+    x, y, z = projected.T
     row, column = np.where(is_ahead, y, 0).astype(int), np.where(is_ahead, x, 0).astype(int)
     return np.asarray(is_ahead & (depth[row, column] > z - SURFACE_M))
 

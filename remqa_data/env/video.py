@@ -162,7 +162,7 @@ class _Memory:
         agent = self._env.agent
         camera = agent.camera(self._env.width, self._env.height)
         self._voxels.add(observation["depth"], observation["instances"] - 1, self._types, camera)
-        cell = (round(agent.x / AGENT.step_m), round(agent.y / AGENT.step_m))
+        cell = AGENT.cell_at(agent.x, agent.y)
         if cell not in self._way[-1:]:
             self._way.append(cell)
 

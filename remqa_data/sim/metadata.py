@@ -18,7 +18,6 @@ from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F32, I32, Box, Flags, Vec3
-from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, pixel_counts
 from remqa_data.sim.physics.support import SupportKind, supports
@@ -61,8 +60,8 @@ class AgentState:
 
     def pose(self) -> AgentPose:
         """The nearest pose of the grid."""
-        cell = (round(self.position[0] / AGENT.step_m), round(self.position[1] / AGENT.step_m))
-        return AgentPose(cell, round(self.yaw_deg), round(self.horizon_deg))
+        x, y, _ = self.position
+        return AgentPose.nearest(x, y, self.yaw_deg, self.horizon_deg)
 
 
 @dataclass(frozen=True)

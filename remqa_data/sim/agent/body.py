@@ -96,13 +96,13 @@ class Body:
     def are_seen(self, points: F64) -> Flags:
         """(n,) which of (n, 3) points in the room, metres, are in its view with nothing in front of them."""
         camera = self.camera()
-        x, y, away = camera.project(points).T
-        is_seen = (away > 0.0) & (x >= 0.0) & (x < camera.width) & (y >= 0.0) & (y < camera.height)
+        projected = camera.project(points)
+        is_seen = camera.are_framed(projected)
         if is_seen.any():
-            rows, columns = y[is_seen].astype(int), x[is_seen].astype(int)
-            depth = self.view.depth(camera)[rows, columns]
-            is_seen[is_seen] = (depth == 0.0) | (depth > away[is_seen])
-        return np.asarray(is_seen)
+            x, y, away = projected[is_seen].T
+            depth = self.view.depth(camera)[y.astype(int), x.astype(int)]
+            is_seen[is_seen] = (depth == 0.0) | (depth > away)
+        return is_seen
 
     # ---- walking and looking
 

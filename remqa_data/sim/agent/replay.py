@@ -7,7 +7,6 @@ from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import TELEPORT, Action, perform
 from remqa_data.sim.agent.agent import Agent, Embodiment
 from remqa_data.sim.agent.results import ActionResult
-from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, AgentPose
 from remqa_data.sim.physics.world import World
@@ -45,8 +44,7 @@ class Replay:
     def pose(self) -> AgentPose:
         """Where the agent stands and looks, rounded to the grid; may be set."""
         agent = self.agent
-        cell = (round(agent.x / AGENT.step_m), round(agent.y / AGENT.step_m))
-        return AgentPose(cell, round(agent.yaw_deg) % 360, round(agent.horizon_deg), agent.is_standing)
+        return AgentPose.nearest(agent.x, agent.y, agent.yaw_deg, agent.horizon_deg, agent.is_standing)
 
     @pose.setter
     def pose(self, pose: AgentPose) -> None:

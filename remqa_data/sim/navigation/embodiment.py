@@ -75,6 +75,14 @@ class Embodiment:
         """Centre of a cell of a grid of its steps, metres."""
         return cell[0] * self.step_m, cell[1] * self.step_m
 
+    def cell_at(self, x: float, y: float) -> tuple[int, int]:
+        """The cell whose centre is nearest to a point, metres.
+
+        >>> Embodiment().cell_at(*Embodiment().centre_of((3, -2)))
+        (3, -2)
+        """
+        return round(x / self.step_m), round(y / self.step_m)
+
 
 AGENT = Embodiment()
 """The body that datasets are made with."""

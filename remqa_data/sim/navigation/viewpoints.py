@@ -37,6 +37,19 @@ class AgentPose:
     horizon_deg: int = 0
     is_standing: bool = True
 
+    @classmethod
+    def nearest(
+        cls,
+        x: float,
+        y: float,
+        yaw_deg: float,
+        horizon_deg: float,
+        is_standing: bool = True,
+        body: Embodiment = AGENT,
+    ) -> AgentPose:
+        """The pose of the grid that is nearest to where a body is and looks, in metres and degrees."""
+        return cls(body.cell_at(x, y), round(yaw_deg) % 360, round(horizon_deg), is_standing)
+
     def camera(self, grid: ReachableGrid, size_px: int = FRAME_PX) -> Camera:
         """The agent's camera there."""
         return self.camera_above(grid.floor_z, size_px, grid.body)

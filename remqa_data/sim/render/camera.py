@@ -143,6 +143,9 @@ class AnyCamera(Protocol):
 class _Projecting(ABC):
     """From the room to the image and back."""
 
+    width: int
+    height: int
+
     @abstractmethod
     def view(self) -> View:
         """The camera as the rasteriser reads it."""
@@ -160,6 +163,11 @@ class _Projecting(ABC):
         (n, 3) float64: pixel x, pixel y, depth. Behind the camera the depth is negative and the pixel means nothing.
         """
         return _project(self.view(), points)
+
+    def are_framed(self, projected: F64) -> Flags:
+        """(n,) which of (n, 3) points, as `project` gives them, are before the camera and in the picture."""
+        x, y, depth = projected.T
+        return np.asarray((depth > 0) & (x >= 0) & (y >= 0) & (x < self.width) & (y < self.height))
 
     def unproject(self, depth: npt.ArrayLike) -> F64:
         """World point that each pixel of a (h, w) depth image shows, (h, w, 3) float64; inverse of `project`."""
