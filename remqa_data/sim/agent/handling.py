@@ -6,7 +6,7 @@ Every function leaves the world either with the thing done and all at rest, or a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -82,10 +82,11 @@ def drop_at(
             if needs_room and not is_free(world, held, spot):
                 continue
             world.put(held, spot)
+            falling = [held, *world.contents(held)]
             if velocity is None:
-                settle(world)
+                settle(world, awake=falling)
             else:
-                settle(world, FLIGHT_STEPS, {held: velocity})
+                settle(world, FLIGHT_STEPS, {held: velocity}, falling)
             fell = world.state(held).position != spot  # and not out of the room
             if fell and (may_stay is None or may_stay(held)):
                 return Release(held)
@@ -93,10 +94,15 @@ def drop_at(
     return Release(None, f"no room to drop {held}")
 
 
-def settle(world: World, steps: int = SETTLE_STEPS, velocities: Mapping[str, Vec3] | None = None) -> None:
-    """Let all come to rest; what physics would push through the floor or out of the room stays where it was."""
+def settle(
+    world: World,
+    steps: int = SETTLE_STEPS,
+    velocities: Mapping[str, Vec3] | None = None,
+    awake: Iterable[str] | None = None,
+) -> None:
+    """As `World.settle`; but what physics would push through the floor or out of the room stays where it was."""
     before = world.save()
-    world.settle(steps, velocities)
+    world.settle(steps, velocities, awake)
     for object_id, state in before.states.items():
         if not state.is_fixed and object_id not in world.held and not _is_in_room(world, object_id):
             world.move(object_id, state.position, state.quaternion)

@@ -117,7 +117,7 @@ def put_into(
         for spot in islice(free, min(TRIES, tries)):
             tries -= 1
             world.put(held, spot)
-            settle(world)
+            settle(world, awake=[held, *world.contents(held)])
             if support_of(world, held) == receptacle_id and is_clear(held):
                 return Release(held)
             world.restore(before)

@@ -110,6 +110,16 @@ class Bodies:
         """Set a free object in motion, m/s."""
         self.client.resetBaseVelocity(self._of[object_id], velocity, (0.0, 0.0, 0.0))
 
+    def put_to_sleep(self, object_id: str) -> None:
+        """Let a free object stay as it is until something hits it."""
+        asleep = pybullet.ACTIVATION_STATE_ENABLE_SLEEPING | pybullet.ACTIVATION_STATE_SLEEP
+        self.client.changeDynamics(self._of[object_id], -1, activationState=asleep)
+
+    def is_in_motion(self, object_id: str) -> bool:
+        """Whether an object moves or turns at all."""
+        velocity, turning = self.client.getBaseVelocity(self._of[object_id])
+        return any(velocity) or any(turning)
+
     def are_still(self, object_ids: Iterable[str]) -> bool:
         """Whether none of some objects moves or turns to speak of."""
         for object_id in object_ids:
