@@ -90,6 +90,11 @@ class WalkConfig(_Section):
                 raise ValueError(f"{angles[place]} is there twice")
         return angles
 
+    @field_validator("headings_deg")
+    @classmethod
+    def _as_stored(cls, headings: tuple[int, ...]) -> tuple[int, ...]:
+        return tuple(heading % 360 for heading in headings)
+
     def settings(self, size_px: int) -> WalkSettings:
         """What `walk.walk` takes."""
         return WalkSettings(
@@ -213,7 +218,8 @@ class Config(_Section):
             raise ConfigError(f"layouts: there are no layouts {layouts!r}; use {' or '.join(LAYOUTS)}")
         if layouts != self.layouts and not isinstance(self.scenes, int):
             raise ConfigError(
-                f"layouts: the configuration names rooms of the layouts {self.layouts}; say how many instead"
+                f"layouts: the configuration names rooms of the layouts {self.layouts}; let its file say how many instead, "
+                f"such as scenes: {len(self.scenes)}"
             )
         return self.model_copy(update={"layouts": layouts})
 

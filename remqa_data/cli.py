@@ -296,6 +296,7 @@ def stats(
         with atomic_path(csv) as temporary:
             table.to_csv(temporary)
     output().say(table.to_string())
+    output().say("words: means; path_m and path_steps, of the shortest way: medians")
     output().result(questions=json.loads(table.reset_index().to_json(orient="records")))
 
 
@@ -306,6 +307,7 @@ def recount(
 ) -> None:
     """Count and measure a dataset in its files and pictures, beside what version 1.0 of the full dataset aims at."""
     from remqa_data.files import atomic_path
+    from remqa_data.generators.audit.recount.chance import FOLDS
     from remqa_data.generators.audit.recount.report import recount
 
     if csv is not None:
@@ -315,6 +317,10 @@ def recount(
         with atomic_path(csv) as temporary:
             table.to_csv(temporary, index=False)
     output().say(table.round(3).to_string(index=False))
+    if not table["what"].str.contains(": right by ").any():
+        output().say(
+            f"What gives answers away can be measured where questions of a kind are about {FOLDS} rooms or more."
+        )
     output().result(figures=json.loads(table.to_json(orient="records")))
 
 

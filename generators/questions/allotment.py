@@ -217,12 +217,19 @@ def _lots_of(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, tot
         )
     count = -(-total // LOT_SIZE)
     room_for = {room.scene: room.most[kind] for room in rooms}
+    if count and not rooms:
+        raise QuotaError(f"{split}: {kind}: none of the rooms is for {split}; add one, or ask for no {split} questions")
     if count > sum(room_for.values()):
         empty = [scene for scene, lots in room_for.items() if lots == 0]
-        msg = f"{split}: {kind}: {total} questions need {count} lots of {LOT_SIZE}, but {len(rooms)} rooms "
+        lots, places = (
+            ("1 lot" if count == 1 else f"{count} lots"),
+            "1 room" if len(rooms) == 1 else f"{len(rooms)} rooms",
+        )
+        msg = f"{split}: {kind}: {total} questions need {lots} of {LOT_SIZE}, but {places} "
         msg += f"({_some(list(room_for))}) have room for {sum(room_for.values())}"
         msg += f"; {_some(empty)} can take none" if empty else ""
-        raise QuotaError(f"{msg}; ask for more scenes or fewer questions")
+        other = "more scenes" if sum(room_for.values()) else "scenes of other types"
+        raise QuotaError(f"{msg}; ask for {other} or fewer questions")
     return count
 
 

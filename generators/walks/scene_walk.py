@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remqa_data.errors import ArrangementError
 from remqa_data.generators.questions.expressions import Expression
 from remqa_data.generators.walks.said import Said, said_of
 from remqa_data.generators.walks.walk import WalkFrame, WalkSettings, walk
@@ -94,6 +95,10 @@ def walk_through(
         voxels.add(taken.observation.depth, taken.observation.objects, types, taken.camera)
         update = graph.add_frame(taken.metadata)
         frames.append(_frame_row(place, index, taken, world.ids, update, rgb_format))
+    if not frames:
+        raise ArrangementError(
+            f"{place.scene}: no pose of a walk sees anything: give other headings_deg and horizons_deg"
+        )
     said = [_expression_row(place, one, expression_split or place.split) for one in said_of(frames, expressions)]
     stored, map_2d = map_columns(voxels.to_sparse(), voxels.plan())
     scene = SceneRow(

@@ -145,13 +145,16 @@ def _questions(manifest: Manifest) -> list[str]:
 
 
 def _snippet(manifest: Manifest) -> list[str]:
-    split = next(iter(manifest.splits(DEFAULT_TABLE)), "train")
+    names = [spec.name for spec in TABLES.values() if manifest.splits(spec.name)]
+    table = DEFAULT_TABLE if DEFAULT_TABLE in names else names[0]
+    split = next(iter(manifest.splits(table)))
+    columns = '"question", "answer"' if table == DEFAULT_TABLE else '"scene", "configuration"'
     return [
         "import pandas, datasets",
         "from remqa_data.dataset import RemqaDataset",
         "",
-        f'pandas.read_parquet("{DEFAULT_TABLE}", columns=["question", "answer"])',
-        f'datasets.load_dataset(".", "{DEFAULT_TABLE}", split="{split}")  # images are decoded',
+        f'pandas.read_parquet("{table}", columns=[{columns}])',
+        f'datasets.load_dataset(".", "{table}", split="{split}")  # images are decoded',
         f'RemqaDataset(".", "{split}")  # PyTorch',
     ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ai2thor.build import COMMIT_ID
 from ai2thor.controller import Controller as ThorController
 from ai2thor.server import Event
 
@@ -42,6 +43,9 @@ class Controller(ThorController):  # type: ignore[misc]  # AI2-THOR has no types
 
     def __init__(self, *args: Any, **parameters: Any) -> None:
         super().__init__(*args, **{**parameters, "start_unity": False})
+        # Clients look here for the version that they have asked for.
+        self._build.commit_id = parameters.get("commit_id") or COMMIT_ID
+        self._build.url = f"no build of Unity, in the place of {self._build.commit_id}"
 
     def start(
         self,
@@ -81,6 +85,11 @@ class Controller(ThorController):  # type: ignore[misc]  # AI2-THOR has no types
             If there is no such scene, or a parameter is not supported.
         """
         assert self.server is not None
+        if scene is not None and not isinstance(scene, str):
+            message = (
+                "a scene is the name of a floor plan here, such as FloorPlan1: houses of ProcTHOR are not supported"
+            )
+            raise MisuseError("InvalidArgument", message)
         before = self.width, self.height
         wanted = init_params.get("width", self.width), init_params.get("height", self.height)
         try:

@@ -28,18 +28,20 @@ class EventMetadata(MetadataWrapper):  # type: ignore[misc]  # AI2-THOR has no t
         self._listing: Listing | None = listing
 
     def _complete(self) -> None:
-        if self._listing is not None:
-            listing, self._listing = self._listing, None
-            self.setdefault(OBJECTS, listing.read())
+        listing = self._listing  # another thread may be here, too
+        if listing is not None:
+            dict.setdefault(self, OBJECTS, listing.read())
+            self._listing = None
 
     def __missing__(self, key: str) -> Any:
-        if key != OBJECTS or self._listing is None:
-            raise KeyError(key)
-        self._complete()
-        return self[OBJECTS]
+        if key == OBJECTS:
+            self._complete()
+            if super().__contains__(OBJECTS):
+                return super().__getitem__(OBJECTS)
+        raise KeyError(key)
 
     def __contains__(self, key: object) -> bool:
-        return super().__contains__(key) or (key == OBJECTS and self._listing is not None)
+        return (key == OBJECTS and self._listing is not None) or super().__contains__(key)
 
     def get(self, key: str, default: Any = None) -> Any:
         """As of a dictionary."""

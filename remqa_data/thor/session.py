@@ -69,6 +69,10 @@ class Session:
 
     def execute(self, request: Mapping[str, Any]) -> Reply:
         """Execute an action: "action" and its arguments. What cannot be done is said in the reply's metadata."""
+        with self._simulator.lock:
+            return self._execute(request)
+
+    def _execute(self, request: Mapping[str, Any]) -> Reply:
         if request.get("action") in ("Reset", "Initialize"):
             self._outcomes.clear()
         if request.get("action") not in LEAVES_ROOM_AS_IT_IS:
@@ -120,10 +124,11 @@ class Session:
             self._simulator.room.active = int(str(agent or 0))
 
     def _images(self, request: Mapping[str, Any]) -> Images:
-        """The pictures that Initialize has asked for, and those that this action asks for."""
+        """The pictures that Initialize has asked for, and those that this action asks for; none without `renderImage`."""
         always = self._simulator.settings.images
+        if not request.get("renderImage", True):
+            return Images(color=False)
         return Images(
-            color=bool(request.get("renderImage", True)),
             depth=always.depth or bool(request.get("renderDepthImage")),
             instances=always.instances or bool(request.get("renderInstanceSegmentation")),
             types=always.types or bool(request.get("renderSemanticSegmentation")),

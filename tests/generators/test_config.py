@@ -132,3 +132,16 @@ def test_the_hash_follows_what_is_said_not_how() -> None:
     assert parse_config("# a comment\n" + PAPER.replace("[0, 30]", "[ 0, 30 ]")).sha256 == config.sha256
     assert config.with_seed(1).sha256 != config.sha256
     assert config.with_scenes(120).sha256 == config.sha256
+
+
+def test_headings_are_kept_as_they_are_stored() -> None:
+    given = PAPER.replace("headings_deg: [0, 90, 180, 270]", "headings_deg: [360, -90, 45, -360]")
+    assert given != PAPER
+    with pytest.raises(ConfigError, match="-360 is there twice"):
+        parse_config(given)
+    assert parse_config(given.replace(", -360", "")).walk.headings_deg == (0, 270, 45)
+
+
+def test_a_configuration_that_names_its_rooms_says_how_to_take_others() -> None:
+    with pytest.raises(ConfigError, match=r"let its file say how many instead, such as scenes: 4$"):
+        load_config("tiny").with_layouts("sampled")

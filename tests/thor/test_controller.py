@@ -19,8 +19,8 @@ def test_scenes_are_loaded_by_name(kitchen) -> None:
     assert event.objects_by_type("Toilet")
     with pytest.raises(ValueError, match="not contained in build"):
         kitchen.reset("FloorPlan99")
-    with pytest.raises(ValueError, match="CreateHouse"):
-        kitchen.reset({"rooms": []})  # ProcTHOR
+    with pytest.raises(ValueError, match="Invalid action: CreateHouse"):
+        kitchen.step("CreateHouse", house={"rooms": []})  # ProcTHOR
     assert kitchen.step("Pass").objects_by_type("Toilet")
 
 

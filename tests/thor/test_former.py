@@ -122,6 +122,7 @@ def test_the_agent_walks_and_turns_by_any_amount(armed) -> None:
 
 @pytest.mark.parametrize("axis", ["x", "y", "z"])
 def test_what_is_held_turns_about_the_agents_axes(holding, axis) -> None:
+    holding.step("RotateLook", horizon=0)  # so that the camera's axes are the agent's
     event = holding.step("RotateHand", x=0, y=0, z=0)
     assert event, event.metadata["errorMessage"]
     event = holding.step("RotateHandRelative", **{axis: 30})

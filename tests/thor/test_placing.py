@@ -243,7 +243,10 @@ def test_points_above_a_receptacle(kitchen) -> None:
     assert 0 < len(near) < len(anywhere)
     eye = np.array(list(kitchen.last_event.metadata["cameraPosition"].values()))
     assert all(np.linalg.norm(np.array(list(point.values())) - eye) <= 1.5 for point in near)
-    assert kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=FRIDGE).metadata["actionReturn"] == []
+    assert (
+        kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=FRIDGE, anywhere=True).metadata["actionReturn"]
+        == []
+    )
     assert not kitchen.step("GetSpawnCoordinatesAboveReceptacle", objectId=APPLE)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
@@ -39,7 +40,7 @@ def recount(root: str | os.PathLike[str]) -> pd.DataFrame:
     -------
     pandas.DataFrame
         One row for each figure: `what`, `asked`, `measured`, `holds`. The aims are those of the full dataset; a small one
-        does not hold all of them.
+        does not hold all of them, and has no rows for what there is nothing of.
 
     Raises
     ------
@@ -53,7 +54,7 @@ def recount(root: str | os.PathLike[str]) -> pd.DataFrame:
     for score in cue_scores(views):
         limit = score.chance + 1.96 * score.error
         figures.append(_most(f"{score.kind}: right by {score.cue}", score.accuracy, limit))
-    return pd.DataFrame(figures, columns=list(Figure._fields))
+    return pd.DataFrame([one for one in figures if not math.isnan(one.measured)], columns=list(Figure._fields))
 
 
 def _most(what: str, measured: float, limit: float) -> Figure:

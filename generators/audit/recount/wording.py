@@ -110,6 +110,8 @@ def expressions_in_frames(root: str | os.PathLike[str]) -> pd.DataFrame:
             for objects, anchor in zip(seen, rows["anchor_id"], strict=True)
         ]
         parts.append(rows)
+    if not parts:
+        return pd.DataFrame(columns=[*EXPRESSION_COLUMNS, "rivals", "shows_anchor"])
     found: pd.DataFrame = pd.concat(parts, ignore_index=True)
     return found
 

@@ -135,11 +135,12 @@ class Body:
         is_standing: bool | None = None,
         force: bool = False,
     ) -> ActionResult:
-        """Be somewhere else, if the agent can stand there; what is not given stays as it is."""
+        """Be somewhere else, if the agent can stand there and look so; what is not given stays as it is."""
         x, y = self.x if x is None else float(x), self.y if y is None else float(y)
         horizon = self.horizon_deg if horizon_deg is None else float(horizon_deg)
         stays = (x, y) == (self.x, self.y)  # where it is, it is, whatever has come there since
-        result = self._tilt_refusal(horizon) or self._go(x, y, None if force or stays else self._blocker_at(x, y))
+        refusal = None if force else self._tilt_refusal(horizon)
+        result = refusal or self._go(x, y, None if force or stays else self._blocker_at(x, y))
         if result.success:
             yaw = self.yaw_deg if yaw_deg is None else yaw_deg
             self.place((x, y), yaw, horizon, self.is_standing if is_standing is None else is_standing)

@@ -36,9 +36,14 @@ IS_THERE_M = 1e-4
 
 
 def move_arm(
-    simulator: SimulatorState, position: PartialVector, coordinateSpace: str = "armBase", returnToStart: bool = True
+    simulator: SimulatorState,
+    position: PartialVector,
+    coordinateSpace: str = "armBase",
+    returnToStart: bool = True,
+    handCameraSpace: bool = False,
 ) -> ActionResult:
-    """Bring the hand to a position, metres."""
+    """Bring the hand to a position, metres; `handCameraSpace` is an old name of the coordinate space "wrist"."""
+    coordinateSpace = "wrist" if handCameraSpace else coordinateSpace
     arm, base = simulator.agent.arm, simulator.agent.base
     origin = arm.hand(base) if coordinateSpace == "wrist" else arm.shoulder(base)
     return _reach(simulator, _in_room(simulator, whole(position), coordinateSpace, origin), returnToStart)

@@ -79,7 +79,7 @@ def move_hand_delta(simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z
 
 
 def rotate_hand(simulator: SimulatorState, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> ActionResult:
-    """Turn what is held to a rotation about the agent's axes, degrees."""
+    """Turn what is held to a rotation in the camera's frame, degrees."""
     return hand.rotate_held_object(simulator, rotation={"x": x, "y": y, "z": z})
 
 
@@ -96,7 +96,7 @@ def move_mid_level_arm(
     **ignored: Any,
 ) -> ActionResult:
     """Bring the hand to a position, as seen from the shoulder, or from the hand."""
-    return arm.move_arm(simulator, position, "wrist" if handCameraSpace else "armBase", returnToStart)
+    return arm.move_arm(simulator, position, "armBase", returnToStart, handCameraSpace)
 
 
 def move_mid_level_arm_height(
@@ -128,6 +128,11 @@ def rotate_continuous(simulator: SimulatorState, degrees: float, **ignored: Any)
     return arm.rotate_agent(simulator, degrees)
 
 
+def place_held_object(simulator: SimulatorState, objectId: str, **ignored: Any) -> ActionResult:
+    """Put what is held into or onto a receptacle; how far away that may be (maxDistance) is as for PutObject."""
+    return objects.put_object(simulator, objectId, forceAction=bool(ignored.get("forceAction", False)))
+
+
 ACTIONS: dict[str, Action] = {
     "Look": look,
     "Move": move,
@@ -141,7 +146,7 @@ ACTIONS: dict[str, Action] = {
     "MoveHandRight": hand.move_held_object_right,
     "MoveHandUp": hand.move_held_object_up,
     "OpenObjectImmediate": objects.open_object,
-    "PlaceHeldObject": objects.put_object,
+    "PlaceHeldObject": place_held_object,
     "PositionsFromWhichItemIsInteractable": positions_from_which_item_is_interactable,
     "Rotate": rotate,
     "RotateHand": rotate_hand,

@@ -93,7 +93,7 @@ def rotate_held_object(
     roll: float | None = None,
     rotation: PartialVector | None = None,
 ) -> ActionResult:
-    """Turn what is held, degrees about the agent's axes: by pitch, yaw and roll (to the right), or to a rotation.
+    """Turn what is held, degrees: by pitch, yaw, roll (to the right) about the agent's axes, or to a rotation in the camera's.
 
     A vessel that is turned over is empty.
     """
@@ -108,7 +108,8 @@ def rotate_held_object(
     held = str(agent.held)
     body = turn_of_euler({"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0})
     if rotation is not None:
-        turn = arithmetic.product(body, turn_of_euler(whole(rotation)))
+        camera = turn_of_euler({"x": agent.horizon_deg, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0})
+        turn = arithmetic.product(camera, turn_of_euler(whole(rotation)))
     else:
         about_body = arithmetic.product(arithmetic.product(body, turn_of_euler(by)), body.T)
         turn = arithmetic.product(about_body, records.turn(held))

@@ -77,6 +77,11 @@ def unhide_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     )
 
 
+def unhide_all_objects(simulator: SimulatorState) -> ActionResult:
+    """Let all that was hidden be in pictures again."""
+    return _show(simulator, replace(simulator.room.looks.look, hidden=frozenset()))
+
+
 def set_random_seed(simulator: SimulatorState, seed: int) -> ActionResult:
     """Let what is random from now on follow from a seed."""
     simulator.seed(seed)
@@ -184,6 +189,7 @@ ACTIONS: dict[str, Action] = {
     "ResetMaterials": reset_materials,
     "SetRandomSeed": set_random_seed,
     "UnemphasizeAll": unemphasize_all,
+    "UnhideAllObjects": unhide_all_objects,
     "UnhideObject": unhide_object,
     "UnmaskObject": unmask_object,
 }

@@ -256,6 +256,7 @@ ACTIONS: dict[str, Action] = {
     "DirectionalPush": directional_push,
     "DropHandObject": drop_object,
     "DropHeldObject": drop_object,
+    "DropHeldObjectAhead": drop_object,
     "OpenObject": open_object,
     "PickupObject": pick_up_object,
     "PullObject": pull_object,

@@ -38,6 +38,8 @@ RECORDED_NAME = re.compile("([A-Z][A-Za-z]*)_[0-9a-f]{8}")
 """What AI2-THOR calls an object: its type and eight hexadecimal digits."""
 MOST_STUCK_M = 0.02
 """What physics leaves in something by no more than this, among many things that were put somewhere at once, may stay there."""
+BESIDE_M = 0.05
+"""So far beyond the room's walls and floor a position may be: things lean, and their middles may be below what they show."""
 ON_FLOOR_M = 0.02
 """A ray from above meets a receptacle so near to the floor of its space where nothing lies."""
 
@@ -247,7 +249,12 @@ def _teleport_to(
     pivot, quaternion = room.records.pose_of(objectId, to_room(whole(position)), turn)
     if was_held or not _is_same(world.state(objectId), pivot, quaternion):
         moved = [objectId, *world.move(objectId, pivot, quaternion)]
-        if (blocker := _put_down(room, moved, force)) is not None:
+        home = room.at_rest.states.get(objectId)
+        if home is not None and _is_same(home, pivot, quaternion):  # there it was at rest, or it hung
+            blocker = None if force else sunken(world, moved)
+        else:
+            blocker = _put_down(room, moved, force)
+        if blocker is not None:
             world.restore(before)
             return ActionResult(False, f"{blocker} is in the way of {objectId}")
     simulator.agent.rest_hand()
@@ -263,6 +270,8 @@ def get_spawn_coordinates_above_receptacle(
         return refusal
     if not object_type(world.type_of(objectId)).receptacle:
         return ActionResult(False, f"{objectId} is not a receptacle")
+    if not anywhere and objectId not in agent.visible_objects(simulator.settings.visibility_distance):
+        return ActionResult(False, "No valid Receptacle found in view")
     links = world.link_poses(objectId)
     found: list[Vec3] = []
     for space in open_spaces(world, objectId):
@@ -330,7 +339,7 @@ def _first_that_works(tries: Iterable[ActionResult]) -> ActionResult:
 def _out_of_bounds(room: LoadedFloorPlan, position: PartialVector) -> ActionResult | None:
     """That a position is not in the room, if it is not."""
     (low, high), point = room.box(), to_room(whole(position))
-    if (low <= point).all() and (point <= high).all():
+    if (low - BESIDE_M <= point).all() and (point <= high + BESIDE_M).all():
         return None
     words = ", ".join(f"{value:g}" for value in whole(position).values())
     return ActionResult(False, f"Position coordinate ({words}) is not within scene bounds")
@@ -363,8 +372,11 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
 
 
 def _put_down(room: LoadedFloorPlan, moved: Sequence[str], force: bool = False) -> str | None:
-    """Let what was moved come to rest; what is in its way before that, if it is not forced, or where it ends."""
-    return (None if force else sunken(room.world, moved)) or _come_to_rest(room, moved)
+    """Let what was moved come to rest; what is in its way before that, or where it ends, if it is not forced."""
+    if force:
+        _come_to_rest(room, moved)
+        return None
+    return sunken(room.world, moved) or _come_to_rest(room, moved)
 
 
 def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:

@@ -88,9 +88,11 @@ def set_state_of_all_objects(
     return ActionResult(True)
 
 
-def open_visible_objects(simulator: SimulatorState) -> ActionResult:
+def open_visible_objects(simulator: SimulatorState, openness: float = 1.0) -> ActionResult:
     """Open what the agent sees within its visibility distance, each as far as it can be opened beside the others."""
-    return _open_visible(simulator, True)
+    if not 0.0 < openness <= 1.0:
+        return ActionResult(False, f"openness {openness:g} is not more than 0 and at most 1")
+    return _open_visible(simulator, True, openness)
 
 
 def close_visible_objects(simulator: SimulatorState) -> ActionResult:
@@ -148,9 +150,10 @@ ACTIONS: dict[str, Action] = {
 }
 
 
-def _open_visible(simulator: SimulatorState, is_open: bool) -> ActionResult:
+def _open_visible(simulator: SimulatorState, is_open: bool, openness: float = 1.0) -> ActionResult:
     world, seen = simulator.room.world, simulator.agent.visible_objects(simulator.settings.visibility_distance)
-    _set_openness(world, is_open, [name for name in seen if (world.state(name).openness > 0.0) != is_open])
+    chosen = [name for name in seen if (world.state(name).openness > 0.0) != is_open]
+    _set_openness(world, is_open, chosen, openness)
     return ActionResult(True)
 
 
@@ -182,11 +185,12 @@ def _sliceable(simulator: SimulatorState, chosen: Sequence[str]) -> list[str]:
     return [name for name in whole if object_type(room.world.type_of(name)).slices is not None]
 
 
-def _set_openness(world: World, is_open: bool, chosen: Sequence[str]) -> None:
-    """Open some objects as far as they can be opened beside each other, in their order, or close them."""
+def _set_openness(world: World, is_open: bool, chosen: Sequence[str], openness: float = 1.0) -> None:
+    """Open some objects so far, or as far as they can be opened beside each other, in their order; or close them."""
+    shares = [openness * share for share in _OPENNESSES] if is_open else [0.0]
     for name in chosen:
         if name not in world.held and world.assets[name].is_openable:
-            world.open(name, next(share for share in _OPENNESSES if _fits(world, name, share)) if is_open else 0.0)
+            world.open(name, next(share for share in shares if _fits(world, name, share)))
 
 
 _OPENNESSES = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import AbstractContextManager
 from copy import deepcopy
 from dataclasses import dataclass
 
@@ -31,17 +32,21 @@ class Listing:
     ----------
     work_out : callable
         What gives them while the room is as it was at the event. It must be `read` before the room changes.
+    lock : context manager
+        Held meanwhile, and by who changes the room: clients read events in one thread and step in another.
     """
 
-    def __init__(self, work_out: Callable[[], list[Metadata]]) -> None:
+    def __init__(self, work_out: Callable[[], list[Metadata]], lock: AbstractContextManager[object]) -> None:
         self._work_out: Callable[[], list[Metadata]] | None = work_out
+        self._lock = lock
         self._found: list[Metadata] = []
 
     def read(self) -> list[Metadata]:
         """The objects, the same list each time."""
-        if self._work_out is not None:
-            self._found, self._work_out = self._work_out(), None
-        return self._found
+        with self._lock:
+            if self._work_out is not None:
+                self._found, self._work_out = self._work_out(), None
+            return self._found
 
 
 @dataclass(frozen=True)
@@ -100,7 +105,9 @@ def reply(simulator: SimulatorState, outcomes: Mapping[int, Outcome], images: Im
     files: Files = defaultdict(list)
     if not simulator.has_room:
         files["image"].append(bytes(3 * simulator.frame.width * simulator.frame.height))
-        return Reply(0, [_outcome(outcomes.get(0, NOTHING_DONE), 0) | _about(simulator)], [Listing(list)], files)
+        return Reply(
+            0, [_outcome(outcomes.get(0, NOTHING_DONE), 0) | _about(simulator)], [Listing(list, simulator.lock)], files
+        )
     room, active = simulator.room, simulator.room.active
     room.show_conditions()
     if not images.none:
@@ -149,7 +156,7 @@ def _seen(simulator: SimulatorState, images: Images, files: Files) -> Callable[[
 
 def _listing(simulator: SimulatorState, visible: Callable[[], Collection[str]]) -> Listing:
     """The objects as the agent that acts finds them."""
-    return Listing(_recorded(simulator, visible, simulator.shown_objects))
+    return Listing(_recorded(simulator, visible, simulator.shown_objects), simulator.lock)
 
 
 def object_records(simulator: SimulatorState, object_ids: Collection[str]) -> list[Metadata]:
@@ -255,7 +262,8 @@ def _agent(room: LoadedFloorPlan, hand: Vec3) -> Metadata:
     agent, world = room.agent, room.world
     above = room.map_camera() if room.shows_map else None
     rotation: Vector = {"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0}
-    turn = body = turn_of_euler(rotation)
+    turn = turn_of_euler(rotation)
+    camera = turn_of_euler({**rotation, "x": agent.horizon_deg})
     if agent.held is not None:
         turn = room.records.turn(agent.held)
     held = []
@@ -276,7 +284,7 @@ def _agent(room: LoadedFloorPlan, hand: Vec3) -> Metadata:
         "inventoryObjects": held,
         "heldObjectPose": {
             "localPosition": dict(zip("xyz", agent.hand_offset, strict=True)),
-            "localRotation": euler_to_thor(arithmetic.product(body.T, turn)),
+            "localRotation": euler_to_thor(arithmetic.product(camera.T, turn)),
             "position": to_thor(hand),
             "rotation": euler_to_thor(turn),
         },

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from threading import RLock
+
 import numpy as np
 
 from remqa_data.errors import MisuseError
@@ -35,6 +37,8 @@ class SimulatorState:
         In the order in which they were added.
     shown_objects : frozenset of str or None
         What SetObjectFilter restricts the metadata to; None for all objects.
+    lock : RLock
+        Held by who changes or reads the room, where clients have several threads.
     rng : numpy.random.Generator
         Draws what is random and has no seed of its own. As in AI2-THOR it goes on over resets, so that each room is
         another one.
@@ -42,6 +46,7 @@ class SimulatorState:
 
     def __init__(self, frame: FrameSize, quality: Quality) -> None:
         self.frame, self.quality = frame, quality
+        self.lock = RLock()
         self.settings = Settings()
         self.scene_name = ""
         self.cameras: list[ThirdPartyCamera] = []
