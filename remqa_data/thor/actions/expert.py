@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from itertools import count
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import networkx as nx
 import numpy as np
 
 from remqa_data.sim.agent.results import ActionResult
-from remqa_data.sim.navigation.grid import Cell
+from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.thor.actions.search import Plan, nearest_cell, object_meant
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
@@ -24,8 +26,10 @@ MOST_PLACES = 500
 """So many places are looked at on the way; where the goal is not among them, the agent goes to the nearest to it."""
 SAME_SHARE, SAME_PLACE_M = 0.2, 1e-6
 """Places nearer to each other than this share of a step are one on a way; a place so near to a cell is that cell."""
+MOST_REMEMBERED = 50_000
+"""So many steps, and so many places for each goal, are remembered."""
 LEAST_GAIN_M = 0.01
-"""Where no way leads nearer by more than this, the agent is there."""
+"""Where no way leads nearer by more than this, the agent is as near as it gets."""
 STRAIGHT = math.sqrt(0.5)
 """The straight way is at least so many times as long as the one over the grid."""
 TURN_M = 0.001
@@ -40,18 +44,24 @@ def object_nav_expert_action(
 ) -> ActionResult:
     """The name of the next action on the way to an object, which is seen in the end, or to a position; None there.
 
-    Steps are as long, and turns as wide, as Initialize has set.
+    Steps are as long, and turns as wide, as Initialize has set. Where no step leads nearer, it fails if the agent is
+    farther than a step from the place, and does not see the object.
     """
     agent = simulator.agent
     if position is not None:
         x, y, _ = to_room(whole(position))
-        return ActionResult(True, value=_step_towards(simulator, nearest_cell(agent, (x, y), (x, y))))
+        step, is_there = _step_towards(simulator, nearest_cell(agent, (x, y), (x, y)))
+        return ActionResult(True, value=step) if step or is_there else _no_way(agent, (x, y))
     target = object_meant(simulator, "ObjectNavExpertAction", objectId, objectType)
     if isinstance(target, ActionResult):
         return target
     low, high = agent.world.box(target)[:, :2]
-    step = _step_towards(simulator, nearest_cell(agent, low, high))
-    return ActionResult(True, value=step or _turn_towards(agent, target))
+    step, is_there = _step_towards(simulator, nearest_cell(agent, low, high))
+    if step is None and (is_there or agent.is_near(target)):
+        step = _turn_towards(agent, target)
+    if step or is_there or agent.sees(target):
+        return ActionResult(True, value=step)
+    return _no_way(agent, tuple(((low + high) / 2).tolist()))
 
 
 ACTIONS: dict[str, Action] = {"ObjectNavExpertAction": object_nav_expert_action}
@@ -86,12 +96,40 @@ class _Reached(NamedTuple):
     first_turns: int | None
 
 
-def _step_towards(simulator: SimulatorState, goal: Cell) -> str | None:
-    """The first action on the way with the fewest steps to within half a step of the goal, or as near as steps lead."""
+@dataclass
+class _Known:
+    """What the searches in one state of the room have found out.
+
+    Attributes
+    ----------
+    others : tuple of (float, float)
+        Where the other agents were.
+    can_walk : dict
+        Whether the agent can walk from a place to another, by both; see `_exact`.
+    metres_left : dict
+        By the goals.
+    """
+
+    others: tuple[Plan, ...] = ()
+    can_walk: dict[tuple[Cell, Cell], bool] = field(default_factory=dict)
+    metres_left: dict[Cell, _MetresLeft] = field(default_factory=dict)
+
+
+_KNOWN: WeakKeyDictionary[nx.Graph[Cell], _Known] = WeakKeyDictionary()
+"""By the graphs of the agents' grids: each is another one when something has moved."""
+
+
+def _step_towards(simulator: SimulatorState, goal: Cell) -> tuple[str | None, bool]:
+    """The first action on the way with the fewest steps to within half a step of the goal, or as near as steps lead.
+
+    None if no step leads nearer; and whether the goal is no farther than a step away, which whole steps cannot better.
+    """
     agent, step_m, turn_deg = simulator.agent, simulator.settings.grid_size, simulator.settings.rotate_step_degrees
-    metres_left, numbers, start = _MetresLeft(agent, goal), count(), (agent.x, agent.y)
-    nearest = _Reached(0.0, next(numbers), start, metres_left(start), 0.0, 0, None)
-    queue, seen = [nearest], set[Cell]()
+    known = _known(simulator)
+    metres_left = known.metres_left.setdefault(goal, _MetresLeft(agent.grid, goal))
+    numbers, start = count(), (agent.x, agent.y)
+    nearest = _Reached(0.0, next(numbers), start, metres_left(agent, start), 0.0, 0, None)
+    queue, seen, least_gone = [nearest], set[Cell](), dict[Cell, float]()
     while queue and len(seen) < MOST_PLACES:
         here = heappop(queue)
         spot = _spot(here.place, step_m)
@@ -103,17 +141,45 @@ def _step_towards(simulator: SimulatorState, goal: Cell) -> str | None:
         if here.left_m <= step_m / 2:
             break
         for turns in _turns(turn_deg):
-            heading = here.heading + turns
+            heading, gone = here.heading + turns, here.gone_m + step_m + TURN_M * abs(turns)
             angle = math.radians(agent.yaw_deg - heading * turn_deg)
             there = (here.place[0] + step_m * math.cos(angle), here.place[1] + step_m * math.sin(angle))
-            if _spot(there, step_m) not in seen and agent.can_walk(here.place, there):
-                left, gone = metres_left(there), here.gone_m + step_m + TURN_M * abs(turns)
-                first = heading if here.first_turns is None else here.first_turns
-                heappush(queue, _Reached(gone + STRAIGHT * left, next(numbers), there, left, gone, heading, first))
+            spot = _spot(there, step_m)
+            if spot in seen or gone >= least_gone.get(spot, math.inf) or not _can_walk(known, agent, here.place, there):
+                continue
+            least_gone[spot], left = gone, metres_left(agent, there)
+            first = heading if here.first_turns is None else here.first_turns
+            heappush(queue, _Reached(gone + STRAIGHT * left, next(numbers), there, left, gone, heading, first))
     turns_first = nearest.first_turns
     if turns_first is None:
-        return None
-    return _rotation(turns_first) if turns_first else "MoveAhead"
+        return None, nearest.left_m <= step_m + SAME_PLACE_M
+    return _rotation(turns_first) if turns_first else "MoveAhead", False
+
+
+def _no_way(agent: ThorAgent, goal: Plan) -> ActionResult:
+    return ActionResult(False, f"no path from ({agent.x:g}, {agent.y:g}) to ({goal[0]:g}, {goal[1]:g}) (x, z)")
+
+
+def _known(simulator: SimulatorState) -> _Known:
+    """What is known of the room as it is now."""
+    agent = simulator.agent
+    known = _KNOWN.setdefault(agent.grid.graph, _Known())
+    others = tuple((other.x, other.y) for other in simulator.room.agents if other is not agent)
+    if known.others != others or len(known.can_walk) > MOST_REMEMBERED:
+        known.others, known.can_walk = others, {}
+    return known
+
+
+def _can_walk(known: _Known, agent: ThorAgent, start: Plan, end: Plan) -> bool:
+    step = _exact(start), _exact(end)
+    if step not in known.can_walk:
+        known.can_walk[step] = agent.can_walk(start, end)
+    return known.can_walk[step]
+
+
+def _exact(place: Plan) -> Cell:
+    """What places are remembered by; they differ by roundings only."""
+    return round(place[0] / SAME_PLACE_M), round(place[1] / SAME_PLACE_M)
 
 
 def _spot(place: Plan, step_m: float) -> Cell:
@@ -128,21 +194,29 @@ def _turns(step_deg: float) -> list[int]:
 
 
 class _MetresLeft:
-    """How far it is from a place to a goal: straight to a cell, then over the grid."""
+    """How far it is from a place to a goal: straight to a cell, then over the grid; each place is looked at once."""
 
-    def __init__(self, agent: ThorAgent, goal: Cell) -> None:
-        self._agent, grid = agent, agent.grid
+    def __init__(self, grid: ReachableGrid, goal: Cell) -> None:
         steps = nx.single_source_shortest_path_length(grid.graph, goal)
         self._cells = np.array([grid.position(cell) for cell in steps])
         self._rest = np.array(list(steps.values())) * grid.body.step_m
+        self._left: dict[Cell, float] = {}
 
-    def __call__(self, place: Plan) -> float:
+    def __call__(self, agent: ThorAgent, place: Plan) -> float:
+        if len(self._left) > MOST_REMEMBERED:
+            self._left.clear()
+        key = _exact(place)
+        if key not in self._left:
+            self._left[key] = self._looked_up(agent, place)
+        return self._left[key]
+
+    def _looked_up(self, agent: ThorAgent, place: Plan) -> float:
         away = np.hypot(*(self._cells - place).T)
         whole_way = away + self._rest
         near = np.argsort(away, kind="stable")[:CELLS_TRIED]
         for index in near[np.argsort(whole_way[near], kind="stable")]:
             x, y = self._cells[index].tolist()
-            if away[index] < SAME_PLACE_M or self._agent.ground.is_clear(place, (x, y)):
+            if away[index] < SAME_PLACE_M or agent.ground.is_clear(place, (x, y)):
                 return float(whole_way[index])
         return math.inf
 
