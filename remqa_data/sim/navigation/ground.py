@@ -13,7 +13,6 @@ from itertools import chain
 import numpy as np
 
 from remqa_data.geometry.types import F64
-from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import (
     FINE_M,
     Clearance,
@@ -27,14 +26,10 @@ from remqa_data.sim.navigation.grid import (
     reachable_grid,
     solid_ids,
 )
+from remqa_data.sim.navigation.straight_ways import SAMPLE_M, Point, StraightWays
 from remqa_data.sim.physics.bodies import STRUCTURE_NAME
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
-
-Point = tuple[float, float]
-
-SAMPLE_M = AGENT.step_m / 4
-"""A step is tested at least this densely."""
 
 
 class Ground:
@@ -55,6 +50,7 @@ class Ground:
         self._building = building_outlines(world.scene)
         self._clearance: Clearance | None = None
         self._grid: ReachableGrid | None = None
+        self._ways: StraightWays | None = None
         self._revision, self._held = world.revision, dict(world.held)
         self._follow(world.ids)
 
@@ -96,6 +92,13 @@ class Ground:
             self._grid = reachable_grid(self.world, clearance=self._clear())
         return self._grid
 
+    def straight_ways(self) -> StraightWays:
+        """The straight ways between cells of the grid as it is now."""
+        places = self.grid().positions()
+        if self._ways is None:
+            self._ways = StraightWays(self._clear(), places, self.world.scene.bounds, self.radius_m)
+        return self._ways
+
     def _first_blocked(self, start: Point, end: Point) -> Point | None:
         clearance = self._clear()
         count = max(1, math.ceil(math.dist(start, end) / SAMPLE_M - 1e-9))
@@ -122,7 +125,7 @@ class Ground:
         for name in moved:
             self._states[name] = world.state(name)
             self._outlines[name] = object_outlines(world, name)
-        self._clearance = self._grid = None
+        self._clearance = self._grid = self._ways = None
 
     def _clear(self) -> Clearance:
         """The clearance as it is now; found when somebody walks, and not for every thing that moves."""

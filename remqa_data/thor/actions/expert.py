@@ -14,6 +14,8 @@ import numpy as np
 
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
+from remqa_data.sim.navigation.ground import Ground
+from remqa_data.sim.navigation.straight_ways import SAME_PLACE_M
 from remqa_data.thor.actions.search import Plan, nearest_cell, object_meant
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
@@ -24,14 +26,16 @@ CELLS_TRIED = 12
 """Of the cells that are nearest to a place as many are tried: from one of them the way goes on."""
 MOST_PLACES = 500
 """So many places are looked at on the way; where the goal is not among them, the agent goes to the nearest to it."""
-SAME_SHARE, SAME_PLACE_M = 0.2, 1e-6
-"""Places nearer to each other than this share of a step are one on a way; a place so near to a cell is that cell."""
+SAME_SHARE = 0.2
+"""Places nearer to each other than this share of a step are one on a way."""
 MOST_REMEMBERED = 50_000
-"""So many steps, and so many places for each goal, are remembered."""
+"""Of an agent in one state of the room about so many steps, and so many places before goals, are remembered."""
 LEAST_GAIN_M = 0.01
 """Where no way leads nearer by more than this, the agent is as near as it gets."""
 STRAIGHT = math.sqrt(0.5)
 """The straight way is at least so many times as long as the one over the grid."""
+FEW_HEADINGS = 8
+"""Of so few headings each counts on its own at a place, so that turns are fewest; with more of them that takes too long."""
 TURN_M = 0.001
 """What a turn counts for: of ways with as many steps the one with fewer turns is taken."""
 
@@ -65,6 +69,10 @@ def object_nav_expert_action(
 
 
 ACTIONS: dict[str, Action] = {"ObjectNavExpertAction": object_nav_expert_action}
+
+
+_Stop = tuple[Cell, int]
+"""A spot, and the heading there if there are few."""
 
 
 class _Reached(NamedTuple):
@@ -106,13 +114,16 @@ class _Known:
         Where the other agents were.
     can_walk : dict
         Whether the agent can walk from a place to another, by both; see `_exact`.
+    ways : dict
+        To each goal that was asked for.
     metres_left : dict
-        By the goals.
+        From a place to a goal, by both.
     """
 
     others: tuple[Plan, ...] = ()
     can_walk: dict[tuple[Cell, Cell], bool] = field(default_factory=dict)
-    metres_left: dict[Cell, _MetresLeft] = field(default_factory=dict)
+    ways: dict[Cell, _WaysTo] = field(default_factory=dict)
+    metres_left: dict[tuple[Cell, Cell], float] = field(default_factory=dict)
 
 
 _KNOWN: WeakKeyDictionary[nx.Graph[Cell], _Known] = WeakKeyDictionary()
@@ -125,29 +136,29 @@ def _step_towards(simulator: SimulatorState, goal: Cell) -> tuple[str | None, bo
     None if no step leads nearer; and whether the goal is no farther than a step away, which whole steps cannot better.
     """
     agent, step_m, turn_deg = simulator.agent, simulator.settings.grid_size, simulator.settings.rotate_step_degrees
-    known = _known(simulator)
-    metres_left = known.metres_left.setdefault(goal, _MetresLeft(agent.grid, goal))
-    numbers, start = count(), (agent.x, agent.y)
-    nearest = _Reached(0.0, next(numbers), start, metres_left(agent, start), 0.0, 0, None)
-    queue, seen, least_gone = [nearest], set[Cell](), dict[Cell, float]()
-    while queue and len(seen) < MOST_PLACES:
+    known, numbers, start = _known(simulator), count(), (agent.x, agent.y)
+    nearest = _Reached(0.0, next(numbers), start, _metres_left(known, agent, start, goal), 0.0, 0, None)
+    queue, seen, least_gone = [nearest], set[_Stop](), dict[_Stop, float]()
+    turns_to = _turns(turn_deg)
+    around = len(turns_to) if len(turns_to) <= FEW_HEADINGS else 1
+    while queue and len(seen) < MOST_PLACES * around:
         here = heappop(queue)
-        spot = _spot(here.place, step_m)
-        if spot in seen:
+        stop = _spot(here.place, step_m), here.heading % around
+        if stop in seen:
             continue
-        seen.add(spot)
+        seen.add(stop)
         if here.left_m < nearest.left_m - LEAST_GAIN_M:
             nearest = here
         if here.left_m <= step_m / 2:
             break
-        for turns in _turns(turn_deg):
+        for turns in turns_to:
             heading, gone = here.heading + turns, here.gone_m + step_m + TURN_M * abs(turns)
             angle = math.radians(agent.yaw_deg - heading * turn_deg)
             there = (here.place[0] + step_m * math.cos(angle), here.place[1] + step_m * math.sin(angle))
-            spot = _spot(there, step_m)
-            if spot in seen or gone >= least_gone.get(spot, math.inf) or not _can_walk(known, agent, here.place, there):
+            stop = _spot(there, step_m), heading % around
+            if stop in seen or gone >= least_gone.get(stop, math.inf) or not _can_walk(known, agent, here.place, there):
                 continue
-            least_gone[spot], left = gone, metres_left(agent, there)
+            least_gone[stop], left = gone, _metres_left(known, agent, there, goal)
             first = heading if here.first_turns is None else here.first_turns
             heappush(queue, _Reached(gone + STRAIGHT * left, next(numbers), there, left, gone, heading, first))
     turns_first = nearest.first_turns
@@ -167,6 +178,8 @@ def _known(simulator: SimulatorState) -> _Known:
     others = tuple((other.x, other.y) for other in simulator.room.agents if other is not agent)
     if known.others != others or len(known.can_walk) > MOST_REMEMBERED:
         known.others, known.can_walk = others, {}
+    if len(known.metres_left) > MOST_REMEMBERED:
+        known.metres_left = {}
     return known
 
 
@@ -175,6 +188,15 @@ def _can_walk(known: _Known, agent: ThorAgent, start: Plan, end: Plan) -> bool:
     if step not in known.can_walk:
         known.can_walk[step] = agent.can_walk(start, end)
     return known.can_walk[step]
+
+
+def _metres_left(known: _Known, agent: ThorAgent, place: Plan, goal: Cell) -> float:
+    asked = _exact(place), goal
+    if asked not in known.metres_left:
+        if goal not in known.ways:
+            known.ways[goal] = _WaysTo(goal, agent.grid)
+        known.metres_left[asked] = known.ways[goal].metres_from(place, agent.ground)
+    return known.metres_left[asked]
 
 
 def _exact(place: Plan) -> Cell:
@@ -193,30 +215,22 @@ def _turns(step_deg: float) -> list[int]:
     return sorted(range(-((around - 1) // 2), around // 2 + 1), key=lambda turn: (abs(turn), -turn))
 
 
-class _MetresLeft:
-    """How far it is from a place to a goal: straight to a cell, then over the grid; each place is looked at once."""
+class _WaysTo:
+    """How far it is to a goal: straight to a cell, then over the grid."""
 
-    def __init__(self, grid: ReachableGrid, goal: Cell) -> None:
+    def __init__(self, goal: Cell, grid: ReachableGrid) -> None:
         steps = nx.single_source_shortest_path_length(grid.graph, goal)
         self._cells = np.array([grid.position(cell) for cell in steps])
         self._rest = np.array(list(steps.values())) * grid.body.step_m
-        self._left: dict[Cell, float] = {}
 
-    def __call__(self, agent: ThorAgent, place: Plan) -> float:
-        if len(self._left) > MOST_REMEMBERED:
-            self._left.clear()
-        key = _exact(place)
-        if key not in self._left:
-            self._left[key] = self._looked_up(agent, place)
-        return self._left[key]
-
-    def _looked_up(self, agent: ThorAgent, place: Plan) -> float:
+    def metres_from(self, place: Plan, ground: Ground) -> float:
+        """Metres from a place to the goal; infinite if no cell near it can be walked to."""
         away = np.hypot(*(self._cells - place).T)
         whole_way = away + self._rest
         near = np.argsort(away, kind="stable")[:CELLS_TRIED]
         for index in near[np.argsort(whole_way[near], kind="stable")]:
             x, y = self._cells[index].tolist()
-            if away[index] < SAME_PLACE_M or agent.ground.is_clear(place, (x, y)):
+            if away[index] < SAME_PLACE_M or ground.is_clear(place, (x, y)):
                 return float(whole_way[index])
         return math.inf
 

@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from collections import deque
 from itertools import product
-from weakref import WeakKeyDictionary
 
-import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Flags
+from remqa_data.geometry.types import F64
 from remqa_data.sim.agent.results import ActionResult
-from remqa_data.sim.navigation.grid import FINE_M, Cell, clearance_map
-from remqa_data.sim.navigation.ground import SAMPLE_M, Ground
+from remqa_data.sim.navigation.grid import Cell
+from remqa_data.sim.navigation.ground import Ground
 from remqa_data.sim.render.camera import AnyCamera
 from remqa_data.thor.actions.targets import not_there, of_type
 from remqa_data.thor.state.agent import ThorAgent
@@ -35,8 +33,6 @@ NORTH_DEG = 90.0
 """Heading of who looks along AI2-THOR's z."""
 RIGHT_AND_AHEAD = ((1, 0), (0, 1), (-1, 0), (0, -1))
 """In which order AI2-THOR looks around."""
-SAME_PLACE_M = 1e-9
-"""A place so near to another one is the same."""
 SURFACE_POINTS, APART_M = 30, 0.005
 """So many points stand for an object's surface, or fewer where they would be nearer to each other."""
 
@@ -322,106 +318,10 @@ def _flood(ground: Ground, start: Plan, step_m: float, heading_deg: float, most:
 def _way(simulator: SimulatorState, position: PartialVector | None, goal: Plan) -> ActionResult:
     agent = simulator.agent
     start = (agent.x, agent.y) if position is None else to_room(whole(position))[:2]
-    way = _shortest_way(agent, start, goal)
+    direct = agent.ground.is_clear(start, goal) and agent.ground.is_clear(goal, start)
+    way = [start, goal] if direct else agent.ground.straight_ways().shortest(start, goal)
     if way is None:
         return ActionResult(False, f"no path from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g}) (x, z)")
     floor_z = agent.world.scene.floor_z
     corners: list[Vector] = [to_thor((x, y, floor_z)) for x, y in way]
     return ActionResult(True, value={"corners": corners})
-
-
-def _shortest_way(agent: ThorAgent, start: Plan, goal: Plan) -> list[Plan] | None:
-    """The shortest way that bends at cells of the grid only, with its corners; None if there is none.
-
-    Its length is the same there and back.
-
-    Notes
-    -----
-    A* over all straight ways that are clear; the last entry of each array is the goal.
-    """
-    if agent.ground.is_clear(start, goal) and agent.ground.is_clear(goal, start):
-        return [start, goal]
-    straight = straight_ways(agent)
-    count, to_goal = len(straight.places), straight.metres_from(goal)
-    gone, before = np.append(straight.metres_from(start), np.inf), np.full(count + 1, -1)
-    left, is_open = np.append(arithmetic.length(straight.places - goal), 0.0), np.full(count + 1, True)
-    while is_open[count]:
-        whole = np.where(is_open, gone + left, np.inf)
-        here = int(whole.argmin())
-        if whole[here] == np.inf:
-            return None
-        is_open[here] = False
-        if here < count:
-            there = gone[here] + np.append(straight.metres(here), to_goal[here])
-            nearer = there < gone
-            gone[nearer], before[nearer] = there[nearer], here
-    way, cell = [goal], int(before[count])
-    while cell >= 0:
-        x, y = straight.places[cell].tolist()
-        if min(math.dist((x, y), start), math.dist((x, y), goal)) > SAME_PLACE_M:
-            way.append((x, y))
-        cell = int(before[cell])
-    return [start, *reversed(way)]
-
-
-class StraightWays:
-    """The straight ways over the floor as it was when this was made, as `Ground.is_clear` knows them, for many at once.
-
-    Parameters
-    ----------
-    agent : ThorAgent
-        Who would walk; other agents are not in its way.
-
-    Attributes
-    ----------
-    places : (n, 2) float64
-        Where the cells of its grid are, metres in the room.
-    """
-
-    def __init__(self, agent: ThorAgent) -> None:
-        self.places = agent.grid.positions()
-        self._clearance, self._radius_m = clearance_map(agent.world), agent.embodiment.radius_m
-        self._metres: dict[int, F64] = {}
-
-    def metres(self, cell: int) -> F64:
-        """(n,) metres straight from one of the cells to each, infinite where something is in the way."""
-        if cell not in self._metres:
-            self._metres[cell] = self.metres_from(self.places[cell])
-        return self._metres[cell]
-
-    def metres_from(self, place: npt.ArrayLike) -> F64:
-        """(n,) metres straight from a place to each cell, infinite where something is in the way.
-
-        From a place that is too near to something a way leads to the nearest cell only.
-        """
-        metres = np.where(self.are_clear(place, self.places), arithmetic.length(self.places - place), np.inf)
-        if metres.size and self._at(np.asarray(place)) <= self._radius_m:
-            metres[metres > metres.min()] = np.inf
-        return metres
-
-    def are_clear(self, start: npt.ArrayLike, ends: F64) -> Flags:
-        """(n,) whether nothing keeps the agent from a straight step to (n, 2) places."""
-        ways = ends - np.asarray(start)
-        counts = np.maximum(np.ceil(arithmetic.length(ways) / SAMPLE_M - 1e-9), 1.0)
-        shares = np.minimum(np.arange(1.0, counts.max(initial=1.0) + 1.0) / counts[:, None], 1.0)
-        limit = min(self._radius_m, np.nextafter(float(self._at(np.asarray(start))), 0.0))
-        return np.all(self._at(np.asarray(start) + shares[..., None] * ways[:, None]) > limit, axis=1)
-
-    def _at(self, points: F64) -> npt.NDArray[np.float32]:
-        """Metres from (..., 2) places to the nearest obstacle; see `Clearance.at`."""
-        distance = self._clearance.distance_m
-        column, row = np.moveaxis(np.rint((points - self._clearance.corner) / FINE_M).astype(np.intp), -1, 0)
-        inside = (row >= 0) & (row < distance.shape[0]) & (column >= 0) & (column < distance.shape[1])
-        return np.where(inside, distance[np.where(inside, row, 0), np.where(inside, column, 0)], np.float32(0.0))
-
-
-_STRAIGHT_WAYS: WeakKeyDictionary[nx.Graph[Cell], StraightWays] = WeakKeyDictionary()
-"""By the graphs of the agents' grids: each is another one when something has moved."""
-
-
-def straight_ways(agent: ThorAgent) -> StraightWays:
-    """The straight ways over the floor as it is now."""
-    graph = agent.grid.graph
-    if graph not in _STRAIGHT_WAYS:
-        _STRAIGHT_WAYS[graph] = StraightWays(agent)
-    return _STRAIGHT_WAYS[graph]
