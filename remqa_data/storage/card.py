@@ -146,8 +146,8 @@ def _questions(manifest: Manifest) -> list[str]:
 
 def _snippet(manifest: Manifest) -> list[str]:
     names = [spec.name for spec in TABLES.values() if manifest.splits(spec.name)]
-    table = DEFAULT_TABLE if DEFAULT_TABLE in names else names[0]
-    split = next(iter(manifest.splits(table)))
+    table = DEFAULT_TABLE if DEFAULT_TABLE in names else next(iter(names), DEFAULT_TABLE)
+    split = next(iter(manifest.splits(table)), "train")
     columns = '"question", "answer"' if table == DEFAULT_TABLE else '"scene", "configuration"'
     return [
         "import pandas, datasets",
