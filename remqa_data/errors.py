@@ -8,6 +8,15 @@ _SHORT = reprlib.Repr()
 _SHORT.maxstring = 120
 
 
+def counted(number: int, name: str) -> str:
+    """So many of something.
+
+    >>> counted(1, "scene"), counted(12, "scene")
+    ('1 scene', '12 scenes')
+    """
+    return f"{number} {name}" if number == 1 else f"{number} {name}s"
+
+
 def one_line(error: object) -> str:
     r"""What an error says, in one line: those of other libraries come in several, and what files say may be anything.
 

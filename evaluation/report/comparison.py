@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from remqa_data.errors import ResultsError
-from remqa_data.evaluation.report.tables import Grid, counted, in_words, rounded
+from remqa_data.errors import ResultsError, counted
+from remqa_data.evaluation.report.tables import Grid, in_words, rounded
 from remqa_data.evaluation.scoring.results import NOT_REPLAYED, OVERALL, Results, load_results
 from remqa_data.evaluation.scoring.statistics import Difference, difference
 from remqa_data.evaluation.submission.tracks import TRACKS

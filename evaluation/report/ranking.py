@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from remqa_data.errors import ResultsError
+from remqa_data.errors import ResultsError, counted
 from remqa_data.evaluation.report.comparison import load_comparable
-from remqa_data.evaluation.report.tables import Grid, cell, counted, in_words, markdown_lines, rounded
+from remqa_data.evaluation.report.tables import Grid, cell, in_words, markdown_lines, rounded
 from remqa_data.evaluation.scoring.measures import measures_of
 from remqa_data.evaluation.scoring.results import Metric, Results
 from remqa_data.evaluation.submission.tracks import TRACKS

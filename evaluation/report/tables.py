@@ -89,15 +89,6 @@ def asked_things(results: Results) -> str:
     return f"{TRACKS[results.track].asks}s"
 
 
-def counted(number: int, name: str) -> str:
-    """So many of something.
-
-    >>> counted(1, "scene"), counted(12, "scene")
-    ('1 scene', '12 scenes')
-    """
-    return f"{number} {name}" if number == 1 else f"{number} {name}s"
-
-
 def failed_at(results: Results, place: int) -> str:
     """The first thing that went wrong with a question."""
     measured = {name: column[place] for name, column in results.samples.items() if column[place] is not None}

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
-from remqa_data.errors import QuotaError, UnknownNameError
+from remqa_data.errors import QuotaError, UnknownNameError, counted
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import PREFIX, is_sampled, room_type_of, sampled_index, sampled_split
 from remqa_data.language.question_rules import question_rules
@@ -221,11 +221,8 @@ def _lots_of(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, tot
         raise QuotaError(f"{split}: {kind}: none of the rooms is for {split}; add one, or ask for no {split} questions")
     if count > sum(room_for.values()):
         empty = [scene for scene, lots in room_for.items() if lots == 0]
-        lots, places = (
-            ("1 lot" if count == 1 else f"{count} lots"),
-            "1 room" if len(rooms) == 1 else f"{len(rooms)} rooms",
-        )
-        msg = f"{split}: {kind}: {total} questions need {lots} of {LOT_SIZE}, but {places} "
+        msg = f"{split}: {kind}: {total} questions need {counted(count, 'lot')} of {LOT_SIZE}, "
+        msg += f"but {counted(len(rooms), 'room')} "
         msg += f"({_some(list(room_for))}) have room for {sum(room_for.values())}"
         msg += f"; {_some(empty)} can take none" if empty else ""
         other = "more scenes" if sum(room_for.values()) else "scenes of other types"

@@ -24,7 +24,7 @@ from gymnasium import spaces
 
 from remqa_data.catalog import catalog
 from remqa_data.datasets.vocabulary import Vocabulary
-from remqa_data.env.actions import ActionMode, Command, Shares, action_space, command
+from remqa_data.env.actions import ActionMode, Shares, action_space, command
 from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes, check_counts
 from remqa_data.env.loaded_scene import LoadedRoom
 from remqa_data.env.question import QuestionText
@@ -207,7 +207,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         if self._is_over:
             raise ActionError("there is no episode going on: call reset")
         wanted = command(action, self.action_mode, self.agent)
-        result = ActionResult(True) if wanted.action is None else self._act(wanted.action, wanted)
+        result = ActionResult(True) if wanted.action is None else self._act(wanted.action, wanted.box)
         self.steps += 1
         terminated = wanted.action is None or wanted.action.name == DONE
         truncated = not terminated and self.steps >= self.max_steps
@@ -239,11 +239,11 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
             self._room = None
         self._is_over = True
 
-    def _act(self, action: Action, wanted: Command) -> ActionResult:
+    def _act(self, action: Action, box: Shares | None) -> ActionResult:
         if action.name == TELEPORT and not self.privileged:
             raise ActionError(f"{TELEPORT} is only for privileged agents")
         if action.name in MANIPULATION:
-            return self._manipulate(action, wanted.box)
+            return self._manipulate(action, box)
         result = perform(self.agent, action)
         if action.name in NAVIGATION:
             self.record.walked(action, self.agent)
@@ -269,12 +269,13 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
 
     def _without_names(self, refusal: ActionResult, target: str | None) -> ActionResult:
         """A refusal that names nothing but the target and what the agent sees."""
-        unseen = {*self.agent.world.ids} - {target, *self.agent.visible_objects()}
-        words = (
-            word.replace(name, "something") if (name := word.rstrip(":,")) in unseen else word
-            for word in refusal.error.split(" ")
-        )
-        return ActionResult(False, " ".join(words))
+        words = refusal.error.split(" ")
+        named = {word.rstrip(":,") for word in words} & {*self.agent.world.ids} - {target}
+        if not named:  # so nothing is drawn
+            return refusal
+        unseen = named.difference(self.agent.visible_objects())
+        told = (word.replace(name, "something") if (name := word.rstrip(":,")) in unseen else word for word in words)
+        return ActionResult(False, " ".join(told))
 
     def _in_frame(self, box: Shares | None) -> Shares | None:
         """A box of the agent's picture in the square one that is scored, which is as high, and may be narrower or wider."""

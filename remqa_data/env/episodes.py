@@ -125,7 +125,7 @@ class DatasetEpisodes:
         self._scene_rows = {(key["scene"], key["configuration"]): row for row, key in enumerate(keys)}
         self._rows = {name: row for row, name in enumerate(self._questions["question_id"].to_pylist())}
         self.ids = tuple(self._rows if question_ids is None else question_ids)
-        for name in self.ids:
+        for name in self.ids if question_ids is not None else ():
             self._row(name)
 
     def episode(self, name: str) -> Episode:
@@ -191,11 +191,13 @@ class SceneEpisodes:
     def __init__(self, scenes: Sequence[str | Scene]) -> None:
         self._scenes: dict[str, str | Scene] = {}
         for scene in scenes:
-            if not isinstance(scene, str | Scene):
-                raise ActionError(f"scenes has {scene!r:.80}: give names of floor plans, or rooms (Scene)")
-            name = str(scene) if isinstance(scene, str) else scene.name
             if isinstance(scene, str):
+                name = str(scene)  # NumPy has texts of its own
                 check_scene_name(name)
+            elif isinstance(scene, Scene):
+                name = scene.name
+            else:
+                raise ActionError(f"scenes has {scene!r:.80}: give names of floor plans, or rooms (Scene)")
             if name in self._scenes:
                 raise ActionError(f"scenes has two rooms called {name!r:.80}: give each a name of its own")
             self._scenes[name] = scene
@@ -236,11 +238,13 @@ def check_question_ids(question_ids: Sequence[str] | None) -> None:
     ActionError
         If it is one text, or empty, or holds something else than texts.
     """
+    if question_ids is None:
+        return
     if isinstance(question_ids, str):
         raise ActionError(f"question_ids is a text: give a list, [{question_ids!r}]")
-    if question_ids is not None and not len(question_ids):
+    if not len(question_ids):
         raise ActionError("question_ids is empty: leave it out, or name at least one")
-    for name in () if question_ids is None else question_ids:
+    for name in question_ids:
         if not isinstance(name, str):
             raise ActionError(f"question_ids has {name!r:.80}: give ids of questions")
 

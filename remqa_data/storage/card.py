@@ -56,7 +56,7 @@ def dataset_card(manifest: Manifest) -> str:
         *_front_matter(manifest, tables),
         *("# REMQA dataset", "", ABOUT, ""),
         *("## Contents", "", *_counts(manifest, tables), "", *_questions(manifest), ""),
-        *("## Reading it", "", "```python", *_snippet(manifest), "```", "", FRAMES, ""),
+        *("## Reading it", "", "```python", *_snippet(manifest, tables), "```", "", FRAMES, ""),
         *("## Fields", ""),
     ]
     for spec in tables:
@@ -144,9 +144,9 @@ def _questions(manifest: Manifest) -> list[str]:
     return _table(["Questions", *kinds], cells) if kinds else []
 
 
-def _snippet(manifest: Manifest) -> list[str]:
-    names = [spec.name for spec in TABLES.values() if manifest.splits(spec.name)]
-    table = DEFAULT_TABLE if DEFAULT_TABLE in names else next(iter(names), DEFAULT_TABLE)
+def _snippet(manifest: Manifest, tables: list[TableSpec]) -> list[str]:
+    names = [spec.name for spec in tables]
+    table = names[0] if names and DEFAULT_TABLE not in names else DEFAULT_TABLE
     split = next(iter(manifest.splits(table)), "train")
     columns = '"question", "answer"' if table == DEFAULT_TABLE else '"scene", "configuration"'
     return [

@@ -18,21 +18,16 @@ from gymnasium.utils.env_checker import check_env
 from remqa_data.env import ENV_ID, RemqaEnv
 from remqa_data.env.actions import DISCRETE, PARAMETRISED, Command, command
 from remqa_data.env.cached import CachedRemqaEnv
-from remqa_data.env.oracle import oracle_commands
-from remqa_data.env.recorder import Recorder
 from remqa_data.env.video import write_film
 from remqa_data.errors import ActionError, DatasetError, UnknownNameError
-from remqa_data.evaluation.scoring.ground_truth import load_ground_truth
-from remqa_data.evaluation.scoring.scoring import score
-from remqa_data.evaluation.submission.reader import open_submission
-from remqa_data.floorplans.load import load_scene
 from remqa_data.sim.agent.actions import Action, parse_action
 from remqa_data.sim.agent.third_person import PLACES
 from remqa_data.sim.arm.arm import HOME
 from remqa_data.storage.shards import read_table
+from tests.helpers.small_rooms import small_room
 
 ROOM = "FloorPlan406"
-BARE = replace(load_scene(ROOM), name="Bare")
+BARE = replace(small_room("Small1", 0), name="Bare")
 SMALL = {"scenes": [ROOM], "width": 64, "height": 48}
 AHEAD, LEFT, DONE = DISCRETE.index("MoveAhead"), DISCRETE.index("RotateLeft"), DISCRETE.index("Done")
 
@@ -224,58 +219,6 @@ def test_a_live_environment_is_neither_copied_nor_pickled(env: RemqaEnv) -> None
     assert env.step(LEFT)[-1]["success"]
 
 
-def test_a_walk_that_no_submission_holds_is_no_row(small_rooms: Path, tmp_path: Path) -> None:
-    path = tmp_path / "long.jsonl"
-    env = Recorder(gymnasium.make(ENV_ID, root=small_rooms, split="test", width=8, height=8, max_steps=600), path)
-    env.reset(seed=0)
-    for _ in range(501):
-        env.step("RotateLeft")
-    with pytest.raises(ActionError, match="at most 500 steps, not 501"):
-        env.step("Answer yes")
-    assert env.rows == {}
-    env.close()
-
-
-def test_a_recorder_overwrites_nothing_before_it_has_something_and_nothing_of_another(
-    small_rooms: Path, tmp_path: Path
-) -> None:
-    path = tmp_path / "mine.jsonl"
-    path.write_text("precious")
-    Recorder(RemqaEnv(small_rooms, "test", width=8, height=8), path).close()
-    assert path.read_text() == "precious"
-    first, second = (Recorder(RemqaEnv(small_rooms, "test", width=8, height=8), path) for _ in range(2))
-    for env in (first, second):
-        env.reset(seed=0)
-        env.step("Answer yes")
-    first.save()
-    first.close()
-    written = path.read_text()
-    assert len(written.splitlines()) == 2
-    with pytest.raises(ActionError, match="give each recorder a file of its own"):
-        second.close()
-    assert path.read_text() == written
-
-
-@pytest.mark.parametrize(
-    ("name", "agent"),
-    [
-        ("a.parquet", "me"),
-        ("a.txt", "me"),
-        ("a.jsonl", "x" * 201),
-        ("a.jsonl", ""),
-        ("a.jsonl", 3),
-        ("a.jsonl", "\ud800"),
-    ],
-)
-def test_what_no_submission_can_be_called_is_told_at_once(
-    small_rooms: Path, tmp_path: Path, name: str, agent: str
-) -> None:
-    env = RemqaEnv(small_rooms, "test", width=8, height=8)
-    with pytest.raises(ActionError, match=r"is called something\.jsonl|the agent's name is"):
-        Recorder(env, tmp_path / name, agent)
-    env.close()
-
-
 def test_reset_knows_its_episodes_and_its_option(env: RemqaEnv) -> None:
     with pytest.raises(ActionError, match="call reset"):
         env.step(LEFT)
@@ -408,97 +351,6 @@ def test_vector_environments_ask_the_questions_that_are_played(two_rooms: Path, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("hands", ["reach", "arm"])
-def test_the_oracle_is_perfect_and_its_recording_too(two_rooms: Path, tmp_path: Path, hands: str) -> None:
-    path = tmp_path / "oracle.jsonl"
-    env = Recorder(
-        gymnasium.make(ENV_ID, root=two_rooms, split="train", hands=hands, width=32, height=32), path, "oracle"
-    )
-    remqa = env.unwrapped
-    assert isinstance(remqa, RemqaEnv)
-    ended = []
-    for question_id in remqa.episode_ids:
-        seen, _ = env.reset(options={"episode": question_id})
-        task = remqa.episode.task
-        assert task is not None
-        assert seen["question"] == task.question
-        for step in oracle_commands(task):
-            _, reward, terminated, _, info = env.step(step)
-            assert info["success"], info["error"]
-        assert terminated
-        assert reward == 1.0
-        ended.append(info)
-    env.close()
-    scores = score(open_submission(path), load_ground_truth(two_rooms, "remqa", "train"))
-    assert len(ended) == 8
-    for name, values in scores.measures.items():
-        assert [info[name] for info in ended] == values.tolist() == [True] * 8
-    assert [info["SPL"] for info in ended] == [1.0] * 8
-
-
-@pytest.mark.slow
-def test_an_agent_that_errs_is_scored_alike_by_the_environment_and_the_evaluator(
-    two_rooms: Path, tmp_path: Path
-) -> None:
-    path = tmp_path / "random.jsonl"
-    env = Recorder(gymnasium.make(ENV_ID, root=two_rooms, split="train", hands="reach", width=32, height=32), path)
-    remqa = env.unwrapped
-    assert isinstance(remqa, RemqaEnv)
-    rng = np.random.default_rng(0)
-    walking = ["MoveAhead", "MoveBack", "MoveLeft", "RotateLeft", "RotateRight", "LookDown", "LookUp", "Crouch"]
-    ended = []
-    for question_id in remqa.episode_ids:
-        env.reset(options={"episode": question_id})
-        task = remqa.episode.task
-        assert task is not None
-        for step in oracle_commands(task)[: int(rng.integers(1, 9))]:
-            env.step(step)
-        for word in rng.choice(walking, 6):
-            env.step(str(word))
-        ended.append(env.step(Command(answer=task.answer, box=(0.1, 0.1, 0.9, 0.9)))[-1])
-    env.close()
-    scores = score(open_submission(path), load_ground_truth(two_rooms, "remqa", "train"))
-    for name, values in scores.measures.items():
-        assert [info[name] for info in ended] == values.tolist()
-    assert all(math.isfinite(info["distance_to_goal_m"]) for info in ended)
-
-
-@pytest.mark.slow
-def test_the_strict_chain_is_that_of_the_evaluator_whatever_follows_the_first_manipulation(
-    two_rooms: Path, tmp_path: Path
-) -> None:
-    path = tmp_path / "a.jsonl"
-    env = Recorder(gymnasium.make(ENV_ID, root=two_rooms, split="train", hands="reach", width=32, height=32), path)
-    remqa = env.unwrapped
-    assert isinstance(remqa, RemqaEnv)
-    asked = read_table(two_rooms, "questions", "train", ["question_id", "manipulation", "target_id"]).to_pylist()
-    drawers = [row for row in asked if row["manipulation"] == "Open"]
-    plans = (
-        (["OpenObject {}", "CloseObject {}"], True),  # it has seen the open drawer before it closed it
-        (["OpenObject {} 0.5"], False),
-        (["OpenObject {} 0.5", "OpenObject {}"], False),  # a submission has one manipulation
-        (["CloseObject {}", "OpenObject {} 0.9"], True),  # the first is refused
-    )
-    ended = []
-    for row, (words, _) in zip(drawers, plans, strict=True):
-        env.reset(options={"episode": row["question_id"]})
-        task = remqa.episode.task
-        assert task is not None
-        for step in oracle_commands(task)[:-2]:
-            env.step(step)
-        for word in words:
-            env.step(Command(parse_action(word.format(row["target_id"])), box=task.target_box))
-        ended.append(env.step(Command(answer=task.answer, box=task.target_box))[-1])
-    env.close()
-    assert [info["S_QA"] for info in ended] == [True] * 4
-    for name in ("manipulated", "S_M", "S_MQA"):
-        assert [info[name] for info in ended] == [counts for _, counts in plans]
-    scores = score(open_submission(path), load_ground_truth(two_rooms, "remqa", "train"))
-    for name, values in scores.measures.items():
-        assert [info[name] for info in ended] == values[scores.answered].tolist()
-
-
-@pytest.mark.slow
 def test_an_environment_that_is_dropped_gives_its_simulator_back() -> None:
     clients = set()
     for _ in range(3):
@@ -508,19 +360,6 @@ def test_an_environment_that_is_dropped_gives_its_simulator_back() -> None:
         del env
         gc.collect()
     assert len(clients) == 1
-
-
-@pytest.mark.slow
-def test_only_honest_episodes_of_a_dataset_are_recorded(two_rooms: Path, tmp_path: Path) -> None:
-    with pytest.raises(ActionError, match="root="):
-        Recorder(RemqaEnv(**SMALL), tmp_path / "a.jsonl")
-    with pytest.raises(ActionError, match="privileged"):
-        Recorder(RemqaEnv(two_rooms, "test", privileged=True), tmp_path / "a.jsonl")
-    env = Recorder(RemqaEnv(two_rooms, "test", action_mode="parametrised"), tmp_path / "a.jsonl")
-    env.reset(seed=0)
-    env.step("MoveAhead 0.1")
-    with pytest.raises(ActionError, match="whole steps"):
-        env.step("Answer yes")
 
 
 @pytest.mark.slow

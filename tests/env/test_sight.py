@@ -9,9 +9,7 @@ import pytest
 from remqa_data.env import RemqaEnv
 from remqa_data.env.actions import Command
 from remqa_data.env.oracle import oracle_commands
-from remqa_data.env.recorder import Recorder
 from remqa_data.errors import ActionError
-from remqa_data.evaluation.submission.reader import open_submission
 from remqa_data.sim.agent.actions import Action
 
 Begun = Callable[..., tuple[RemqaEnv, Command, Command]]
@@ -95,27 +93,6 @@ def test_points_and_boxes_are_of_the_picture_that_the_agent_gets(begun: Begun) -
     info = env.step(answer)[-1]
     assert info["manipulated"]
     assert info["iou"] > 0.97  # both are whole pixels, of two sizes
-
-
-def test_numbers_of_numpy_are_recorded_as_numbers(small_rooms: Path, tmp_path: Path) -> None:
-    path = tmp_path / "said.jsonl"
-    env = RemqaEnv(small_rooms, "test", width=32, height=32, hands="reach")
-    recorder = Recorder(env, path)
-    recorder.reset(options={"episode": env.episode_ids[0]})
-    *walk, manipulation, answer = commands_of(env)
-    for step in walk:
-        recorder.step(step)
-    assert manipulation.action is not None
-    name, target = manipulation.action.name, manipulation.action.target
-    box = np.array((0.1, 0.2, 0.9, 0.8), dtype=np.float32)
-    action = Action(name, target, np.array([1.0], dtype=np.float32))  # type: ignore[arg-type]
-    info = recorder.step(Command(action, box=box))[-1]  # type: ignore[arg-type]
-    assert (info["success"], info["action"]) == (True, f"{name} {target} 1.0")
-    recorder.step(answer)
-    recorder.close()
-    row = next(iter(open_submission(path).batches(replay=True, max_rows=9))).rows.to_pylist()[0]
-    assert row["manipulation"] == f"{name} {target}"
-    np.testing.assert_allclose(row["box"], 300.0 * box, rtol=1e-6)
 
 
 @pytest.mark.parametrize(

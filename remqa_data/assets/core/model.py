@@ -201,10 +201,8 @@ class Asset:
 
     def vertices_at(self, link_poses: F64) -> F64:
         """(n, 3) vertices of the visible mesh with the links at (links, 4, 4) poses."""
-        links = zip(self.links, link_poses, strict=True)
-        return np.concatenate(
-            [arithmetic.moved(surface.vertices, pose) for link, pose in links for surface in link.surfaces]
-        )
+        links = zip(self._link_vertices, link_poses, strict=True)
+        return np.concatenate([arithmetic.moved(vertices.T, pose) for vertices, pose in links])
 
     @cached_property
     def _closed_bounds(self) -> F64:

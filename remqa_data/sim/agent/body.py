@@ -121,7 +121,7 @@ class Body:
 
     def look(self, degrees: float) -> ActionResult:
         """Tilt the camera; positive is down."""
-        refusal = self._tilt_refusal(self.horizon_deg + degrees)
+        refusal = self.tilt_refusal(self.horizon_deg + degrees)
         if refusal is None:
             self.horizon_deg += degrees
         return refusal or DONE
@@ -139,7 +139,7 @@ class Body:
         x, y = self.x if x is None else float(x), self.y if y is None else float(y)
         horizon = self.horizon_deg if horizon_deg is None else float(horizon_deg)
         stays = (x, y) == (self.x, self.y)  # where it is, it is, whatever has come there since
-        refusal = None if force else self._tilt_refusal(horizon)
+        refusal = None if force else self.tilt_refusal(horizon)
         result = refusal or self._go(x, y, None if force or stays else self._blocker_at(x, y))
         if result.success:
             yaw = self.yaw_deg if yaw_deg is None else yaw_deg
@@ -199,7 +199,8 @@ class Body:
         local = np.clip(arithmetic.moved_back(shoulder, frame), -half, half)
         return arithmetic.moved(local, frame)
 
-    def _tilt_refusal(self, horizon_deg: float) -> ActionResult | None:
+    def tilt_refusal(self, horizon_deg: float) -> ActionResult | None:
+        """Why the camera cannot look so far up or down, or None."""
         least, most = self.embodiment.least_horizon_deg, self.embodiment.most_horizon_deg
         if least - 1e-6 <= horizon_deg <= most + 1e-6:
             return None

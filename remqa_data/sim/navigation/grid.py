@@ -211,6 +211,13 @@ class Clearance:
             return 0.0
         return float(self.distance_m[row, column])
 
+    def at_each(self, x: F64, y: F64) -> npt.NDArray[np.float32]:
+        """The same of many points, given by arrays of one shape."""
+        rows, columns = self.distance_m.shape
+        row = np.rint((y - self.corner[1]) / FINE_M).astype(np.intp).clip(0, rows - 1)  # on the border it is 0, too
+        column = np.rint((x - self.corner[0]) / FINE_M).astype(np.intp).clip(0, columns - 1)
+        return np.asarray(self.distance_m[row, column])
+
 
 def clearance_map(world: World) -> Clearance:
     """The clearance of a world as it is now; the border of the room counts as an obstacle."""

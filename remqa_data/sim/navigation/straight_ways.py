@@ -9,7 +9,7 @@ import numpy as np
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Flags, Rect
 from remqa_data.sim.navigation.embodiment import AGENT
-from remqa_data.sim.navigation.grid import FINE_M, Clearance
+from remqa_data.sim.navigation.grid import Clearance
 
 Point = tuple[float, float]
 
@@ -95,12 +95,6 @@ class StraightWays:
         ways, clearance = self.places - start, self._clearance
         counts = np.maximum(np.ceil(arithmetic.length(ways) / SAMPLE_M - 1e-9), 1.0)[:, None]
         shares = np.minimum(np.arange(1.0, counts.max(initial=1.0) + 1.0) / counts, 1.0)
-        pixels = [  # outside the room is what its border is
-            np.rint((start[k] + shares * ways[:, k, None] - clearance.corner[k]) / FINE_M)
-            .astype(np.intp)
-            .clip(0, most - 1)
-            for k, most in ((1, clearance.distance_m.shape[0]), (0, clearance.distance_m.shape[1]))
-        ]
+        x, y = (start[k] + shares * ways[:, k, None] for k in (0, 1))
         limit = min(self._radius_m, math.nextafter(clearance.at(*start.tolist()), 0.0))
-        clear: Flags = (clearance.distance_m[pixels[0], pixels[1]] > limit).all(axis=1)
-        return clear
+        return np.asarray((clearance.at_each(x, y) > limit).all(axis=1))

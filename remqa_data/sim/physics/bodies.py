@@ -19,6 +19,8 @@ from remqa_data.sim.physics.bullet import BulletClient, pybullet
 from remqa_data.sim.physics.state import ObjectState
 
 TIME_STEP_S = 1 / 240
+CHECK_STEPS = 20
+"""After so many steps it is looked whether all is at rest."""
 GRAVITY_M_S2 = -9.81
 FRICTION = 0.7
 ROLLING_FRICTION = 0.002
@@ -80,12 +82,29 @@ class Bodies:
             self.place(object_id, state)
         self._names = {b: name for name, b in self._of.items()} | dict.fromkeys(self._structure, STRUCTURE_NAME)
 
-    def step(self, steps: int) -> None:
-        """Let time pass, in steps of 1/240 s."""
-        for _ in range(steps):
-            self.client.stepSimulation()
+    def settle(self, object_ids: Sequence[str], steps: int, awake: Iterable[str]) -> list[str]:
+        """Let time pass until some free objects are at rest, at most a number of steps of 1/240 s; which have moved.
 
-    def snap(self, object_ids: Iterable[str]) -> None:
+        Those that are not awake at first sleep until something hits them.
+        """
+        moved = set(awake)
+        for object_id in object_ids:
+            if object_id not in moved:
+                self._put_to_sleep(object_id)
+        moving, was_still = [name for name in object_ids if name in moved], False
+        for done in range(0, steps, CHECK_STEPS):
+            for _ in range(min(CHECK_STEPS, steps - done)):
+                self.client.stepSimulation()
+            moving = [name for name in object_ids if name in moved or self._is_in_motion(name)]
+            moved.update(moving)
+            self._snap(moving)
+            is_still = self._are_still(moving)
+            if is_still and was_still:  # once might be the top of a leap
+                break
+            was_still = is_still
+        return moving
+
+    def _snap(self, object_ids: Iterable[str]) -> None:
         """Snap poses and velocities of some objects and their joints.
 
         PyBullet asks the C library for sines and cosines, whose last digit depends on the processor, and things in
@@ -110,17 +129,17 @@ class Bodies:
         """Set a free object in motion, m/s."""
         self.client.resetBaseVelocity(self._of[object_id], velocity, (0.0, 0.0, 0.0))
 
-    def put_to_sleep(self, object_id: str) -> None:
+    def _put_to_sleep(self, object_id: str) -> None:
         """Let a free object stay as it is until something hits it."""
         asleep = pybullet.ACTIVATION_STATE_ENABLE_SLEEPING | pybullet.ACTIVATION_STATE_SLEEP
         self.client.changeDynamics(self._of[object_id], -1, activationState=asleep)
 
-    def is_in_motion(self, object_id: str) -> bool:
+    def _is_in_motion(self, object_id: str) -> bool:
         """Whether an object moves or turns at all."""
         velocity, turning = self.client.getBaseVelocity(self._of[object_id])
         return any(velocity) or any(turning)
 
-    def are_still(self, object_ids: Iterable[str]) -> bool:
+    def _are_still(self, object_ids: Iterable[str]) -> bool:
         """Whether none of some objects moves or turns to speak of."""
         for object_id in object_ids:
             velocity, turning = self.client.getBaseVelocity(self._of[object_id])

@@ -27,7 +27,7 @@ from remqa_data.sim.physics.bullet import BulletClient
 from remqa_data.sim.physics.carrying import riders
 from remqa_data.sim.physics.state import ObjectState
 
-SETTLE_STEPS, CHECK_STEPS = 240, 20
+SETTLE_STEPS = 240
 AWAY: Vec3 = (0.0, 0.0, -1000.0)
 """Where things are that were taken out of the room, metres."""
 
@@ -175,22 +175,7 @@ class World:
         for object_id, velocity in (velocities or {}).items():
             self._bodies.set_velocity(object_id, velocity)
         free = [i for i, state in self._states.items() if not state.is_fixed and i not in self.held]
-        moved = set(free if awake is None else awake)
-        for object_id in free:
-            if object_id not in moved:
-                self._bodies.put_to_sleep(object_id)
-        was_still, moving = False, [i for i in free if i in moved]
-        for done in range(0, steps, CHECK_STEPS):
-            self._bodies.step(min(CHECK_STEPS, steps - done))
-            if len(moved) < len(free):
-                moved.update(i for i in free if i not in moved and self._bodies.is_in_motion(i))
-            moving = [i for i in free if i in moved]
-            self._bodies.snap(moving)
-            is_still = self._bodies.are_still(moving)
-            if is_still and was_still:  # once might be the top of a leap
-                break
-            was_still = is_still
-        for object_id in moving:
+        for object_id in self._bodies.settle(free, steps, free if awake is None else awake):
             state = self._states[object_id]
             position, quaternion = self._bodies.pose(object_id)
             self._put_at(object_id, replace(state, position=position, quaternion=quaternion))

@@ -16,7 +16,7 @@ from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.ground import Ground
 from remqa_data.sim.navigation.straight_ways import SAME_PLACE_M
-from remqa_data.thor.actions.search import Plan, nearest_cell, object_meant
+from remqa_data.thor.actions.search import Plan, nearest_cell, no_path, object_meant
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, to_room, whole
@@ -55,7 +55,7 @@ def object_nav_expert_action(
     if position is not None:
         x, y, _ = to_room(whole(position))
         step, is_there = _step_towards(simulator, nearest_cell(agent, (x, y), (x, y)))
-        return ActionResult(True, value=step) if step or is_there else _no_way(agent, (x, y))
+        return ActionResult(True, value=step) if step or is_there else no_path((agent.x, agent.y), (x, y))
     target = object_meant(simulator, "ObjectNavExpertAction", objectId, objectType)
     if isinstance(target, ActionResult):
         return target
@@ -65,7 +65,7 @@ def object_nav_expert_action(
         step = _turn_towards(agent, target)
     if step or is_there or agent.sees(target):
         return ActionResult(True, value=step)
-    return _no_way(agent, tuple(((low + high) / 2).tolist()))
+    return no_path((agent.x, agent.y), tuple(((low + high) / 2).tolist()))
 
 
 ACTIONS: dict[str, Action] = {"ObjectNavExpertAction": object_nav_expert_action}
@@ -165,10 +165,6 @@ def _step_towards(simulator: SimulatorState, goal: Cell) -> tuple[str | None, bo
     if turns_first is None:
         return None, nearest.left_m <= step_m + SAME_PLACE_M
     return _rotation(turns_first) if turns_first else "MoveAhead", False
-
-
-def _no_way(agent: ThorAgent, goal: Plan) -> ActionResult:
-    return ActionResult(False, f"no path from ({agent.x:g}, {agent.y:g}) to ({goal[0]:g}, {goal[1]:g}) (x, z)")
 
 
 def _known(simulator: SimulatorState) -> _Known:

@@ -128,11 +128,6 @@ def rotate_continuous(simulator: SimulatorState, degrees: float, **ignored: Any)
     return arm.rotate_agent(simulator, degrees)
 
 
-def place_held_object(simulator: SimulatorState, objectId: str, **ignored: Any) -> ActionResult:
-    """Put what is held into or onto a receptacle; how far away that may be (maxDistance) is as for PutObject."""
-    return objects.put_object(simulator, objectId, forceAction=bool(ignored.get("forceAction", False)))
-
-
 ACTIONS: dict[str, Action] = {
     "Look": look,
     "Move": move,
@@ -146,7 +141,7 @@ ACTIONS: dict[str, Action] = {
     "MoveHandRight": hand.move_held_object_right,
     "MoveHandUp": hand.move_held_object_up,
     "OpenObjectImmediate": objects.open_object,
-    "PlaceHeldObject": place_held_object,
+    "PlaceHeldObject": objects.put_object,
     "PositionsFromWhichItemIsInteractable": positions_from_which_item_is_interactable,
     "Rotate": rotate,
     "RotateHand": rotate_hand,

@@ -21,7 +21,7 @@ from remqa_data.thor.actions.objects import PUSH_S
 from remqa_data.thor.object_states.conditions import FILLED
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
-from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, turn_of_euler, whole, yaw_to_thor
+from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, turn_of_euler, turn_of_look, whole
 from remqa_data.thor.state.simulator import SimulatorState
 
 OUT_OF_RANGE = "The target position is out of range: object cannot move outside of max visibility distance."
@@ -106,11 +106,10 @@ def rotate_held_object(
     if refusal is not None:
         return refusal
     held = str(agent.held)
-    body = turn_of_euler({"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0})
     if rotation is not None:
-        camera = turn_of_euler({"x": agent.horizon_deg, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0})
-        turn = arithmetic.product(camera, turn_of_euler(whole(rotation)))
+        turn = arithmetic.product(turn_of_look(agent.yaw_deg, agent.horizon_deg), turn_of_euler(whole(rotation)))
     else:
+        body = turn_of_look(agent.yaw_deg)
         about_body = arithmetic.product(arithmetic.product(body, turn_of_euler(by)), body.T)
         turn = arithmetic.product(about_body, records.turn(held))
     _, quaternion = records.pose_of(held, (0.0, 0.0, 0.0), turn)

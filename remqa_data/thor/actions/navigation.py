@@ -61,10 +61,10 @@ def teleport(
     if max(abs(turned["x"]), abs(turned["z"])) >= UPRIGHT_DEG and not forceAction:
         return ActionResult(False, f"{NO_PITCH} You gave ({turned['x']:f}, {turned['y']:f}, {turned['z']:f}).")
     yaw = None if rotation is None else yaw_to_room(turned["y"])
-    least, most = simulator.agent.embodiment.least_horizon_deg, simulator.agent.embodiment.most_horizon_deg
     if horizon is not None and forceAction:
         horizon = -((180.0 - horizon) % 360.0 - 180.0)  # 330 is -30
-    elif horizon is not None and not least - UPRIGHT_DEG <= horizon <= most + UPRIGHT_DEG:
+    elif horizon is not None and simulator.agent.tilt_refusal(horizon):
+        least, most = simulator.agent.embodiment.least_horizon_deg, simulator.agent.embodiment.most_horizon_deg
         return ActionResult(False, f"Each horizon must be in [{least:g}:{most:g}]. You gave {horizon:g}.")
     return _then_rest(simulator, simulator.agent.teleport(x, z, yaw, horizon, standing, forceAction))
 

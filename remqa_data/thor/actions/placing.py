@@ -188,7 +188,7 @@ def _place_at(
         world.state(objectId).position + np.asarray(to_room(whole(position))) - bottom
     ).tolist()
     world.move(objectId, (x, y, z))
-    blocker = _put_down(room, moved)
+    blocker = sunken(world, moved) or _come_to_rest(room, moved)
     if blocker is not None:
         world.restore(before)
         return ActionResult(False, f"spawn area not clear ({blocker} is in the way), can't place object at that point")
@@ -250,11 +250,11 @@ def _teleport_to(
     if was_held or not _is_same(world.state(objectId), pivot, quaternion):
         moved = [objectId, *world.move(objectId, pivot, quaternion)]
         home = room.at_rest.states.get(objectId)
-        if home is not None and _is_same(home, pivot, quaternion):  # there it was at rest, or it hung
-            blocker = None if force else sunken(world, moved)
-        else:
-            blocker = _put_down(room, moved, force)
-        if blocker is not None:
+        is_home = home is not None and _is_same(home, pivot, quaternion)  # there it was at rest, or it hung
+        blocker = None if force else sunken(world, moved)
+        if blocker is None and not is_home:
+            blocker = _come_to_rest(room, moved)
+        if blocker is not None and not force:
             world.restore(before)
             return ActionResult(False, f"{blocker} is in the way of {objectId}")
     simulator.agent.rest_hand()
@@ -369,14 +369,6 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
         if _is_same(known, position, quaternion):
             return known
     return wanted
-
-
-def _put_down(room: LoadedFloorPlan, moved: Sequence[str], force: bool = False) -> str | None:
-    """Let what was moved come to rest; what is in its way before that, or where it ends, if it is not forced."""
-    if force:
-        _come_to_rest(room, moved)
-        return None
-    return sunken(room.world, moved) or _come_to_rest(room, moved)
 
 
 def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:

@@ -221,6 +221,11 @@ def get_2d_semantic_hull(simulator: SimulatorState, objectId: str) -> ActionResu
     return not_there(simulator, objectId) or ActionResult(True, value=_hull(simulator, objectId))
 
 
+def no_path(start: Plan, goal: Plan) -> ActionResult:
+    """That no way leads from one place to another."""
+    return ActionResult(False, f"no path from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g}) (x, z)")
+
+
 ACTIONS: dict[str, Action] = {
     "DistanceToObject": distance_to_object,
     "Get2DSemanticHull": get_2d_semantic_hull,
@@ -321,7 +326,7 @@ def _way(simulator: SimulatorState, position: PartialVector | None, goal: Plan) 
     direct = agent.ground.is_clear(start, goal) and agent.ground.is_clear(goal, start)
     way = [start, goal] if direct else agent.ground.straight_ways().shortest(start, goal)
     if way is None:
-        return ActionResult(False, f"no path from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g}) (x, z)")
+        return no_path(start, goal)
     floor_z = agent.world.scene.floor_z
     corners: list[Vector] = [to_thor((x, y, floor_z)) for x, y in way]
     return ActionResult(True, value={"corners": corners})

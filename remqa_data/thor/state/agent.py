@@ -153,7 +153,7 @@ class ThorAgent(Agent):
 
     def can_look(self, degrees: float) -> bool:
         """Whether its camera can be tilted so much farther down."""
-        return self._tilt_refusal(self.horizon_deg + degrees) is None
+        return self.tilt_refusal(self.horizon_deg + degrees) is None
 
     def change_field_of_view(self, fov_deg: float) -> None:
         """Give its eye another field of view, degrees from the top to the bottom of a frame."""

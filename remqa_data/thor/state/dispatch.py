@@ -99,6 +99,7 @@ HEEDS_NO_OTHERS = frozenset(
         "LookDown",
         "LookUp",
         "MaskObject",
+        "PlaceHeldObject",
         "PullObject",
         "PushObject",
         "RotateLook",

@@ -14,7 +14,7 @@ from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.render.view import Observation
 from remqa_data.thor.state.arm_metadata import arm_metadata
 from remqa_data.thor.state.floor_plan import LoadedFloorPlan
-from remqa_data.thor.state.frames import Vector, euler_to_thor, to_thor, turn_of_euler, yaw_to_thor
+from remqa_data.thor.state.frames import Vector, euler_to_thor, to_thor, turn_of_look, yaw_to_thor
 from remqa_data.thor.state.images import Palette, as_bytes, depth_bytes
 from remqa_data.thor.state.objects import InHand, Metadata, box_metadata
 from remqa_data.thor.state.settings import Images
@@ -262,8 +262,7 @@ def _agent(room: LoadedFloorPlan, hand: Vec3) -> Metadata:
     agent, world = room.agent, room.world
     above = room.map_camera() if room.shows_map else None
     rotation: Vector = {"x": 0.0, "y": yaw_to_thor(agent.yaw_deg), "z": 0.0}
-    turn = turn_of_euler(rotation)
-    camera = turn_of_euler({**rotation, "x": agent.horizon_deg})
+    turn, camera = turn_of_look(agent.yaw_deg), turn_of_look(agent.yaw_deg, agent.horizon_deg)
     if agent.held is not None:
         turn = room.records.turn(agent.held)
     held = []

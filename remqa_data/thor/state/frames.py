@@ -105,6 +105,11 @@ def turn_of_euler(rotation: Vector) -> F64:
     return arithmetic.product(arithmetic.product(about_y, about_x), about_z)
 
 
+def turn_of_look(yaw_deg: float, horizon_deg: float = 0.0) -> F64:
+    """(3, 3) rotation in AI2-THOR's frame of an agent that looks along a heading of the room, and of its camera if tilted."""
+    return turn_of_euler({"x": horizon_deg, "y": yaw_to_thor(yaw_deg), "z": 0.0})
+
+
 def euler_to_thor(m: F64) -> Vector:
     """AI2-THOR's rotation, degrees in [0, 360), of a (3, 3) rotation in its frame.
 
