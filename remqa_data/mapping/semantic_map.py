@@ -196,7 +196,8 @@ class VoxelMap:
     def plan(self, height_m: float = AGENT.height_m) -> SemanticPlan:
         """The room from above: in each column what is highest below a height (metres above floor), and what blocks."""
         labels, names = self.labels()
-        low, high = round(AGENT.step_over_m / self.voxel_m), round(AGENT.height_m / self.voxel_m)
+        low = max(round(AGENT.step_over_m / self.voxel_m), 1)  # the floor's own voxels block nobody
+        high = round(AGENT.height_m / self.voxel_m)
         below = labels[:, :, : round(height_m / self.voxel_m)]
         highest = below.shape[2] - 1 - np.argmax(below[:, :, ::-1] != UNKNOWN, axis=2)
         top = np.take_along_axis(below, highest[:, :, None], axis=2)[:, :, 0]

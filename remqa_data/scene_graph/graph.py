@@ -145,7 +145,14 @@ class SceneGraph:
         return relation
 
     def related(self, source: str, relation: Relation) -> list[str]:
-        """Ids of all targets to which an object has a relation, sorted."""
+        """Ids of all targets to which an object has a relation, sorted.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no object of that id.
+        """
+        self.node(source)
         return sorted(target for target in self.graph.successors(source) if self.relation(source, target) == relation)
 
     def holders(self, object_id: str) -> list[str]:

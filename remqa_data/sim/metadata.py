@@ -54,7 +54,7 @@ class AgentState:
 
     @classmethod
     def of(cls, grid: ReachableGrid, pose: AgentPose) -> AgentState:
-        """The state of an agent at a pose of the grid."""
+        """The state of an agent at a pose of the grid; data tells only of agents that stand, so whether it crouches is lost."""
         x, y = grid.position(pose.cell)
         return cls((x, y, grid.floor_z), float(pose.yaw_deg), float(pose.horizon_deg))
 

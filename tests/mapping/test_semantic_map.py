@@ -241,6 +241,15 @@ def test_what_is_between_5_and_180_cm_blocks(layer: int, occupied: bool, known: 
     assert plan.known.sum() == known
 
 
+@pytest.mark.parametrize("voxel_m", [0.1, 0.2])
+def test_the_floor_blocks_nobody_in_a_coarse_map_either(voxel_m: float) -> None:
+    columns = range(-round(2.0 / voxel_m), round(2.0 / voxel_m))
+    ground = [(i, j, 0, "Floor") for i in columns for j in columns]
+    plan = VoxelMap.from_sparse(sparse_of(*ground), BOUNDS, 0.0, 2.5, voxel_m).plan()
+    assert not plan.occupied.any()
+    assert len(plan.navigation_grid().cells) > 100
+
+
 def test_an_empty_floor_is_free_up_to_the_agents_radius() -> None:
     # the same cells as tests/sim/navigation/test_grid.py expects of a room of this size
     grid = plan_of(*floor()).navigation_grid()

@@ -235,3 +235,8 @@ def test_damage_is_named(change, message: str) -> None:
     with pytest.raises(SceneGraphError) as caught:
         GraphUpdate.from_json(json.dumps(data), "row 7")
     assert str(caught.value).startswith("row 7: " + message)
+
+
+def test_what_is_no_node_is_related_to_nothing_and_that_is_told() -> None:
+    with pytest.raises(UnknownNameError, match="Mug"):
+        SceneGraph.from_objects([]).related("Mug|1", "in")

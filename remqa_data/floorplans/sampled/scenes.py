@@ -81,6 +81,8 @@ def sampled_scene(index: int, seed: int, draw: int = 0) -> Scene:
     ------
     ArrangementError
         If no room could be made; one draw in many thousands.
+    ValueError
+        If the index or the seed is negative.
     """
     for attempt in range(ATTEMPTS):
         rng = np.random.default_rng(np.random.SeedSequence([seed, index, draw, attempt]))

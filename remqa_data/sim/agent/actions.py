@@ -51,6 +51,8 @@ class Action:
     numbers: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise ActionError(f"{_in_words(self)}: the name of an action is a text")
         if type(self.numbers) is not tuple or not all(type(number) is float for number in self.numbers):
             object.__setattr__(self, "numbers", _floats(self, self.numbers))
         if not isinstance(self.target, str | None):
@@ -64,7 +66,13 @@ class Action:
 
         >>> str(Action("MoveAhead", None, (0.25,)).in_short())
         'MoveAhead'
+
+        Raises
+        ------
+        ActionError
+            If there is no such action, or it has too few, too many or wrong numbers, or no target.
         """
+        amounts_of(self)
         amounts, numbers = action_spec(self.name).amounts, self.numbers
         while numbers and numbers[-1] == amounts[len(numbers) - 1].default:
             numbers = numbers[:-1]
@@ -136,6 +144,8 @@ def parse_action(text: str) -> Action:
     >>> str(parse_action("OpenObject @0.5,0.25 0.7"))
     'OpenObject @0.5,0.25 0.7'
     """
+    if not isinstance(text, str):
+        raise ActionError(f"{text!r:.80} is no action: give a text")
     name, *rest = text.split(" ")
     spec = action_spec(name)
     target: Target | None = None
@@ -333,7 +343,7 @@ def _usage(name: str) -> str:
 
 def _image_point(word: str, text: str) -> tuple[float, float]:
     try:
-        x, y = (float(number) for number in word[1:].split(","))
+        x, y = map(_number, word[1:].split(","))
     except ValueError:
         raise ActionError(f"{text!r}: an image point is written @x,y") from None
     if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):

@@ -192,7 +192,10 @@ class Agent(Body):
         return spots
 
     def move_object(self, object_id: str, position: Vec3) -> ActionResult:
-        """Bring the centre of an object somewhere near, metres, with what is in or on it; what is under it stays."""
+        """Bring the centre of an object somewhere near, metres, with what is in or on it; what is under it stays.
+
+        Only what is fixed may be in the way there. Neither the way to it, nor what bears the object there, is looked at.
+        """
         if not object_type(self.world.type_of(object_id)).is_loose:
             return ActionResult(False, f"{object_id} is not moveable")
         refusal = self.refusal(object_id)

@@ -36,7 +36,7 @@ class Body:
     ) -> None:
         self.world, self.view = world, view
         self.embodiment = embodiment or Embodiment()
-        self.ground = Ground(world, self.embodiment.radius_m)
+        self.ground = Ground(world, self.embodiment)
         self.yaw_deg = _turn(float(yaw_deg))
         self.place(position, yaw_deg, horizon_deg, is_standing)
 
@@ -59,7 +59,7 @@ class Body:
 
     @property
     def grid(self) -> ReachableGrid:
-        """Where it could stand, in the room as it is now."""
+        """Where it could stand, in the room as it is now: cells 0.25 m apart, whatever its own step is."""
         return self.ground.grid()
 
     def camera(self, width: int = FRAME_PX, height: int = FRAME_PX) -> Camera:
@@ -109,6 +109,7 @@ class Body:
     def move(self, ahead_m: float, right_m: float = 0.0, force: bool = False) -> ActionResult:
         """Walk straight; with `force` through anything."""
         cos, sin = direction(self.yaw_deg)
+        _check_finite(ahead_m, right_m)
         x = self.x + ahead_m * cos + right_m * sin
         y = self.y + ahead_m * sin - right_m * cos
         return self._go(x, y, None if force else self._blocker((self.x, self.y), (x, y)))
@@ -138,6 +139,7 @@ class Body:
         """Be somewhere else, if the agent can stand there and look so; what is not given stays as it is."""
         x, y = self.x if x is None else float(x), self.y if y is None else float(y)
         horizon = self.horizon_deg if horizon_deg is None else float(horizon_deg)
+        _check_finite(x, y, horizon)
         stays = (x, y) == (self.x, self.y)  # where it is, it is, whatever has come there since
         refusal = None if force else self.tilt_refusal(horizon)
         result = refusal or self._go(x, y, None if force or stays else self._blocker_at(x, y))
@@ -171,6 +173,7 @@ class Body:
 
     def _face(self, yaw_deg: float) -> None:
         """Have a heading."""
+        _check_finite(yaw_deg)
         self.yaw_deg = _turn(yaw_deg)
 
     def _blocker(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
@@ -217,6 +220,11 @@ def direction(yaw_deg: float) -> tuple[float, float]:
     """Cosine and sine; exact along the grid, so that whole steps stay on it."""
     sine, cosine = arithmetic.sin_cos_deg(yaw_deg)
     return float(cosine), float(sine)
+
+
+def _check_finite(*numbers: float) -> None:
+    if not all(map(math.isfinite, numbers)):
+        raise ActionError(f"{numbers} are not all finite")
 
 
 def _turn(degrees: float) -> float:

@@ -91,6 +91,7 @@ def drop_at(
             if fell and (may_stay is None or may_stay(held)):
                 return Release(held)
             world.restore(before)
+    world.restore(before)  # where it was held out
     return Release(None, f"no room to drop {held}")
 
 
@@ -110,10 +111,10 @@ def settle(
 
 def blocker_at(world: World, object_id: str, position: Vec3) -> str | None:
     """What fixed thing an object would overlap somewhere else; None if none. What is loose would be pushed aside."""
-    was, carried = world.state(object_id).position, set(world.contents(object_id))
+    state, carried = world.state(object_id), set(world.contents(object_id))
     world.move_alone(object_id, position)
     met = [other for other in sunk_into(world, object_id) if other not in carried]
-    world.move_alone(object_id, was)
+    world.put_back(object_id, state)
     return next((other for other in met if other not in world.ids or world.state(other).is_fixed), None)
 
 
@@ -170,7 +171,7 @@ def _steps(distance_m: float) -> list[float]:
 
 
 def is_free(world: World, object_id: str, spot: Vec3) -> bool:
-    """Whether an object, which is put there with its load, touches nothing at a point."""
+    """Whether an object, which is put there with its load and stays there, touches nothing at a point."""
     world.move_alone(object_id, spot)
     group = {object_id, *world.load_of(object_id)}
     return not any(other not in group for name in group for other, _ in world.overlapping(name))

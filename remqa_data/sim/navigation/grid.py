@@ -68,24 +68,31 @@ class ReachableGrid:
         return np.array(self.cells, dtype=np.float64).reshape(-1, 2) * self.body.step_m
 
 
-def reachable_grid(world: World, clearance: Clearance | None = None) -> ReachableGrid:
+def reachable_grid(world: World, clearance: Clearance | None = None, body: Embodiment = AGENT) -> ReachableGrid:
     """The grid of a world as it is now; everything between ankle and head height blocks, but for what is held.
 
-    `clearance` is `clearance_map(world)`, if the caller has it already.
+    Parameters
+    ----------
+    world : World
+        The room.
+    clearance : Clearance, optional
+        `clearance_map(world, body)`, if the caller has it already.
+    body : Embodiment
+        Who is to stand there. Whatever its own step is, cells are 0.25 m apart, as those of datasets are.
     """
-    clearance, step_m = clearance or clearance_map(world), AGENT.step_m
+    clearance, step_m, radius_m = clearance or clearance_map(world, body), AGENT.step_m, body.radius_m
     x0, y0, x1, y1 = world.scene.bounds
     free: set[Cell] = set()
     for i in range(math.ceil(x0 / step_m), math.floor(x1 / step_m) + 1):
         for j in range(math.ceil(y0 / step_m), math.floor(y1 / step_m) + 1):
-            if clearance.at(i * step_m, j * step_m) > AGENT.radius_m:
+            if clearance.at(i * step_m, j * step_m) > radius_m:
                 free.add((i, j))
     graph: nx.Graph[Cell] = nx.Graph()
     graph.add_nodes_from(sorted(free))
     for i, j in sorted(free):
         for k, m in ((i + 1, j), (i, j + 1)):
             if (k, m) in free and all(
-                clearance.at((i + t * (k - i)) * step_m, (j + t * (m - j)) * step_m) > AGENT.radius_m
+                clearance.at((i + t * (k - i)) * step_m, (j + t * (m - j)) * step_m) > radius_m
                 for t in (0.25, 0.5, 0.75)
             ):
                 graph.add_edge((i, j), (k, m))
@@ -105,9 +112,10 @@ def _part_nearest_to_most(world: World, parts: list[list[Cell]], step_m: float) 
     return parts[int(votes.argmax())]
 
 
-def obstacles(world: World) -> list[Outline]:
-    """Plan outlines of all that blocks the agent."""
-    return [*building_outlines(world.scene), *chain(*(object_outlines(world, name) for name in solid_ids(world)))]
+def obstacles(world: World, body: Embodiment = AGENT) -> list[Outline]:
+    """Plan outlines of all that blocks an agent."""
+    things = (object_outlines(world, name, body=body) for name in solid_ids(world))
+    return [*building_outlines(world.scene, body), *chain(*things)]
 
 
 def solid_ids(world: World) -> list[str]:
@@ -115,9 +123,9 @@ def solid_ids(world: World) -> list[str]:
     return [name for name in world.ids if name not in world.held and world.type_of(name) != "Floor"]
 
 
-def building_outlines(scene: Scene) -> list[Outline]:
-    """Plan outlines of the walls and what is built in, between ankle and head height."""
-    low, high = scene.floor_z + AGENT.step_over_m, scene.floor_z + AGENT.height_m
+def building_outlines(scene: Scene, body: Embodiment = AGENT) -> list[Outline]:
+    """Plan outlines of the walls and what is built in, between an agent's ankle and head height."""
+    low, high = scene.floor_z + body.step_over_m, scene.floor_z + body.height_m
     outlines = []
     for part in scene.structure:
         x0, y0, z0, x1, y1, z1 = part.box
@@ -126,17 +134,19 @@ def building_outlines(scene: Scene) -> list[Outline]:
     return outlines
 
 
-def object_outlines(world: World, object_id: str, first_link: int = 0) -> list[Outline]:
-    """`body_outlines` of an object as it is now."""
-    return body_outlines(world.assets[object_id], world.link_poses(object_id), world.scene.floor_z, first_link)
+def object_outlines(world: World, object_id: str, first_link: int = 0, body: Embodiment = AGENT) -> list[Outline]:
+    """`asset_outlines` of an object as it is now."""
+    return asset_outlines(world.assets[object_id], world.link_poses(object_id), world.scene.floor_z, first_link, body)
 
 
-def body_outlines(asset: Asset, link_poses: F64, floor_z: float, first_link: int = 0) -> list[Outline]:
-    """Plan outlines of one object, its links at (n, 4, 4) poses in the room, between ankle and head height.
+def asset_outlines(
+    asset: Asset, link_poses: F64, floor_z: float, first_link: int = 0, body: Embodiment = AGENT
+) -> list[Outline]:
+    """Plan outlines of one object, its links at (n, 4, 4) poses in the room, between an agent's ankle and head height.
 
     With `first_link` 1, only of what moves when it opens.
     """
-    low, high = floor_z + AGENT.step_over_m, floor_z + AGENT.height_m
+    low, high = floor_z + body.step_over_m, floor_z + body.height_m
     outlines = []
     for link, pose in zip(asset.links[first_link:], link_poses[first_link:], strict=True):
         placed = arithmetic.moved(collision_corners(link.boxes), pose)
@@ -219,9 +229,9 @@ class Clearance:
         return np.asarray(self.distance_m[row, column])
 
 
-def clearance_map(world: World) -> Clearance:
+def clearance_map(world: World, body: Embodiment = AGENT) -> Clearance:
     """The clearance of a world as it is now; the border of the room counts as an obstacle."""
-    return clearance_from(world.scene.bounds, obstacles(world))
+    return clearance_from(world.scene.bounds, obstacles(world, body))
 
 
 def clearance_from(bounds: Rect, outlines: Iterable[Outline]) -> Clearance:

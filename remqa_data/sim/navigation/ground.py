@@ -13,12 +13,13 @@ from itertools import chain
 import numpy as np
 
 from remqa_data.geometry.types import F64
+from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.grid import (
     FINE_M,
     Clearance,
     Outline,
     ReachableGrid,
-    body_outlines,
+    asset_outlines,
     building_outlines,
     clearance_from,
     object_outlines,
@@ -39,15 +40,15 @@ class Ground:
     ----------
     world : World
         The room.
-    radius_m : float
+    body : Embodiment
         Of the agent.
     """
 
-    def __init__(self, world: World, radius_m: float) -> None:
-        self.world, self.radius_m = world, radius_m
+    def __init__(self, world: World, body: Embodiment) -> None:
+        self.world, self.body, self.radius_m = world, body, body.radius_m
         self._states: dict[str, ObjectState] = {}
         self._outlines: dict[str, list[Outline]] = {}
-        self._building = building_outlines(world.scene)
+        self._building = building_outlines(world.scene, body)
         self._clearance: Clearance | None = None
         self._grid: ReachableGrid | None = None
         self._ways: StraightWays | None = None
@@ -82,14 +83,14 @@ class Ground:
 
     def distance(self, object_id: str, link_poses: F64, agent: Point, first_link: int = 0) -> float:
         """How far an object would be from the middle of the agent with its links at (n, 4, 4) poses, metres in plan."""
-        outlines = body_outlines(self.world.assets[object_id], link_poses, self.world.scene.floor_z, first_link)
-        return outline_distance(outlines, agent)
+        asset, floor_z = self.world.assets[object_id], self.world.scene.floor_z
+        return outline_distance(asset_outlines(asset, link_poses, floor_z, first_link, self.body), agent)
 
     def grid(self) -> ReachableGrid:
         """The navigation grid as it is now."""
         self._sync()
         if self._grid is None:
-            self._grid = reachable_grid(self.world, clearance=self._clear())
+            self._grid = reachable_grid(self.world, self._clear(), self.body)
         return self._grid
 
     def straight_ways(self) -> StraightWays:
@@ -124,7 +125,7 @@ class Ground:
         world = self.world
         for name in moved:
             self._states[name] = world.state(name)
-            self._outlines[name] = object_outlines(world, name)
+            self._outlines[name] = object_outlines(world, name, body=self.body)
         self._clearance = self._grid = self._ways = None
 
     def _clear(self) -> Clearance:

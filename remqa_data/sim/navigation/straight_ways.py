@@ -40,9 +40,9 @@ class StraightWays:
         self._metres: dict[int, F64] = {}
 
     def shortest(self, start: Point, goal: Point) -> list[Point] | None:
-        """The shortest way that bends at cells only, from its start to its goal; None if there is none.
+        """The shortest way that bends at cells, and at one at least, from its start to its goal; None if there is none.
 
-        Its length is the same there and back.
+        Its length is the same there and back. Whether one can walk straight there, `Ground.is_clear` tells.
 
         Notes
         -----

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from remqa_data.assets.core.model import Asset
+from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Quaternion
+
+UNIT_SLACK = 1e-6
+"""The length of a quaternion differs from 1 by so much at most."""
 
 
 @dataclass(frozen=True)
@@ -21,6 +26,21 @@ class ObjectState:
     quaternion: Quaternion
     openness: float
     is_fixed: bool
+
+    def elsewhere(self, position: Vec3, quaternion: Quaternion | None = None) -> ObjectState:
+        """The state of the same object somewhere else, and turned as it is, or otherwise.
+
+        Raises
+        ------
+        ActionError
+            If a number is not finite, or the quaternion not a unit one: it would stretch the mesh, and not what collides.
+        """
+        x, y, z = map(float, position)
+        turn = quaternion or self.quaternion
+        if not all(map(math.isfinite, (x, y, z))) or not abs(math.hypot(*turn) - 1.0) <= UNIT_SLACK:
+            msg = f"no pose: position {position!r:.80}, quaternion {turn!r:.80}; give finite numbers and a unit quaternion"
+            raise ActionError(msg)
+        return replace(self, position=(x, y, z), quaternion=turn)
 
     def matrix(self) -> F64:
         """(4, 4) pose, asset frame to world frame."""

@@ -171,6 +171,9 @@ class World:
         awake : iterable of str, optional
             All else sleeps until something hits it: a third of the time, and nothing far away creeps.
         """
+        awake = None if awake is None else tuple(awake)
+        for object_id in (*(velocities or ()), *(awake or ())):
+            self._check_known(object_id)
         self._reload()
         for object_id, velocity in (velocities or {}).items():
             self._bodies.set_velocity(object_id, velocity)
@@ -228,11 +231,16 @@ class World:
         Returns
         -------
         Ids of the objects that were carried along.
+
+        Raises
+        ------
+        ActionError
+            If a number is not finite, or the quaternion not a unit one.
         """
         state = self.state(object_id)
         carried = self.contents(object_id)
         before = state.matrix()
-        moved = replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion)
+        moved = state.elsewhere(position, quaternion)
         motion = arithmetic.product(moved.matrix(), arithmetic.inverse(before))
         self._put_at(object_id, moved)
         for other in carried:
@@ -302,7 +310,7 @@ class World:
     def move_alone(self, object_id: str, position: Vec3, quaternion: Quaternion | None = None) -> None:
         """Put an object somewhere else and leave what is in or on it where it is; what is held takes its load along."""
         state = self.state(object_id)
-        moved = replace(state, position=_vec3(position), quaternion=quaternion or state.quaternion)
+        moved = state.elsewhere(position, quaternion)
         self._put_at(object_id, moved)
         if load := self.load_of(object_id):
             motion = arithmetic.product(moved.matrix(), arithmetic.inverse(state.matrix()))
@@ -334,6 +342,7 @@ class World:
     @contextmanager
     def without_collisions(self, object_id: str) -> Iterator[None]:
         """For the length of a block, physics and rays pass through an object."""
+        self._check_known(object_id)
         self._bodies.set_collisions(object_id, False)
         try:
             yield
@@ -423,17 +432,12 @@ class World:
 
     def _move_by(self, object_id: str, motion: F64) -> None:
         state = self._states[object_id]
-        position = arithmetic.moved(state.position, motion)
+        x, y, z = arithmetic.moved(state.position, motion).tolist()
         quaternion = state.quaternion
         if not np.allclose(motion[:3, :3], np.eye(3), rtol=0, atol=1e-12):
             quaternion = quaternion_of(arithmetic.product(motion[:3, :3], rotation_of(state.quaternion)))
-        self._put_at(object_id, replace(state, position=_vec3(position), quaternion=quaternion))
+        self._put_at(object_id, replace(state, position=(x, y, z), quaternion=quaternion))
 
     def _check_known(self, object_id: str) -> None:
         if object_id not in self._objects:
             raise UnknownNameError("object", object_id, self._objects)
-
-
-def _vec3(values: Iterable[float]) -> Vec3:
-    x, y, z = values
-    return float(x), float(y), float(z)

@@ -57,13 +57,27 @@ class View(NamedTuple):
     width: int
     height: int
     scissor: Scissor
-    """Pixels beyond it are not drawn; those in it are as in the whole picture, to the bit."""
+    """Pixels beyond it are not drawn; those in it are as in the whole picture, to the bit, but that along its border no edge is
+    smoothed."""
 
     @classmethod
     def of(cls, eye: npt.ArrayLike, axes: F64, *, pinhole: bool, width: int, height: int) -> View:
-        """A view with its inverse."""
-        whole = Scissor.whole(width, height)
-        return cls(np.array(eye, dtype=np.float64), axes, _inverse(axes), pinhole, width, height, whole)
+        """A view with its inverse.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite, the picture has no pixels, or nothing fits into its field of view.
+        """
+        where = np.array(eye, dtype=np.float64)
+        if (
+            min(width, height) < 1
+            or not np.isfinite(where).all()
+            or not (np.isfinite(axes).all() and axes.any(axis=1).all())
+        ):
+            msg = f"no camera: at {where.tolist()}, {width} x {height} pixels, axes {axes.tolist()}"
+            raise ValueError(msg)
+        return cls(where, axes, _inverse(axes), pinhole, width, height, Scissor.whole(width, height))
 
     @property
     def is_whole(self) -> bool:
@@ -215,7 +229,15 @@ class Camera(_Projecting):
 
     @property
     def focal_px(self) -> float:
-        """Focal length in pixels."""
+        """Focal length in pixels.
+
+        Raises
+        ------
+        ValueError
+            If the field of view is not between 0 and 180 degrees.
+        """
+        if not 0.0 < self.fov_deg < 180.0:
+            raise ValueError(f"fov_deg is {self.fov_deg}: a pinhole camera sees more than 0 and less than 180 degrees")
         sine, cosine = arithmetic.sin_cos_deg(self.fov_deg / 2)
         return float(0.5 * self.height * cosine / sine)
 

@@ -178,6 +178,7 @@ class WorldView:
 
     def hide(self, object_id: str, hidden: bool = True) -> None:
         """Leave an object out of the pictures, or in them again; what is held needs no hiding."""
+        self.world.state(object_id)  # which there must be
         (self._asked_to_hide.add if hidden else self._asked_to_hide.discard)(object_id)
         self._changes += 1
         self._show_or_hide(object_id)
@@ -227,7 +228,8 @@ class WorldView:
     ) -> Observation:
         """Draw the world as it is now; the first picture of a room with baked light may take a second or two.
 
-        With (parts,) `only`, some parts, in the light that all of them leave; with a scissor, some pixels.
+        With (parts,) `only`, some parts, in the light that all of them leave; with a scissor, some pixels, of which those
+        along its border are not smoothed.
         """
         self.sync()
         if self._waits_for_light:

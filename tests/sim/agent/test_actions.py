@@ -50,8 +50,19 @@ def test_any_text_is_an_action_or_an_action_error(text: str) -> None:
         ("Teleport 1 2", "Teleport takes x, y, yaw_deg"),
         ("MoveObject Stool|1 1 2", "takes an object id or an image point, x, y, z"),
         ("Done now", "Done takes nothing"),
+        ("MoveAhead 1_0", "MoveAhead takes metres"),
+        ("OpenObject @0.5_0,0.5", "written @x,y"),
+        ("OpenObject @٠.5,0.5", "written @x,y"),
+        (5, "give a text"),
     ],
 )
 def test_what_is_no_action_is_told_why(text: str, message: str) -> None:
     with pytest.raises(ActionError, match=message):
         parse_action(text)
+
+
+def test_what_is_no_name_and_what_has_too_many_numbers_is_told_so() -> None:
+    with pytest.raises(ActionError, match="name of an action is a text"):
+        Action(5)  # type: ignore[arg-type]
+    with pytest.raises(ActionError, match="MoveAhead takes metres"):
+        Action("MoveAhead", None, (0.25, 0.25)).in_short()

@@ -312,3 +312,20 @@ def _digest(agent: Agent) -> str:
     seen = agent.view.render(agent.camera())
     images = b"".join(image.tobytes() for image in (seen.rgb, seen.depth, seen.objects, seen.links))
     return hashlib.sha256(images + repr(agent.world.save()).encode()).hexdigest()
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+def test_numbers_that_are_none_are_refused_and_the_agent_stays(agent: Agent, number: float) -> None:
+    before = agent.position, agent.yaw_deg, agent.horizon_deg
+    for act in (
+        lambda: agent.move(number),
+        lambda: agent.move(0.0, number),
+        lambda: agent.rotate(number),
+        lambda: agent.teleport(number, 0.0),
+        lambda: agent.teleport(yaw_deg=number),
+        lambda: agent.teleport(horizon_deg=number, force=True),
+    ):
+        with pytest.raises(ActionError, match="finite"):
+            act()
+    assert not agent.look(number).success
+    assert (agent.position, agent.yaw_deg, agent.horizon_deg) == before

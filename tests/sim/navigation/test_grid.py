@@ -5,8 +5,9 @@ import pytest
 from remqa_data.assets.core.model import AssetSpec
 from remqa_data.assets.looks.materials import OAK
 from remqa_data.scene import Scene, SceneObject, StructureBox
-from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
 from remqa_data.sim.navigation.grid import cells_in_reach, reach_distance, reachable_grid
+from remqa_data.sim.navigation.ground import Ground
 from remqa_data.sim.physics.world import World
 
 
@@ -77,3 +78,23 @@ def test_cells_in_reach_are_those_near_any_of_the_points() -> None:
     distances = [np.hypot(*grid.position(cell)) for cell in near]
     assert max(distances) <= 0.63 + 0.15
     assert len(near) == sum(np.hypot(i, j) * AGENT.step_m <= 0.78 for i in range(-7, 8) for j in range(-7, 8))
+
+
+@pytest.mark.parametrize(
+    ("body", "is_free"),
+    [
+        (Embodiment(), {(2, 0): False, (3, 0): True, (0, 0): False}),
+        (Embodiment(radius_m=0.35), {(2, 0): False, (3, 0): False, (0, 0): False}),
+        (Embodiment(height_m=1.2), {(2, 0): True, (3, 0): True, (0, 0): True}),
+        (Embodiment(step_m=0.5), {(2, 0): False, (3, 0): True, (0, 0): False}),
+    ],
+    ids=["usual", "wide", "low", "in long steps"],
+)
+def test_a_grid_is_for_the_body_that_is_to_stand_there(body: Embodiment, is_free: dict[tuple[int, int], bool]) -> None:
+    """Under a box, 1 m wide, that hangs from 1.3 to 1.6 m."""
+    with World(empty_room((-0.5, -0.5, 1.3, 0.5, 0.5, 1.6))) as world:
+        ground = Ground(world, body)
+        grid = ground.grid()
+    assert {cell: cell in grid.graph for cell in is_free} == is_free
+    assert grid.positions() == pytest.approx(np.array(grid.cells) * 0.25)
+    assert all(ground.blocker_at(*grid.position(cell)) is None for cell in grid.cells)

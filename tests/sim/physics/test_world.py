@@ -286,3 +286,33 @@ def test_a_load_goes_along_in_the_hand_and_back() -> None:
         assert not world.held
         world.restore(before)
         assert world.is_as(before)
+
+
+@pytest.mark.parametrize(
+    ("position", "quaternion"),
+    [
+        ((math.nan, 0.0, 0.1), None),
+        ((0.0, math.inf, 0.1), None),
+        ((0.0, 0.0, 0.1), (0.0, 0.0, 1.0, 1.0)),
+        ((0.0, 0.0, 0.1), (0.0, 0.0, 0.0, 0.0)),
+        ((0.0, 0.0, 0.1), (0.0, 0.0, math.nan, 1.0)),
+    ],
+)
+def test_what_is_no_pose_is_refused_and_nothing_moves(position, quaternion) -> None:
+    with World(room(mug())) as world:
+        before = world.save()
+        for put in (world.move, world.move_alone):
+            with pytest.raises(ActionError, match="give finite numbers and a unit quaternion"):
+                put("Mug|1", position, quaternion)
+        assert world.is_as(before)
+
+
+def test_names_of_nothing_are_told_so() -> None:
+    with World(room(mug())) as world:
+        for ask in (
+            lambda: world.settle(5, {"Cup|1": (0.0, 0.0, 1.0)}),
+            lambda: world.settle(5, awake=["Cup|1"]),
+            lambda: world.without_collisions("Cup|1").__enter__(),
+        ):
+            with pytest.raises(UnknownNameError, match=re.escape("Cup|1")):
+                ask()

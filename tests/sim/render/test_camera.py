@@ -121,3 +121,19 @@ def test_rotations_are_unitys(x, y, z):
     right, up, ahead = turn_of_euler({"x": x, "y": y, "z": z}).T[:, [0, 2, 1]]
     for camera in (Camera((0, 0, 0), 90 - y, x, roll_deg=z), OrthographicCamera((0, 0, 0), 1.0, 90 - y, x, z)):
         np.testing.assert_allclose(camera.rotation(), [right, up, ahead], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [
+        *(Camera((0.0, 0.0, 1.5), 0.0, fov_deg=fov) for fov in (0.0, 180.0, 200.0, math.nan)),
+        Camera((0.0, 0.0, 1.5), math.nan),
+        Camera((math.inf, 0.0, 1.5), 0.0),
+        Camera((0.0, 0.0, 1.5), 0.0, width=0),
+        TopDownCamera((0.0, 0.0), 2.0, math.inf),
+        OrthographicCamera((0.0, 0.0, 2.0), math.nan),
+    ],
+)
+def test_a_camera_that_cannot_be_is_refused(camera):
+    with pytest.raises(ValueError, match=r"no camera|fov_deg is"):
+        camera.view()

@@ -6,6 +6,7 @@ import pytest
 
 from remqa_data.assets.core.model import AssetSpec
 from remqa_data.assets.looks.materials import OAK
+from remqa_data.errors import UnknownNameError
 from remqa_data.geometry.arithmetic import arctan2
 from remqa_data.scene import Scene, SceneObject, StructureBox
 from remqa_data.sim.agent.agent import Agent
@@ -128,3 +129,8 @@ def test_pixels_are_counted_as_the_picture_shows_them(world) -> None:
         camera = Camera.look_at(tuple(eye), tuple(target), fov_deg=fov_deg, width=pixels, height=pixels)
         assert count == (view.instances(camera) == 0).sum()
     assert not view.pixels_in_windows(windows, ~view.parts_of(["Mug|1"])).any()
+
+
+def test_only_what_there_is_can_be_hidden(world: World) -> None:
+    with pytest.raises(UnknownNameError, match="Cup"):
+        WorldView(world).hide("Cup|1")
