@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from remqa_data.errors import DamagedShardError, DatasetError
+from remqa_data.errors import DamagedShardError, DatasetError, one_line
 from remqa_data.generators.config import Config
 from remqa_data.generators.questions.allotment import SceneQuota, allot, capacities
 from remqa_data.generators.questions.shortfalls import Answers, Deal, dealt_anew
@@ -24,7 +24,15 @@ from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import write_card
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.locks import exclusive
-from remqa_data.storage.manifest import FileInfo, Manifest, dataset_around, load_manifest, make_manifest
+from remqa_data.storage.manifest import (
+    MANIFEST,
+    FileInfo,
+    Manifest,
+    dataset_around,
+    load_manifest,
+    make_manifest,
+    versions_here,
+)
 from remqa_data.storage.ownership import clear, look, mark, remove_parts
 from remqa_data.storage.parts import Part, Parts, assemble, count_questions, finish
 from remqa_data.storage.protocol import Storage
@@ -74,18 +82,19 @@ def generate(
     storage = storage_at(out)
     first = allot(capacities(config.scene_names), config.totals)  # what cannot be is told before anything is done
     place = look(storage)
-    if not overwrite and place.is_finished and not place.has_parts:
+    if not overwrite and place.is_finished and not place.has_parts and not place.lacks:
         return _finished(storage, config)  # it can be read even if nothing can be written there
     with exclusive(storage) as lock:
         place = look(storage)
         if place.is_finished and not overwrite:
             manifest = _finished(storage, config)
+            write_card(storage.root, manifest, place.lacks)
             remove_parts(storage)  # whoever wrote the manifest was killed before that
             return manifest
         mark(storage)
         if overwrite:
             clear(storage)
-        parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "version": __version__})
+        parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "versions": versions_here()})
         made, quotas = _made_rooms(parts, config, first, executor, progress)
         shards = shards_per_split((file.table, file.split) for part in made for file in part.files)
         files = assemble(parts, made, shards, executor)
@@ -151,11 +160,18 @@ def check_place(out: str | os.PathLike[str], *, overwrite: bool, resume: bool) -
 def _finished(storage: Storage, config: Config) -> Manifest:
     """The manifest of a finished dataset, if it is the one that is asked for, and whole."""
     manifest = load_manifest(storage.root)
-    if (manifest.config_sha256, manifest.versions["remqa-data"]) != (config.sha256, __version__):
+    if (manifest.config_sha256, manifest.versions.get("remqa-data")) != (config.sha256, __version__):
         raise DatasetError(
             f"{storage.where()} holds a finished dataset of another configuration, seed or version; "
             "use --overwrite to replace it, or another folder"
         )
+    asked = {f"{split}.{kind}" for split, kinds in config.totals.items() for kind in kinds}
+    for name in (f"{split}.{kind}" for split, kinds in manifest.questions.items() for kind in kinds):
+        if name not in asked:
+            raise DatasetError(
+                f"{storage.where(MANIFEST)}: questions.{one_line(name):.40}: the configuration asks for none; "
+                "use --overwrite to replace the dataset, or another folder"
+            )
     try:
         if isinstance(storage, Folder):
             check_files(storage.root)

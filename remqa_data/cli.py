@@ -42,7 +42,7 @@ def assets(
     glb: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for meshes, one glTF file for each variant.")
     ] = None,
-    columns: Annotated[int, typer.Option(min=1, help="Variants side by side on a sheet.")] = 4,
+    columns: Annotated[int, typer.Option(min=1, help="Variants side by side on a sheet; the rest lie below.")] = 4,
 ) -> None:
     """Write contact sheets of object types, their variants closed and open, or their meshes."""
     from rich.progress import Progress

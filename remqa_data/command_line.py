@@ -1,7 +1,7 @@
 """What the commands share: --version, --quiet and --json, errors in one line, and word of what takes long.
 
 An error on purpose (`RemqaError`), an option that cannot be, or a file that cannot be read or written becomes one line on
-stderr and exit code 2.
+stderr and exit code 2. Where nobody reads on, as after `| head -1`, a command ends without a word and with exit code 141.
 The library logs and never prints; what a command has to say goes through `output()`.
 """
 
@@ -23,7 +23,7 @@ from typer.core import TyperGroup
 from remqa_data.errors import RemqaError, one_line
 from remqa_data.kernels.progress import Compiling, listening
 from remqa_data.processes.interrupts import PromptInterrupts
-from remqa_data.processes.surroundings import open_standard_streams, surroundings_problem
+from remqa_data.processes.surroundings import open_standard_streams, surroundings_problem, turn_outputs_away
 from remqa_data.version import __version__
 
 if TYPE_CHECKING:
@@ -141,7 +141,13 @@ class OneLineErrors(TyperGroup):
         if problem is not None:
             typer.echo(f"{self.name}: {problem}", err=True)
             raise SystemExit(2)
-        return super().main(args, *others, **options)
+        try:
+            return super().main(args, *others, **options)
+        except SystemExit as error:
+            if not isinstance(error.__context__, BrokenPipeError):
+                raise
+            turn_outputs_away()
+            raise SystemExit(PIPE_CLOSED) from None
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""
@@ -153,6 +159,8 @@ class OneLineErrors(TyperGroup):
                 self._usage_in_one_line(),
             ):
                 return super().invoke(ctx)
+        except BrokenPipeError:
+            raise  # nobody reads on: typer makes a SystemExit of it, as rich does
         except (RemqaError, OSError, RuntimeError) as error:
             if isinstance(error, RuntimeError) and _NO_THREAD not in str(error):
                 raise
@@ -251,6 +259,8 @@ def _tell_compiling(kernel: Compiling) -> None:
         output().note(f"compiling {kernel.known} kernels, once; this takes about a minute")
 
 
+PIPE_CLOSED = 141
+"""Exit code of a command that nobody listens to any more: 128 and the number of SIGPIPE, as shells have it."""
 _NO_THREAD = "can't start new thread"
 """What Python says when the system refuses."""
 

@@ -6,6 +6,7 @@ import errno
 import hashlib
 import os
 import re
+import shutil
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -72,7 +73,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     path = Path(path)
     _refuse_what_is_no_file(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.stem}.{uuid4().hex[:12]}{path.suffix}")
+    temporary = _temporary_name(path)
     try:
         yield temporary
         _flush(temporary)
@@ -88,6 +89,31 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         _flush(path.parent)  # the rename itself lies in the folder
 
 
+@contextmanager
+def atomic_folder(path: Path) -> Iterator[Path]:
+    """The same for a folder of files, which takes the place of an older one with all that this holds.
+
+    Yields
+    ------
+    Path
+        The temporary name of the folder, which is there and empty.
+    """
+    temporary, old = _temporary_name(path), _temporary_name(path)
+    temporary.mkdir(parents=True)
+    try:
+        yield temporary
+        for file in temporary.iterdir():
+            _flush(file)
+        if path.exists():
+            path.replace(old)  # nothing is renamed over a folder that holds files
+        temporary.replace(path)
+    finally:
+        if old.exists() and not path.exists():
+            old.replace(path)
+        for folder in (temporary, old):
+            shutil.rmtree(folder, ignore_errors=True)
+
+
 def is_remote(root: str | os.PathLike[str]) -> bool:
     """Whether a root is a URI, be it one that a Path has shortened.
 
@@ -95,6 +121,16 @@ def is_remote(root: str | os.PathLike[str]) -> bool:
     (True, False, False, False)
     """
     return SCHEME.match(os.fspath(root)) is not None
+
+
+def uri_of(root: str | os.PathLike[str]) -> str:
+    """The URI of a root that is one, with the slashes that a Path has joined into one; any other root as it is.
+
+    >>> uri_of(Path("s3://bucket/prefix")), uri_of(Path("file:///data")), uri_of("data/remqa")
+    ('s3://bucket/prefix', 'file:///data', 'data/remqa')
+    """
+    text = os.fspath(root)
+    return SCHEME.sub(r"\1:///" if text.startswith("file:") else r"\1://", text, count=1)
 
 
 def beside(root: Path, what: str) -> Path:
@@ -109,7 +145,7 @@ def beside(root: Path, what: str) -> Path:
         If the dataset lies in a bucket.
     """
     if is_remote(root):
-        raise OutputError(f"{root} is not on this machine: say where to write with --output")
+        raise OutputError(f"{uri_of(root)} is not on this machine: say where to write with --output")
     named = root.resolve() if root.name in ("", "..") else root
     return named.with_name(f"{named.name}-{what}")
 
@@ -207,6 +243,10 @@ def sha256_of(path: Path) -> str:
     """Checksum of a file, in hexadecimal."""
     with path.open("rb") as handle:
         return hashlib.file_digest(handle, "sha256").hexdigest()
+
+
+def _temporary_name(path: Path) -> Path:
+    return path.with_name(f".{path.stem}.{uuid4().hex[:12]}{path.suffix}")
 
 
 def _refuse_what_is_no_file(path: Path) -> None:

@@ -2,6 +2,8 @@
 
 import json
 import logging
+import os
+import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -11,6 +13,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from remqa_data import __version__
+from remqa_data.command_line import PIPE_CLOSED
 from remqa_data.kernels.progress import Compiling, tell
 from tests.helpers.submissions import written
 
@@ -50,6 +53,27 @@ def drawing(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_command_tells_its_version(name) -> None:
     done = invoke(name, "--version")
     assert (done.exit_code, done.stdout) == (0, f"{name} {__version__}\n")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", COMMANDS)
+def test_where_nobody_reads_on_a_command_ends_without_a_word(name) -> None:
+    for option in ("--version", "--help"):
+        reader, writer = os.pipe()
+        os.close(reader)
+        command = [sys.executable, "-m", f"{HOMES[name]}.cli", option]
+        done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, timeout=120, check=False)
+        os.close(writer)
+        assert (done.returncode, done.stderr) == (PIPE_CLOSED, b"")
+
+
+def test_a_closed_pipe_is_no_error_of_a_file(drawing, monkeypatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise BrokenPipeError(32, "Broken pipe")
+
+    monkeypatch.setattr(sys.modules["remqa_data.generators.figures.preview"], "write_preview", fail)
+    done = invoke("remqa-data", "preview", "FloorPlan1")
+    assert (done.exit_code, done.output) == (PIPE_CLOSED, "")
 
 
 @pytest.mark.slow

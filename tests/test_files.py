@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from remqa_data.errors import OutputError
-from remqa_data.files import atomic_path, beside, check_empty
+from remqa_data.files import atomic_folder, atomic_path, beside, check_empty
 
 
 def test_a_file_gets_its_name_only_when_it_is_whole(tmp_path):
@@ -56,6 +56,36 @@ def test_an_older_file_is_replaced(tmp_path):
     with atomic_path(str(target)) as temporary:
         temporary.write_bytes(b"new")
     assert target.read_bytes() == b"new"
+
+
+def test_a_whole_folder_takes_the_place_of_the_old_one(tmp_path):
+    target = tmp_path / "run.xml-meshes"
+    for name in ("old", "new"):
+        with atomic_folder(target) as temporary:
+            (temporary / name).write_bytes(b"")
+            assert not (target / name).exists()
+        assert [path.name for path in target.iterdir()] == [name]
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("when", ["in the block", "between the renames"])
+def test_an_error_leaves_the_old_folder_and_nothing_else(tmp_path, monkeypatch, when):
+    target, rename = tmp_path / "meshes", Path.replace
+
+    def interrupted(path: Path, to: Path) -> Path:
+        if to == target and when == "between the renames":
+            monkeypatch.undo()
+            raise KeyboardInterrupt
+        return rename(path, to)
+
+    with atomic_folder(target) as temporary:
+        (temporary / "old").write_bytes(b"")
+    monkeypatch.setattr(Path, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt), atomic_folder(target) as temporary:  # noqa: PT012
+        (temporary / "new").write_bytes(b"")
+        if when == "in the block":
+            raise KeyboardInterrupt
+    assert list(tmp_path.rglob("*")) == [target, target / "old"]
 
 
 @pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX files")
@@ -121,7 +151,9 @@ def test_what_is_made_of_a_dataset_lies_beside_it(tmp_path, monkeypatch):
     assert beside(Path(), "coco") == tmp_path.with_name(f"{tmp_path.name}-coco")
     assert beside(Path(".."), "coco") == tmp_path.parent.with_name(f"{tmp_path.parent.name}-coco")
     for root in ("s3://bucket/tiny", Path("s3://bucket/tiny")):
-        with pytest.raises(OutputError, match="is not on this machine: say where to write with --output"):
+        with pytest.raises(
+            OutputError, match=r"^s3://bucket/tiny is not on this machine: say where to write with --output"
+        ):
             beside(root, "coco")
 
 

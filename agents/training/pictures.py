@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import pyarrow.compute as pc
 from scipy import ndimage
 
 from remqa_data.catalog import catalog
@@ -75,12 +76,12 @@ class Pictures:
         is_in = [rooms is None or scene in rooms for scene in columns["scene"].to_pylist()]
         self.rows = np.flatnonzero(is_in)
         if which == "rgb":
-            lists = columns["objects"].chunk(0)
-            flat, lengths = lists.flatten().field("type").to_pylist(), lists.value_lengths().to_numpy()
+            lists = columns["objects"]
+            flat = pc.struct_field(pc.list_flatten(lists), "type").to_pylist()
         else:
-            lists = columns["object_ids"].chunk(0)
-            flat = [name.partition("|")[0] for name in lists.flatten().to_pylist()]
-            lengths = lists.value_lengths().to_numpy()
+            lists = columns["object_ids"]
+            flat = [name.partition("|")[0] for name in pc.list_flatten(lists).to_pylist()]
+        lengths = pc.list_value_length(lists).to_numpy()
         found = np.array([numbers.get(name, UNKNOWN) for name in flat], dtype=np.int64)
         self._types = np.split(found, np.cumsum(lengths)[:-1])
 

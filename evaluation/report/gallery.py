@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from remqa_data.datasets.random_access import SplitReader
-from remqa_data.errors import UnknownNameError
 from remqa_data.evaluation.report.tables import failed_at, in_words, rounded
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
 from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, does, load_room, place_of, replay_jobs, walk
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.scoring.scoring import attempt_of
+from remqa_data.evaluation.submission.frames import FramePictures
 from remqa_data.evaluation.submission.reader import Submission
 from remqa_data.evaluation.submission.tracks import TRACKS
 from remqa_data.geometry.types import F64, I64, U8
@@ -29,7 +29,10 @@ from remqa_data.tables.images import decode_rgb
 MAX_FAILURES, MAX_SUCCESSES = 24, 10
 SHOWN_DETAILS = ("steps", "goal_distance_m", "target_visible", "iou", "manipulated")
 TRUE_COLOR, PREDICTED_COLOR, PATH_COLOR, GOAL_COLOR = (40, 170, 70), (225, 60, 40), (30, 90, 220), (225, 60, 40)
-JPEG_QUALITY = 85
+TRUE_PX, PREDICTED_PX = 3, 1
+"""Widths of the frames of boxes."""
+JPEG = [cv2.IMWRITE_JPEG_QUALITY, 85, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444]
+"""Colours as sharp as all else, as a frame may be a pixel wide."""
 MAP_MARGIN, MAP_CUT_M = 1.12, 2.0
 """How much larger than the room its map is, and the height above the floor at which the map is cut."""
 
@@ -103,33 +106,15 @@ def _rows(
 
 def _expressions(results: Results, truth: GroundTruth, rows: dict[int, dict[str, object]]) -> list[ShownAttempt]:
     asked = read_table(truth.root, "expressions", truth.split, ["text", "frame_id"]).to_pylist()
-    frames = _Frames(truth)
+    pictures_of = FramePictures(truth.root)
     attempts = []
     for place, row in rows.items():
-        image = frames.image(asked[place]["frame_id"])
+        image = decode_rgb(pictures_of[asked[place]["frame_id"]]).copy()
         _draw_boxes(image, truth.boxes[place], row.get("box"))
         facts = (("IoU", _shown(results.samples["mean_iou"][place])), ("submitted box", _shown(row.get("box"))))
         pictures = (_picture("frame: true box green, submitted red", image),)
         attempts.append(ShownAttempt(str(truth.ids[place]), asked[place]["text"], facts, pictures))
     return attempts
-
-
-class _Frames:
-    """Stored frames by name, of whatever split they are in."""
-
-    def __init__(self, truth: GroundTruth) -> None:
-        self._readers = [SplitReader(truth.root, "frames", split) for split in truth.manifest.splits("frames")]
-        self._places = {
-            name: (number, row)
-            for number, reader in enumerate(self._readers)
-            for row, name in enumerate(reader.columns(["frame_id"])["frame_id"].to_pylist())
-        }
-
-    def image(self, name: str) -> U8:
-        if name not in self._places:
-            raise UnknownNameError("frame", name, self._places)
-        number, row = self._places[name]
-        return decode_rgb(memoryview(self._readers[number].images(row, ["rgb"])[0])).copy()
 
 
 def _questions(results: Results, truth: GroundTruth, rows: dict[int, dict[str, object]]) -> list[ShownAttempt]:
@@ -200,7 +185,10 @@ class _Map:
         extent = MAP_MARGIN * max(x1 - x0, y1 - y0)
         height = replay.world.scene.floor_z + MAP_CUT_M
         self.camera = TopDownCamera(((x0 + x1) / 2, (y0 + y1) / 2), height, extent, size_px, size_px)
-        self.image = replay.view.render(self.camera, shadows=False).rgb
+        rendered = replay.view.render(self.camera, shadows=False).rgb
+        (left, top), (right, bottom) = self._pixels(np.array([(x0, y1), (x1, y0)]))
+        self.image = np.full_like(rendered, 255)  # what is out of the room is scenery
+        self.image[top:bottom, left:right] = rendered[top:bottom, left:right]
 
     def draw(self, poses: list[Pose], goals: F64) -> U8:
         image = self.image.copy()
@@ -220,14 +208,15 @@ class _Map:
 
 
 def _draw_boxes(image: U8, true: object, predicted: object) -> None:
-    for box, color in ((true, TRUE_COLOR), (predicted, PREDICTED_COLOR)):
+    """Frames of two widths, so that both show where they are the same."""
+    for box, color, width in ((true, TRUE_COLOR, TRUE_PX), (predicted, PREDICTED_COLOR, PREDICTED_PX)):
         if box is not None:
             x1, y1, x2, y2 = (round(float(v)) for v in box)  # type: ignore[attr-defined]
-            cv2.rectangle(image, (x1, y1), (x2 - 1, y2 - 1), color, 2)
+            cv2.rectangle(image, (x1, y1), (x2 - 1, y2 - 1), color, width)
 
 
 def _picture(label: str, image: U8) -> Picture:
-    data = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
+    data = cv2.imencode(".jpg", image[..., ::-1], JPEG)[1].tobytes()
     return Picture(label, "data:image/jpeg;base64," + base64.b64encode(data).decode())
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from remqa_data.errors import ResultsError, counted
 from remqa_data.evaluation.report.comparison import load_comparable
-from remqa_data.evaluation.report.tables import Grid, cell, in_words, markdown_lines, rounded
+from remqa_data.evaluation.report.tables import Grid, cell, in_words, markdown_lines, markdown_text, rounded
 from remqa_data.evaluation.scoring.measures import measures_of
 from remqa_data.evaluation.scoring.results import Metric, Results
 from remqa_data.evaluation.submission.tracks import TRACKS
@@ -104,7 +104,7 @@ def ranking_notes(ranked: Sequence[Ranked]) -> list[str]:
 def ranking_markdown(ranked: Sequence[Ranked]) -> str:
     """The order as Markdown, ready to paste."""
     grid = ranking_grid(ranked)
-    return "\n".join([*markdown_lines(grid), "", " ".join(ranking_notes(ranked))]) + "\n"
+    return "\n".join([*markdown_lines(grid), "", markdown_text(" ".join(ranking_notes(ranked)))]) + "\n"
 
 
 def _decisive(results: Results) -> Metric:

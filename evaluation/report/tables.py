@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from rich.box import SIMPLE_HEAD
+from rich.cells import cell_len
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -128,15 +131,16 @@ def notes(results: Results) -> list[str]:
 def markdown(results: Results) -> str:
     """The table of kinds and the notes, ready to paste."""
     grid = grid_of(results)
-    about = f"Agent: {_escaped(results.submission.agent)}. "
+    about = f"Agent: {markdown_text(results.submission.agent)}. "
     return "\n".join([*markdown_lines(grid), "", about + " ".join(notes(results))]) + "\n"
 
 
 def markdown_lines(grid: Grid) -> list[str]:
     """A table's title and its rows in Markdown."""
-    escaped = [[_escaped(text) for text in row] for row in (grid.headings, *grid.rows)]
+    escaped = [[markdown_text(text) for text in row] for row in (grid.headings, *grid.rows)]
     lines = [f"| {' | '.join(row)} |" for row in escaped]
-    return [f"**{grid.title}**", "", lines[0], "|" + "---|" + "---:|" * (len(grid.headings) - 1), *lines[1:]]
+    rule = "|---|" + "---:|" * (len(grid.headings) - 1)
+    return [f"**{markdown_text(grid.title)}**", "", lines[0], rule, *lines[1:]]
 
 
 def print_results(console: Console, results: Results) -> None:
@@ -147,15 +151,67 @@ def print_results(console: Console, results: Results) -> None:
 
 
 def print_grid(console: Console, grid: Grid) -> None:
-    """Print a table; where it is wider than the console, its widest cells, most often names, take several lines."""
-    table = Table(title=Text(grid.title), box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for place, heading in enumerate(grid.headings):
-        table.add_column(Text(heading), justify="right" if place else "left", overflow="fold")
-    for row in grid.rows:
-        table.add_row(*(Text(text) for text in row))  # Text: names in brackets are not markup
-    console.print(table)
+    """Print a table, of which no number is broken.
+
+    Where it is wider than the console, headings and names take several lines; numbers that still find no room stand below.
+    """
+    is_narrow = _width(max(map(_widest, column)) for column in _columns(grid)) > console.width
+    for number, part in enumerate(_parts(grid, console.width) if is_narrow else [grid]):
+        table = Table(title=None if number else Text(grid.title), box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+        for place, column in enumerate(_columns(part)):
+            width = _least(column) if is_narrow and _are_numbers(column) else None
+            table.add_column(Text(column[0]), justify="right" if place else "left", overflow="fold", width=width)
+        for row in part.rows:
+            table.add_row(*(Text(text) for text in row))  # Text: names in brackets are not markup
+        console.print(table, crop=False)
 
 
-def _escaped(text: str) -> str:
-    """A text as the cell of a Markdown table, on one line."""
-    return text.replace("\\", "\\\\").replace("|", "\\|").replace("\n", " ")
+def markdown_text(text: str) -> str:
+    """A text that shows as it is in Markdown, also as a table's cell: on one line, without marks, HTML or links."""
+    text = text.replace("\n", " ").replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return _MARKS.sub(r"\\\g<0>", text)
+
+
+_MARKS = re.compile(r"[\\|`*~\[\]]|(?<![^\W_])_|_(?![^\W_])")
+"""What means something to Markdown; an underscore within a word does not."""
+_LEAST_NAME, _MOST_NUMBER = 8, 16
+"""How many letters of a name stay side by side, and how many a number with its interval has."""
+
+
+def _parts(grid: Grid, width: int) -> list[Grid]:
+    """A table as several that are so wide or less, each with all names."""
+    columns = _columns(grid)
+    names = columns[: max((i + 1 for i, column in enumerate(columns) if not _are_numbers(column)), default=1)]
+    parts = [names]
+    for column in columns[len(names) :]:
+        if len(parts[-1]) > len(names) and _width(map(_least, [*parts[-1], column])) > width:
+            parts.append(names)
+        parts[-1] = [*parts[-1], column]
+    tables = ([*zip(*part, strict=True)] for part in parts)
+    return [Grid(grid.title, headings, tuple(rows)) for headings, *rows in tables]
+
+
+def _columns(grid: Grid) -> list[tuple[str, ...]]:
+    """Each with its heading first."""
+    return list(zip(grid.headings, *grid.rows, strict=True))
+
+
+def _are_numbers(column: Sequence[str]) -> bool:
+    known = [text for text in column[1:] if text != NOT_MEASURED]
+    return all(_widest(text) <= _MOST_NUMBER and not any(map(str.isalpha, text)) for text in known)
+
+
+def _least(column: Sequence[str]) -> int:
+    """How wide a column is at least."""
+    if _are_numbers(column):
+        return max([*map(cell_len, column[0].split()), *map(_widest, column[1:])], default=0)
+    return min(_LEAST_NAME, max(map(_widest, column)))
+
+
+def _width(columns: Iterable[int]) -> int:
+    """How wide a table is whose columns are so wide: there are two spaces between them, and one before the first."""
+    return 1 + sum(width + 2 for width in columns)
+
+
+def _widest(text: str) -> int:
+    return max(map(cell_len, text.split("\n")))

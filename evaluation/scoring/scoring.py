@@ -92,7 +92,7 @@ def score(
     filled = _Filled(len(truth.ids), points=truth.track in ("remqa", "rec"))
     attempts: dict[Room, list[Attempt]] = {}
     for batch in submission.batches(replay=replay, max_rows=len(truth.ids)):
-        places = _places(submission, truth, batch, filled.answered)
+        places = places_of(submission, truth, batch, filled.answered)
         filled.add_predictions(places, batch.rows)
         if walks and replay:
             for place, row in zip(places.tolist(), batch.rows.to_pylist(), strict=True):
@@ -192,8 +192,14 @@ def _details(answers: Answers) -> Columns:
     return found
 
 
-def _places(submission: Submission, truth: GroundTruth, batch: Batch, answered: Flags) -> I64:
-    """Where in the truth the rows belong; an unknown id, or one that was there before, is an error."""
+def places_of(submission: Submission, truth: GroundTruth, batch: Batch, answered: Flags) -> I64:
+    """Where in the truth the rows of a batch belong; `answered` says which of its rows earlier batches had.
+
+    Raises
+    ------
+    SubmissionError
+        For an unknown id, or one that was there before.
+    """
     name = TRACKS[truth.track].id_column
     places = truth.places(batch.rows[name])
     seen = answered[places]

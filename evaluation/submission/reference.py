@@ -13,11 +13,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from remqa_data.evaluation.submission.frames import FramePictures
 from remqa_data.evaluation.submission.tracks import TRACKS, WORDS, Track
 from remqa_data.extras import require
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, open_action, parse_actions, walk_and_rest
 from remqa_data.sim.navigation.viewpoints import FRAME_PX
 from remqa_data.storage.shards import read_table
+from remqa_data.tables.images import image_size
 
 Agent = Literal["oracle", "random", "blind"]
 MAX_RANDOM_STEPS = 50
@@ -45,7 +47,7 @@ def reference_rows(agent: Agent, root: Path, track: Track, split: str, rng: np.r
     """
     names = TRACKS[track].columns(replay=True)
     if track == "rec":
-        asked = read_table(root, "expressions", split, ["expression_id", "box_2d"]).to_pylist()
+        asked = read_table(root, "expressions", split, ["expression_id", "box_2d", "frame_id"]).to_pylist()
     else:
         asked = read_table(root, "questions", split, list(_QUESTION_COLUMNS)).to_pylist()
     complete = _AGENTS[agent](root, asked, rng, "answer" in names)
@@ -71,6 +73,9 @@ def _oracle(root: Path, asked: Sequence[Row], rng: np.random.Generator, answers:
 
 
 def _random(root: Path, asked: Sequence[Row], rng: np.random.Generator, answers: bool) -> Iterator[Row]:
+    if asked and "expression_id" in asked[0]:
+        yield from _random_boxes(root, asked, rng)
+        return
     moves = [word for word in WORDS if word != DONE]
     possible: dict[str, list[str]] = {}
     for row in asked:
@@ -78,18 +83,29 @@ def _random(root: Path, asked: Sequence[Row], rng: np.random.Generator, answers:
             possible.setdefault(row["kind"], []).append(row["answer"])
     choices = {kind: sorted(set(found)) for kind, found in possible.items()}
     for row in asked:
-        (x1, x2), (y1, y2) = np.sort(rng.integers(0, FRAME_PX + 1, (2, 2)), axis=1).tolist()
-        made: Row = {"box": [x1, y1, x2, y2]}
-        if "expression_id" in row:
-            yield made | {"expression_id": row["expression_id"]}
-            continue
-        steps = int(rng.integers(0, MAX_RANDOM_STEPS + 1))
-        yield made | {
+        box, steps = _random_box(rng), int(rng.integers(0, MAX_RANDOM_STEPS + 1))
+        yield {
             "question_id": row["question_id"],
+            "box": box,
             "actions": [*rng.choice(moves, steps).tolist(), DONE],
             "manipulation": str(open_action(str(rng.choice(row["object_ids"])))),
             "answer": str(rng.choice(choices[row["kind"]])),
         }
+
+
+def _random_boxes(root: Path, asked: Sequence[Row], rng: np.random.Generator) -> Iterator[Row]:
+    """A box for each expression, anywhere in its frame."""
+    pictures = FramePictures(root)
+    for row in asked:
+        size = image_size(pictures[row["frame_id"]]) or (FRAME_PX, FRAME_PX)
+        box = [round(edge * pixels / FRAME_PX) for edge, pixels in zip(_random_box(rng), (*size, *size), strict=True)]
+        yield {"expression_id": row["expression_id"], "box": box}
+
+
+def _random_box(rng: np.random.Generator) -> list[int]:
+    """A box in a view of `FRAME_PX`."""
+    (x1, x2), (y1, y2) = np.sort(rng.integers(0, FRAME_PX + 1, (2, 2)), axis=1).tolist()
+    return [x1, y1, x2, y2]
 
 
 def _blind(root: Path, asked: Sequence[Row], rng: np.random.Generator, answers: bool) -> Iterator[Row]:

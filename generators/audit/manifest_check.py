@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import platform
 import re
 from collections.abc import Iterator
-from importlib import metadata
 from itertools import pairwise
 
 from remqa_data.errors import ConfigError, QuotaError
@@ -18,13 +16,12 @@ from remqa_data.generators.questions.allotment import allot, capacities, express
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import CARD, CROISSANT, croissant_text, dataset_card
 from remqa_data.storage.locks import is_lock
-from remqa_data.storage.manifest import MANIFEST, VERSIONED, Manifest, config_hash
+from remqa_data.storage.manifest import MANIFEST, Manifest, config_hash, versions_here
 from remqa_data.storage.ownership import SPLITS
 from remqa_data.storage.parts import shard_bounds, shard_path
 from remqa_data.storage.shard_cache import local_shard
 from remqa_data.storage.shards import Shard
 from remqa_data.tables.schema import TABLES, field_docs, table_spec
-from remqa_data.version import __version__
 
 BESIDES = (".gitattributes", ".gitignore")
 """Files that may lie in a dataset's folder though the manifest does not list them; so may these folders:"""
@@ -98,7 +95,7 @@ def other_versions(manifest: Manifest) -> list[str]:
     """What the dataset was made with that is not what is installed here, such as "numpy 2.2.0 (here 2.3.5)"."""
     return [
         f"{name} {manifest.versions.get(name)} (here {here})"
-        for name, here in _versions_here().items()
+        for name, here in versions_here().items()
         if manifest.versions.get(name) != here
     ]
 
@@ -137,18 +134,13 @@ def folder_failures(root: str | os.PathLike[str], manifest: Manifest) -> Iterato
 
 def _version_failures(manifest: Manifest) -> Iterator[Failure]:
     """What they should be cannot be told from a dataset alone; which there are, and that they look like versions, can."""
-    known = list(_versions_here())
+    known = list(versions_here())
     if list(manifest.versions) != known:
         told = ", ".join(manifest.versions) or "nothing"
         yield Failure(MANIFEST, "consistent", f"versions are those of {told}, not of {', '.join(known)}")
     for name, version in manifest.versions.items():
         if not _VERSION.fullmatch(version):
             yield Failure(MANIFEST, "consistent", f"versions.{name}: {version!r:.60} is no version")
-
-
-def _versions_here() -> dict[str, str]:
-    here = {"remqa-data": __version__, "python": platform.python_version()}
-    return here | {package: metadata.version(package) for package in VERSIONED}
 
 
 def _file_list_failures(manifest: Manifest, config: Config) -> Iterator[Failure]:

@@ -21,7 +21,7 @@ from remqa_data.generators.questions.shortfalls import asked_in_the_end
 from remqa_data.generators.scene_plan import Job
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.storage.manifest import MANIFEST, Manifest, load_manifest
-from remqa_data.storage.shards import Shard, check_files, shard_paths
+from remqa_data.storage.shards import check_files, open_shards
 from remqa_data.tables.schema import TABLES
 
 
@@ -149,15 +149,14 @@ def _room_checks(
 def _pieces(root: Path, manifest: Manifest, table: str) -> dict[str, list[Piece]]:
     """Where the rows of each room lie."""
     found: defaultdict[str, list[Piece]] = defaultdict(list)
-    for path in (path for split in manifest.splits(table) for path in shard_paths(root, table, split)):
-        shard = Shard(path, table)
+    for shard in (shard for split in manifest.splits(table) for shard in open_shards(root, table, split)):
         scenes = iter(shard.read(columns=["scene"])["scene"].to_pylist())
         groups: defaultdict[str, list[int]] = defaultdict(list)
         for group in range(shard.row_groups):
             for scene in set(islice(scenes, shard.rows(group))):
                 groups[scene].append(group)
         for scene, own in groups.items():
-            found[scene].append((path, tuple(own)))
+            found[scene].append((shard.path, tuple(own)))
     return found
 
 

@@ -17,7 +17,7 @@ from remqa_data.assets.core.sizes import typical_size
 from remqa_data.geometry.types import U8, Vec3
 from remqa_data.opencv import cv2, write_png
 
-TILE_PX = 240
+TILE_PX, BAND_PX, GROUND = 240, 28, 250
 FRONT_YAW_DEG, DOWN_DEG, FOV_DEG = 62.0, 24.0, 30.0
 """Seen from the front, a little from the left and from above."""
 
@@ -37,7 +37,7 @@ def write_sheets(
     types : sequence of str
         Object types; all when empty.
     columns : int
-        Variants side by side; further columns repeat the variants with other seeds.
+        Variants side by side, the rest below; columns beyond their number repeat them with other seeds.
     progress : callable, optional
         Called with each type before it is drawn.
 
@@ -60,17 +60,33 @@ def write_sheets(
 
 
 def sheet(type_: str, columns: int = 4) -> U8:
-    """The contact sheet of one type: columns are variants, rows closed and (if it opens) half open and open."""
+    """The contact sheet of one type: variants side by side, below each other closed and (if it opens) half open and open."""
     count = variant_count(type_)
     size = typical_size(type_)
     assets = [build(AssetSpec(type_, _varied(size, i, type_), i % count, seed=i)) for i in range(max(columns, count))]
-    rows = [[picture(asset, openness) for asset in assets] for openness in _opennesses(assets[0])]
-    body = np.vstack([np.hstack(row) for row in rows])
-    title = np.full((28, body.shape[1], 3), 255, np.uint8)
-    words = " | ".join(f"{a.color} {a.substance} {a.triangle_count}t" for a in assets)
-    text = f"{type_}  {size[0]:.2f} x {size[1]:.2f} x {size[2]:.2f} m   {words}"
-    cv2.putText(title, text, (6, 19), cv2.FONT_HERSHEY_SIMPLEX, 0.42, (20, 20, 20), 1, cv2.LINE_AA)
-    return np.vstack([title, body])
+    lines = [_line(assets[first : first + columns], columns) for first in range(0, len(assets), columns)]
+    title = _band(columns)
+    _write(title, f"{type_}  {size[0]:.2f} x {size[1]:.2f} x {size[2]:.2f} m", 0)
+    return np.vstack([title, *lines])
+
+
+def _line(assets: Sequence[Asset], columns: int) -> U8:
+    """Assets beside each other, in words and in pictures; where there are fewer than columns, the rest is white."""
+    words = _band(columns)
+    for column, asset in enumerate(assets):
+        _write(words, f"{asset.color} {asset.substance} {asset.triangle_count}t", column)
+    blank = [np.full((TILE_PX, TILE_PX, 3), GROUND, np.uint8)] * (columns - len(assets))
+    rows = [[picture(asset, openness) for asset in assets] + blank for openness in _opennesses(assets[0])]
+    return np.vstack([words, *map(np.hstack, rows)])
+
+
+def _band(columns: int) -> U8:
+    return np.full((BAND_PX, columns * TILE_PX, 3), 255, np.uint8)
+
+
+def _write(band: U8, text: str, column: int) -> None:
+    place = (column * TILE_PX + 6, 19)
+    cv2.putText(band, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.42, (20, 20, 20), 1, cv2.LINE_AA)
 
 
 def picture(asset: Asset, openness: float = 0.0, size_px: int = TILE_PX) -> U8:
@@ -96,7 +112,7 @@ def picture(asset: Asset, openness: float = 0.0, size_px: int = TILE_PX) -> U8:
     light = tuple(eye * 0.8 + np.array([-0.5, 0.0, 1.1]))
     frame = Renderer(parts, poses, lights=[light]).render(camera)
     rgb = frame.rgb.copy()
-    rgb[frame.instances < 0] = 250
+    rgb[frame.instances < 0] = GROUND
     return rgb
 
 

@@ -3,14 +3,6 @@
 const all = (selector) => [...document.querySelectorAll(selector)];
 const byId = (id) => document.getElementById(id);
 
-// ---- a box over a picture, whose size is known once it is there
-for (const svg of all("svg[data-over]")) {
-  const image = byId(svg.dataset.over);
-  const fit = () => svg.setAttribute("viewBox", `0 0 ${image.naturalWidth} ${image.naturalHeight}`);
-  if (image.complete && image.naturalWidth) fit();
-  else image.addEventListener("load", fit);
-}
-
 // ---- the list
 const form = byId("filters");
 const filterHere = () => {

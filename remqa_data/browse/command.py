@@ -38,10 +38,12 @@ def browse_dataset(
         require(package, "browse")
     if limit is not None and export is None:
         raise ConfigError("--limit is for --export: the pages that are served show every question")
+    if not address[0]:
+        raise ConfigError("--host is empty: name what to listen on, such as 127.0.0.1, or leave it out")
     if export is not None:
         check_beside(export, root)
     dataset = BrowsedDataset(root)
-    agents = read_answers(submissions, dataset.index.num_rows)
+    agents = read_answers(submissions, root)
     figures = () if audit is None else read_audit(audit)
     _ = dataset.rows, dataset.walk_places  # read now: no page waits for them, and what is there twice is told first
     site = Site(dataset, agents, figures, is_static=export is not None, limit=limit)

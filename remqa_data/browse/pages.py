@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,9 +26,9 @@ from remqa_data.extras import require
 from remqa_data.generators.audit.recount.report import Figure
 from remqa_data.mapping.map_picture import plan_legend
 from remqa_data.published import SOURCE
+from remqa_data.tables.images import image_size
 
 FOLDER = Path(__file__).parent
-MOST_IN_LEGEND = 16
 CARD = (
     "question_id",
     "kind",
@@ -137,7 +138,8 @@ class Pages:
         room = dataset.room(key)
         graph = None if room is None else graph_of(room.objects)
         siblings = [(other, dataset.brief(other)) for other in dataset.groups[asked["group"]]]
-        (start, end) = dataset.question_pictures(row, ["start_instances", "end_instances"])
+        names = ["start_rgb", "start_instances", "end_instances"]
+        view, start, end = dataset.question_pictures(row, names)
         place = self.scope.rows.index(row) if row in self._in_scope else 0
         near = [self.scope.rows[i] if 0 <= i < len(self.scope.rows) else None for i in (place - 1, place + 1)]
         return self._render(
@@ -147,6 +149,7 @@ class Pages:
             room=room,
             has_walk=key in self.scope.rooms,
             room_slug=key.slug,
+            view_size=image_size(view),
             steps=steps_in_words(asked["program"], graph),
             siblings=[(other in self._in_scope, brief) for other, brief in siblings],
             shown={"start": self._legend(start, asked["object_ids"]), "end": self._legend(end, asked["object_ids"])},
@@ -159,13 +162,13 @@ class Pages:
         )
 
     def rooms(self) -> str:
-        """All rooms."""
-        counts = self._dataset.frame.groupby("scene").size().to_dict()
+        """All rooms, and how many questions about each have a page."""
+        counts = Counter(self._dataset.frame["scene"].iloc[list(self.scope.rows)])
         found: dict[str, list[tuple[str, list[RoomKey], int]]] = {}
-        for scene in dict.fromkeys(key.scene for key in sorted(self.scope.rooms)):
+        for scene in sorted({key.scene for key in self.scope.rooms}, key=_natural):
             keys = sorted(key for key in self.scope.rooms if key.scene == scene)
             room_type = self._room_types.get(scene, "other")
-            found.setdefault(room_type, []).append((scene, keys, int(counts.get(scene, 0))))
+            found.setdefault(room_type, []).append((scene, keys, counts[scene]))
         return self._render("rooms.html.j2", root="", rooms=found)
 
     def walk(self, key: RoomKey) -> str:
@@ -194,7 +197,7 @@ class Pages:
             data=[_told(one) for one in frames],
             dots=dots,
             lines=lines,
-            legend=plan_legend(room.plan)[:MOST_IN_LEGEND],
+            legend=plan_legend(room.plan),
             configurations=configurations,
             questions=self._asked_about(key),
             has_model=key in self.scope.models,
@@ -247,7 +250,7 @@ class Pages:
         found = {}
         for name, column in CHOICES.items():
             counts = [(str(one["values"]), int(one["counts"])) for one in pc.value_counts(index[column]).to_pylist()]
-            found[name] = sorted(counts, key=lambda item: (len(item[0]), item[0]) if name == "scene" else (0, item[0]))
+            found[name] = sorted(counts, key=lambda item: _natural(item[0]) if name == "scene" else (0, item[0]))
         return found
 
     def _asked_about(self, key: RoomKey) -> list[tuple[bool, dict[str, Any]]]:
@@ -257,7 +260,7 @@ class Pages:
 
     def _legend(self, instances: bytes, ids: Sequence[str]) -> list[tuple[str, tuple[int, int, int]]]:
         shown = [number for number in objects_shown(instances) if number <= len(ids)]
-        return [(ids[number - 1], object_color(number)) for number in shown[:MOST_IN_LEGEND]]
+        return [(ids[number - 1], object_color(number)) for number in shown]
 
     def _question_map(self, room: Room, asked: dict[str, Any]) -> dict[str, Any]:
         frame = RoomMap.of(room)
@@ -270,12 +273,16 @@ class Pages:
             "goals": [frame.standing(pose) for pose in asked["goal_poses"]],
             "target": None if target is None else frame.rectangle(target),
             "answers": [frame.rectangle(boxes[name]) for name in asked["answer_ids"] if name in boxes],
-            "legend": plan_legend(room.plan)[:MOST_IN_LEGEND],
         }
 
     @staticmethod
     def _pages(count: int) -> int:
         return max(1, -(-count // PAGE))
+
+
+def _natural(scene: str) -> tuple[int, str]:
+    """By what rooms are ordered: FloorPlan2 comes before FloorPlan10."""
+    return len(scene), scene
 
 
 def _told(frame: WalkedFrame) -> dict[str, Any]:

@@ -21,7 +21,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from remqa_data.errors import UnknownNameError
-from remqa_data.storage.shards import Shard, leaf_paths, shard_paths
+from remqa_data.storage.shards import Shard, leaf_paths, open_shards
 from remqa_data.tables.schema import table_spec
 
 Spans = npt.NDArray[np.int64]
@@ -31,7 +31,7 @@ Spans = npt.NDArray[np.int64]
 class SplitReader:
     """One split of a table of a finished dataset.
 
-    It can be pickled, and used after a fork: each process opens the shards for itself.
+    It can be pickled, and used after a fork: each process opens the shards for itself, whatever its working directory is.
 
     Parameters
     ----------
@@ -50,14 +50,11 @@ class SplitReader:
 
     def __init__(self, root: Path, table: str, split: str) -> None:
         self.table = table
-        self.paths = shard_paths(root, table, split)
-        self._process = -1
-        self._shards: list[Shard] = []
-        self._bytes: list[memoryview] = []
-        self._spans: dict[str, Spans] = {}
+        self._begin(list(open_shards(root, table, split)))
+        self.paths = [shard.path.absolute() for shard in self._shards]
         groups = [
             (number, group, shard.rows(group))
-            for number, shard in enumerate(self._open())
+            for number, shard in enumerate(self._shards)
             for group in range(shard.row_groups)
         ]
         self._places = [(number, group) for number, group, _ in groups]
@@ -67,7 +64,7 @@ class SplitReader:
         return self._starts[-1]
 
     def columns(self, names: Sequence[str]) -> pa.Table:
-        """All rows of some columns, each as one chunk.
+        """All rows of some columns, a chunk for each shard: one array holds 2 GB of text at most.
 
         Raises
         ------
@@ -78,7 +75,7 @@ class SplitReader:
         for name in names:
             if name not in known:
                 raise UnknownNameError(f"column of {self.table}", name, known)
-        return pa.concat_tables([shard.read(columns=names) for shard in self._open()]).combine_chunks()
+        return pa.concat_tables([shard.read(columns=names).combine_chunks() for shard in self._open()])
 
     def rows(self, rows: Sequence[int], names: Sequence[str]) -> list[dict[str, Any]]:
         """Some columns of some rows as plain Python; each row group is read once.
@@ -149,11 +146,15 @@ class SplitReader:
     def _open(self) -> list[Shard]:
         """The shards, opened by this process."""
         if self._process != os.getpid():
-            self._shards = [Shard(path, self.table) for path in self.paths]
-            self._bytes = [memoryview(_mapped(path)) for path in self.paths]
-            self._spans = {}
-            self._process = os.getpid()
+            self._begin([Shard(path, self.table) for path in self.paths])
         return self._shards
+
+    def _begin(self, shards: list[Shard]) -> None:
+        """Read from shards that this process has opened."""
+        self._shards = shards
+        self._bytes = [memoryview(_mapped(shard.path)) for shard in shards]
+        self._spans: dict[str, Spans] = {}
+        self._process = os.getpid()
 
 
 def _mapped(path: Path) -> mmap.mmap:

@@ -6,7 +6,9 @@ They work with any number of DataLoader workers, forked or spawned. `remqa_data.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
@@ -25,10 +27,11 @@ from remqa_data.tables.schema import table_spec
 
 if TYPE_CHECKING:
     import torch
-    from torch.utils.data import Dataset
+    from torch.utils.data import Dataset, default_collate
 else:
     torch = require("torch", "torch")
     Dataset = require("torch.utils.data", "torch").Dataset
+    default_collate = require("torch.utils.data", "torch").default_collate
 
 Sample = TypeVar("Sample", QuestionSample, FrameSample, ExpressionSample)
 
@@ -60,11 +63,15 @@ class _TableDataset(Dataset[Sample], Generic[Sample]):
     def __len__(self) -> int:
         return len(self._rows)
 
+    def __iter__(self) -> Iterator[Sample]:
+        """All samples; an IndexError of a transform ends in an error, where Python would take it for the end."""
+        return (self[index] for index in range(len(self)))
+
     def __getitem__(self, index: int) -> Sample:
         row = self._row(index)
         if self._loaded is None:
             arrays = self._reader.columns(self.columns)
-            self._loaded = {k: v for name in self.columns for k, v in _values(name, arrays[name].chunk(0)).items()}
+            self._loaded = {k: v for name in self.columns for k, v in _all_values(name, arrays[name]).items()}
         sample = JoinedByCollate({name: values(row) for name, values in self._loaded.items()})
         if self.images:
             reader, image_row = self._image_place(row)
@@ -206,8 +213,9 @@ class ExpressionDataset(_TableDataset[ExpressionSample]):
 def collate(samples: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Join samples into a batch; a `DataLoader` does it of itself, unless a transform returns something else.
 
-    Tensors are stacked and numbers become a tensor; texts, lists and tensors of variable length
-    (`remqa_data.datasets.sample_types.RAGGED`) become a list with one entry for each sample.
+    Tensors and arrays are stacked, numbers become a tensor, and PyTorch's `default_collate` joins dicts and tuples; texts,
+    lists and tensors of variable length (`remqa_data.datasets.sample_types.RAGGED`) become a list with one entry for each
+    sample.
     """
     return {key: _collated(key, [sample[key] for sample in samples]) for key in samples[0]}
 
@@ -248,9 +256,13 @@ def _known(names: Sequence[str] | None, known: Sequence[str], what: str) -> tupl
 
 
 def _collated(key: str, values: list[Any]) -> Any:
+    if key in RAGGED or any(value is None or isinstance(value, str) for value in values):
+        return values
+    if isinstance(values[0], Mapping | tuple):
+        return default_collate(values)
+    if isinstance(values[0], np.ndarray | np.generic):
+        values = [torch.as_tensor(value) for value in values]
     if isinstance(values[0], torch.Tensor):
-        if key in RAGGED:
-            return values
         if len(shapes := {tuple(value.shape) for value in values}) > 1:
             raise DatasetError(f"{key}: samples of several shapes cannot be one batch: {sorted(shapes)}")
         return torch.stack(values)
@@ -266,8 +278,23 @@ def _image(name: str, data: memoryview) -> torch.Tensor:
     return torch.from_numpy(decode_instances(data).astype(np.int32))
 
 
-def _values(name: str, array: pa.Array) -> dict[str, _Values]:
+def _all_values(name: str, column: pa.ChunkedArray) -> dict[str, _Values]:
     """For each key that a column becomes, what gives its value for a row."""
+    pieces = [_values(name, chunk) for chunk in column.chunks]
+    starts = list(accumulate((len(chunk) for chunk in column.chunks[:-1]), initial=0))
+
+    def of(key: str) -> _Values:
+        def value(row: int) -> Any:
+            piece = bisect_right(starts, row) - 1
+            return pieces[piece][key](row - starts[piece])
+
+        return value
+
+    return {key: of(key) for key in pieces[0]}
+
+
+def _values(name: str, array: pa.Array) -> dict[str, _Values]:
+    """The same for rows of one array."""
     if name in ("agent", "initial_pose"):
         return {name: _tensors(_poses(array))}
     if name == "goal_poses":

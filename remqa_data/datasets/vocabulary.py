@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.errors import DatasetError, UnknownNameError
-from remqa_data.files import atomic_path
+from remqa_data.files import atomic_path, uri_of
 from remqa_data.storage.manifest import question_splits
 from remqa_data.storage.shards import read_table
 
@@ -68,7 +68,7 @@ class Vocabulary:
         """
         if "train" not in question_splits(root):
             raise DatasetError(
-                f"{root} has no train questions to learn words from: give the vocabulary of another dataset"
+                f"{uri_of(root)} has no train questions to learn words from: give the vocabulary of another dataset"
             )
         train = read_table(Path(root), "questions", "train", ["question", "answer"])
         return cls.build(train["question"].to_pylist(), train["answer"].to_pylist(), min_count)
@@ -132,7 +132,7 @@ class Vocabulary:
         try:
             stored = json.loads(Path(path).read_text(encoding="utf-8"))
             words, answers = stored["words"], stored["answers"]
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
             raise DatasetError(f"{path} is not a vocabulary that Vocabulary.save wrote: {error!r}") from None
         for names in (words, answers):
             if not isinstance(names, list) or not all(isinstance(name, str) for name in names):

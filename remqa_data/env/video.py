@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import textwrap
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -38,6 +41,8 @@ CODECS = {".mp4": "vp09", ".webm": "VP90"}
 ANIMATED, QUALITY = ".webp", 85
 """A picture that moves, for a page that shows pictures only."""
 
+_ONE_AT_A_TIME = Lock()
+
 
 def write_film(root: Path, question_id: str, path: Path, commands: Sequence[Command] | None = None) -> int:
     """Write an episode of a question of a dataset as .mp4, .webm or .webp; returns the number of frames.
@@ -62,13 +67,14 @@ def write_film(root: Path, question_id: str, path: Path, commands: Sequence[Comm
     OutputError
         If films of this kind cannot be written here, or the film was not written whole.
     """
-    if path.suffix not in (*CODECS, ANIMATED):
+    suffix = path.suffix.lower()
+    if suffix not in (*CODECS, ANIMATED):
         raise OutputError(f"{path}: give a name that ends with {', '.join(CODECS)} or {ANIMATED}")
     with atomic_path(path) as temporary:
         frames = [
             np.ascontiguousarray(frame[..., ::-1]) for frame in _of_one_size(list(film(root, question_id, commands)))
         ]
-        is_whole = _write_animation(temporary, frames) if path.suffix == ANIMATED else _write_video(temporary, frames)
+        is_whole = (_write_animation if suffix == ANIMATED else _write_video)(temporary, frames)
         if not is_whole:  # OpenCV says nothing when a write fails
             raise OutputError(f"{path}: the film could not be written whole; is the disk full?")
     return len(frames)
@@ -77,13 +83,29 @@ def write_film(root: Path, question_id: str, path: Path, commands: Sequence[Comm
 def _write_video(path: Path, frames: list[U8]) -> bool:
     """Write BGR frames as a video; whether all can be read again."""
     height, width = frames[0].shape[:2]
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*CODECS[path.suffix]), FRAMES_PER_S, (width, height))
+    codec = cv2.VideoWriter.fourcc(*CODECS[path.suffix.lower()])
+    with _without_stderr():
+        writer = cv2.VideoWriter(str(path), codec, FRAMES_PER_S, (width, height))
     if not writer.isOpened():
         raise OutputError(f"{path}: this OpenCV cannot write VP9; install opencv-python-headless")
     for frame in frames:
         writer.write(frame)
     writer.release()
     return _readable_frames(path) == len(frames)
+
+
+@contextmanager
+def _without_stderr() -> Iterator[None]:
+    """Nothing that the process says on stderr is heard, as OpenCV says of every WebM that its codec is not one of WebM's."""
+    with _ONE_AT_A_TIME:
+        stderr, null = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+        try:
+            os.dup2(null, 2)
+            yield
+        finally:
+            os.dup2(stderr, 2)
+            os.close(stderr)
+            os.close(null)
 
 
 def _write_animation(path: Path, frames: list[U8]) -> bool:

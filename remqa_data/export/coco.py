@@ -1,7 +1,8 @@
-"""Frames as COCO, and the expressions about them as RefCOCO: files that detection and grounding code reads as it is.
+"""Frames as COCO, which detection code reads as it is, and the expressions about them as RefCOCO's records.
 
 `annotations/instances_SPLIT.json` is COCO's format, with masks as compressed run lengths; `annotations/refs_SPLIT.json` is
-the list that RefCOCO pickles, as JSON; `images/SPLIT` has the pictures. Ids count from 1 through all splits.
+the list that RefCOCO pickles, as JSON; `images/SPLIT` has the pictures. Ids count from 1 through all splits. REFER, RefCOCO's
+own code, wants splits joined and masks in lists: docs/EXPORT.md does that.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ import trimesh
 
 from remqa_data.assets.core.model import Material, Surface
 from remqa_data.assets.looks.textures import texture
+from remqa_data.export.fronts import is_two_sided, outward
 from remqa_data.geometry.types import F32, F64, U8
 from remqa_data.opencv import cv2
 
@@ -29,17 +30,19 @@ def upward_uv(surface: Surface) -> F32:
 
 def gltf_mesh(surface: Surface, origin: F64 = _ZERO) -> trimesh.Trimesh:
     """A surface with its texture, its points counted from a (3,) point."""
+    material = _gltf_material(surface.material, is_two_sided(surface))
+    surface = outward(surface)
     return trimesh.Trimesh(
         surface.vertices - origin,
         surface.faces,
         vertex_normals=surface.normals,
-        visual=trimesh.visual.TextureVisuals(uv=upward_uv(surface), material=_gltf_material(surface.material)),
+        visual=trimesh.visual.TextureVisuals(uv=upward_uv(surface), material=material),
         process=False,
     )
 
 
 @cache
-def _gltf_material(material: Material) -> trimesh.visual.material.PBRMaterial:
+def _gltf_material(material: Material, is_two_sided: bool) -> trimesh.visual.material.PBRMaterial:
     srgb = np.clip(material.rgb, 0.0, 1.0)
     linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)  # as glTF wants it
     picture = None if material.texture is None else _Png(texture_png(material.texture))
@@ -51,6 +54,7 @@ def _gltf_material(material: Material) -> trimesh.visual.material.PBRMaterial:
         emissiveTexture=picture if material.glow else None,
         metallicFactor=0.0,
         roughnessFactor=1.0 - material.gloss,
+        doubleSided=is_two_sided,
     )
 
 

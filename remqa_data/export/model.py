@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from remqa_data.assets.core.fitting import vec
 from remqa_data.assets.core.model import AssetSpec, CollisionBox, Joint, Material, Surface
+from remqa_data.export.fronts import is_two_sided, outward
 from remqa_data.export.links import Inertia, holding_friction, inertias, joint_range, link_origins
 from remqa_data.export.looks import texture_png, upward_uv
-from remqa_data.files import atomic_path
 from remqa_data.geometry.types import F32, F64, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.physics.world import World
@@ -85,21 +84,21 @@ class ModelObject:
 
 @dataclass(frozen=True)
 class RoomModel:
-    """A room; its meshes, `surfaces` by name, and textures are `files` in one folder, beside the file that it is written to."""
+    """A room; its meshes, `surfaces` by name, and textures are `files` in the folder `meshes`, beside the room's own file.
+
+    Surfaces whose names are `two_sided` are to be seen from behind, too.
+    """
 
     name: str
-    files: tuple[Path, ...]
+    meshes: str
+    files: dict[str, bytes]
     surfaces: dict[str, Surface]
+    two_sided: frozenset[str]
     lights: tuple[Vec3, ...]
     materials: dict[str, Material]
     visuals: tuple[Visual, ...]
     boxes: tuple[CollisionBox, ...]
     objects: tuple[ModelObject, ...]
-
-    @property
-    def meshes(self) -> str:
-        """Name of the folder of the meshes and textures."""
-        return self.files[0].parent.name
 
     def mesh_names(self) -> list[str]:
         """Every mesh once."""
@@ -108,19 +107,21 @@ class RoomModel:
         return list(dict.fromkeys(visual.mesh for visual in visuals))
 
 
-def room_model(world: World, folder: Path) -> RoomModel:
-    """A room as it stands; writes its meshes (OBJ, with one MTL for all) and textures (PNG) into a folder."""
-    files = _MeshFiles(folder)
+def room_model(world: World, meshes: str) -> RoomModel:
+    """A room as it stands; its meshes (OBJ, with one MTL for all) and textures (PNG) are to lie in a folder of that name."""
+    files = _MeshFiles()
     building = [
         files.visual(f"structure-{number}", surface)
         for number, (_, surface) in enumerate(structure_groups(world.scene))
     ]
     objects = tuple(_object(world, object_id, files) for object_id in world.ids)
-    files.write_materials()
+    files.add_materials()
     return RoomModel(
         name=world.scene.name,
-        files=tuple(files.written.values()),
+        meshes=meshes,
+        files=files.made,
         surfaces=files.surfaces,
+        two_sided=frozenset(files.two_sided),
         lights=world.scene.lights,
         materials=files.materials,
         visuals=tuple(building),
@@ -159,7 +160,7 @@ def _object(world: World, object_id: str, files: _MeshFiles) -> ModelObject:
 
 
 class _MeshFiles:
-    """Writes each mesh and texture once, and gives materials their names.
+    """Makes each mesh and texture once, and gives materials their names.
 
     Attributes
     ----------
@@ -167,15 +168,17 @@ class _MeshFiles:
         By name.
     surfaces : dict
         Meshes by name, their points counted from where they are in the file.
-    written : dict
-        Paths by file name.
+    two_sided : set
+        Names of meshes.
+    made : dict
+        What the files hold, by their names.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self) -> None:
         self.materials: dict[str, Material] = {}
         self.surfaces: dict[str, Surface] = {}
-        self.written: dict[str, Path] = {}
-        self._folder = folder
+        self.two_sided: set[str] = set()
+        self.made: dict[str, bytes] = {}
         self._names: dict[Material, str] = {}
         self._stems: dict[AssetSpec, str] = {}
 
@@ -185,30 +188,28 @@ class _MeshFiles:
         return self._stems.setdefault(spec, f"{spec.type}-{same_type}")
 
     def visual(self, mesh: str, surface: Surface, origin: F64 | None = None) -> Visual:
-        """A surface, written with its points counted from a (3,) origin."""
+        """A surface, its points counted from a (3,) origin."""
         if surface.material not in self._names:
             self._name(surface.material)
         material = self._names[surface.material]
         if mesh not in self.surfaces:
+            if is_two_sided(surface):
+                self.two_sided.add(mesh)
+            surface = outward(surface)
             points = surface.vertices if origin is None else surface.vertices - origin
             self.surfaces[mesh] = replace(surface, vertices=np.asarray(points, dtype=np.float32))
-            self._write(f"{mesh}.obj", _text(_obj_lines(surface, points, material)))
+            self.made[f"{mesh}.obj"] = _text(_obj_lines(surface, points, material))
         return Visual(mesh, material)
 
-    def write_materials(self) -> None:
-        """Write what the meshes say of their materials."""
-        self._write("materials.mtl", _text(line for item in self.materials.items() for line in _mtl_lines(*item)))
+    def add_materials(self) -> None:
+        """Make what the meshes say of their materials."""
+        self.made["materials.mtl"] = _text(line for item in self.materials.items() for line in _mtl_lines(*item))
 
     def _name(self, material: Material) -> None:
         name = f"{material.color}-{material.substance}-{len(self._names)}"
         self._names[material], self.materials[name] = name, material
-        if material.texture is not None and f"{material.texture}.png" not in self.written:
-            self._write(f"{material.texture}.png", texture_png(material.texture))
-
-    def _write(self, name: str, data: bytes) -> None:
-        self.written[name] = self._folder / name
-        with atomic_path(self.written[name]) as temporary:
-            temporary.write_bytes(data)
+        if material.texture is not None:
+            self.made[f"{material.texture}.png"] = texture_png(material.texture)
 
 
 def _text(lines: Iterable[str]) -> bytes:

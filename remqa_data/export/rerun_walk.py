@@ -59,7 +59,7 @@ def write_walk(root: Path, scene: str, path: Path, configuration: int = 0) -> in
     UnknownNameError, DatasetError
         If the dataset has no such room, or no frames of it, or types or edges of what is not there.
     """
-    if path.suffix != ".rrd":
+    if path.suffix.lower() != ".rrd":
         raise OutputError(f"{path}: the recording is Rerun's: give a name that ends with .rrd")
     rerun = require("rerun", "rerun")
     room = find_scene(scene, root, configuration)

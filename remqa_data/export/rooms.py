@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from xml.etree.ElementTree import Element, ElementTree, indent
+from xml.etree.ElementTree import ElementTree, indent
 
 from remqa_data.errors import ConfigError, DatasetError, OutputError, UnknownNameError
 from remqa_data.export.glb import glb_bytes, room_scene
 from remqa_data.export.mjcf import mjcf
-from remqa_data.export.model import room_model
+from remqa_data.export.model import RoomModel, room_model
 from remqa_data.export.urdf import urdf
 from remqa_data.extras import require
-from remqa_data.files import atomic_path
+from remqa_data.files import atomic_folder, atomic_path, walk
 from remqa_data.floorplans.load import load_scene
 from remqa_data.scene import Scene
 from remqa_data.sim.physics.world import World
@@ -21,8 +21,9 @@ from remqa_data.storage.shards import read_rows, read_table
 from remqa_data.tables.rows import SceneRow, configuration_name
 
 FORMATS = {".glb": "glb", ".xml": "mjcf", ".urdf": "urdf", ".usd": "usd", ".usda": "usd", ".usdc": "usd"}
-"""By the suffix of a file."""
-USD = tuple(suffix for suffix, form in FORMATS.items() if form == "usd")
+"""By the suffix of a file, in small letters."""
+BINARY_USD = ".usdc"
+MESH_SUFFIXES = (".obj", ".mtl", ".png")
 ALL = "all"
 
 
@@ -70,16 +71,16 @@ def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterab
     scene : Scene
         The room.
     path : Path
-        The file; its suffix tells the format.
+        The file; its suffix, in large or small letters, tells the format.
     form : {"glb", "mjcf", "urdf", "usd"}, optional
-        The format of a file with another suffix.
+        The format, whatever the suffix; USD is binary under one that is not its own.
     opened : iterable of str
         Ids of objects to open as far as they go, with what lies in them; "all" for all that open.
 
     Raises
     ------
     OutputError
-        If the suffix is not known, or the file cannot be written there.
+        If the suffix is not known, the file cannot be written there, or FILE-meshes holds what is no mesh or texture.
     ConfigError
         If something is to be open in URDF, which cannot say so.
     MissingExtraError
@@ -87,18 +88,19 @@ def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterab
     UnknownNameError, ActionError
         If an object is not there, or does not open.
     """
-    form = form or FORMATS.get(path.suffix)
+    form = form or FORMATS.get(path.suffix.lower(), "")
     if form not in FORMATS.values():
         raise OutputError(f"{path}: give a name that ends with {', '.join(FORMATS)}, or --format")
     if form == "usd":
         require("pxr", "usd")  # before a room is made
-        if path.suffix not in USD:
-            raise OutputError(f"{path}: give a name that ends with {', '.join(USD)}")
     opened = list(opened)
     if opened and form == "urdf":
         raise ConfigError(
             "--open: URDF holds no joint positions; set the joints where it is loaded, or write .xml or .glb"
         )
+    folder = path.with_name(f"{path.name}-meshes")
+    if form != "glb":
+        _check_meshes(folder)
     with World(scene) as world:
         named = [object_id for object_id in opened if object_id != ALL]
         for object_id in dict.fromkeys(named + (_openable(world) if ALL in opened else [])):
@@ -107,14 +109,12 @@ def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterab
             with atomic_path(path) as temporary:
                 temporary.write_bytes(glb_bytes(room_scene(world)))
             return [path]
-        room = room_model(world, path.with_name(f"{path.name}-meshes"))
-    if form == "usd":
-        from remqa_data.export.usd import write_usd
-
-        write_usd(room, path)
-        return [*room.files, path]
-    _write_xml(mjcf(room) if form == "mjcf" else urdf(room), path)
-    return [*room.files, path]
+        room = room_model(world, folder.name)
+    with atomic_path(path) as temporary, atomic_folder(folder) as meshes:
+        for name, data in room.files.items():
+            (meshes / name).write_bytes(data)
+        _write(room, form, temporary)
+    return [*(folder / name for name in room.files), path]
 
 
 def _openable(world: World) -> list[str]:
@@ -128,7 +128,24 @@ def _at_rest(scene: Scene) -> Scene:
         return world.to_scene()
 
 
-def _write_xml(root: Element, path: Path) -> None:
+def _check_meshes(folder: Path) -> None:
+    """Refuse to replace a folder that is another's."""
+    if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
+        raise OutputError(f"{folder} is no folder; the meshes are to lie there: remove it, or give another name")
+    for path, kind in walk(folder):
+        if kind != "file" or path.parent != folder or path.suffix not in MESH_SUFFIXES:
+            raise OutputError(
+                f"{path} is no mesh or texture, and {folder} is replaced as a whole: move it, or give another name"
+            )
+
+
+def _write(room: RoomModel, form: str, path: Path) -> None:
+    if form == "usd":
+        from remqa_data.export.usd import write_usd
+
+        suffix = path.suffix.lower()
+        write_usd(room, path, suffix if FORMATS.get(suffix) == form else BINARY_USD)
+        return
+    root = mjcf(room) if form == "mjcf" else urdf(room)
     indent(root)
-    with atomic_path(path) as temporary:
-        ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
+    ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)

@@ -17,7 +17,6 @@ from remqa_data.export.links import Inertia
 from remqa_data.export.looks import upward_uv
 from remqa_data.export.model import ModelLink, ModelObject, RoomModel, Visual
 from remqa_data.extras import require
-from remqa_data.files import atomic_path
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64
 
@@ -30,19 +29,18 @@ LAMP_M, LAMP_INTENSITY = 0.05, 4000.0
 """Radius and brightness of a lamp."""
 
 
-def write_usd(room: RoomModel, path: Path) -> None:
-    """Write a room, whole or not at all; textures lie beside it.
+def write_usd(room: RoomModel, path: Path, suffix: str) -> None:
+    """Write a room as the kind of USD that a suffix tells: .usda is text, .usd and .usdc are binary.
 
     Raises
     ------
     MissingExtraError
         If the extra `usd` is not installed.
     """
-    stage = usd_stage(room)
-    with atomic_path(path) as temporary, TemporaryDirectory(dir=path.parent) as folder:
-        made = Path(folder) / path.name  # USD goes by the suffix
-        stage.Export(str(made))
-        made.replace(temporary)
+    with TemporaryDirectory(dir=path.parent) as folder:
+        made = Path(folder) / f"room{suffix}"  # USD goes by the suffix
+        usd_stage(room).Export(str(made))
+        made.replace(path)
 
 
 def usd_stage(room: RoomModel) -> Any:
@@ -62,7 +60,7 @@ def usd_stage(room: RoomModel) -> Any:
     # Defined in no place of their own: they are seen where they are referred to.
     stage.CreateClassPrim("/Meshes")
     for name, surface in room.surfaces.items():
-        _mesh(stage, f"/Meshes/{_word(name)}", surface)
+        _mesh(stage, f"/Meshes/{_word(name)}", surface, name in room.two_sided)
     for number, place in enumerate(room.lights):
         lamp = UsdLux.SphereLight.Define(stage, f"{ROOM}/Lights/Lamp{number}")
         lamp.CreateRadiusAttr(LAMP_M)
@@ -165,7 +163,7 @@ def _parts(
         UsdPhysics.CollisionAPI.Apply(cube.GetPrim())
 
 
-def _mesh(stage: Any, path: str, surface: Surface) -> None:
+def _mesh(stage: Any, path: str, surface: Surface, is_two_sided: bool) -> None:
     made = UsdGeom.Mesh.Define(stage, path)
     points = surface.vertices.astype(np.float32)
     made.CreatePointsAttr(points)
@@ -173,6 +171,7 @@ def _mesh(stage: Any, path: str, surface: Surface) -> None:
     made.CreateFaceVertexIndicesAttr(surface.faces.ravel().astype(np.int32))
     made.CreateNormalsAttr(surface.normals.astype(np.float32))
     made.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    made.CreateDoubleSidedAttr(is_two_sided)
     made.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     made.CreateExtentAttr(np.stack([points.min(axis=0), points.max(axis=0)]))
     coordinates = UsdGeom.PrimvarsAPI(made).CreatePrimvar(

@@ -6,6 +6,7 @@ import os
 import sys
 import threading
 from collections.abc import Sequence
+from contextlib import suppress
 
 LEAST_ADDRESS_SPACE = 3 << 30
 """What compilers and threads of libraries take, though most of it is never used: with less they hang or crash."""
@@ -27,6 +28,13 @@ def open_standard_streams() -> None:
     for name, number in (("stdout", 1), ("stderr", 2)):
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(number, "w", encoding="utf-8", closefd=False))
+
+
+def turn_outputs_away() -> None:
+    """Let what is still written to the standard output streams go nowhere: as Python ends, it flushes them, and complains."""
+    with suppress(OSError), open(os.devnull, "wb") as nothing:  # a stream that is no file stays
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(nothing.fileno(), stream.fileno())
 
 
 def surroundings_problem(arguments: Sequence[str]) -> str | None:

@@ -11,7 +11,7 @@ import os
 from pathlib import Path
 
 from remqa_data.errors import DatasetError
-from remqa_data.files import SCHEME, is_remote
+from remqa_data.files import SCHEME, is_remote, uri_of
 from remqa_data.storage.bucket import Bucket
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.protocol import Storage
@@ -28,15 +28,7 @@ def storage_at(root: str | os.PathLike[str]) -> Storage:
     DatasetError
         For a folder that is given as a URI.
     """
-    if os.fspath(root).startswith("file:/"):
-        raise DatasetError(f"{root}: give the folder by its path, {SCHEME.sub('/', os.fspath(root), count=1)}")
-    return Bucket(_uri(root)) if is_remote(root) else Folder(Path(root))
-
-
-def _uri(root: str | os.PathLike[str]) -> str:
-    """A URI whose two slashes a Path has joined into one, as it was.
-
-    >>> _uri(Path("s3://bucket/prefix"))
-    's3://bucket/prefix'
-    """
-    return SCHEME.sub(r"\1://", os.fspath(root), count=1)
+    uri = uri_of(root)
+    if uri.startswith("file:///"):
+        raise DatasetError(f"{uri}: give the folder by its path, {SCHEME.sub('/', uri, count=1)}")
+    return Bucket(uri) if is_remote(root) else Folder(Path(root))

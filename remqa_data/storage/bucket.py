@@ -19,7 +19,10 @@ if TYPE_CHECKING:
     from pyarrow.fs import FileSystem
 
 CHUNK_BYTES = 1 << 20
+GOOGLE_PATIENCE_S = 30
+"""How long a request to Google's storage is tried again: of itself for a quarter of an hour, without a word."""
 _AGAIN = "try again; remqa-gen goes on with --resume"
+_CHECK = "check the address, the network and your credentials"
 _CREDENTIALS = "set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or AWS_PROFILE for one of ~/.aws"
 
 
@@ -140,9 +143,9 @@ class Bucket:
         from pyarrow.fs import FileSystem
 
         try:
-            system, base = FileSystem.from_uri(self.root)
-        except (OSError, ValueError) as error:
-            raise StorageError(self.root, one_line(error)) from None
+            system, base = FileSystem.from_uri(_impatient(self.root))
+        except Exception as error:
+            raise self._named(error) from None
         return system, base.rstrip("/")
 
     @contextmanager
@@ -151,13 +154,30 @@ class Bucket:
             yield
         except (FileNotFoundError, StorageError):
             raise
-        except OSError as error:
-            if self.root.startswith("s3://") and _is_refused(error) and not _has_credentials():
-                raise StorageError(self.root, "no credentials were found", _CREDENTIALS) from None
-            raise StorageError(self.root, one_line(error)) from None
+        except Exception as error:  # what is no filesystem of pyarrow's own, as for hf://, has errors of its own
+            raise self._named(error) from None
+
+    def _named(self, error: Exception) -> StorageError:
+        if not self.root.startswith("s3://"):
+            said = one_line(error).partition(" error_info=")[0]  # with which Google's client says it all again
+            return StorageError(self.root, said or type(error).__name__, _CHECK)
+        if _is_refused(error) and not _has_credentials():
+            return StorageError(self.root, "no credentials were found", _CREDENTIALS)
+        return StorageError(self.root, one_line(error))
 
 
-def _is_refused(error: OSError) -> bool:
+def _impatient(uri: str) -> str:
+    """The same place, asked for no longer than somebody waits.
+
+    >>> _impatient("gs://bucket/prefix"), _impatient("s3://bucket/prefix")
+    ('gs://bucket/prefix?retry_limit_seconds=30', 's3://bucket/prefix')
+    """
+    if not uri.startswith(("gs://", "gcs://")) or "retry_limit_seconds=" in uri:
+        return uri
+    return f"{uri}{'&' if '?' in uri else '?'}retry_limit_seconds={GOOGLE_PATIENCE_S}"
+
+
+def _is_refused(error: Exception) -> bool:
     return any(
         word in str(error) for word in ("ACCESS_DENIED", "HTTP status 403", "INVALID_ACCESS_KEY_ID", "credential")
     )

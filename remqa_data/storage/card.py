@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -38,15 +39,12 @@ FRAMES = (
 )
 
 
-def write_card(root: str | os.PathLike[str], manifest: Manifest) -> None:
+def write_card(root: str | os.PathLike[str], manifest: Manifest, names: Sequence[str] = (CARD, CROISSANT)) -> None:
     """Write README.md and croissant.json into a dataset's folder; do so before the manifest, which comes last."""
-    texts = {
-        CARD: dataset_card(manifest),
-        CROISSANT: croissant_text(manifest),
-    }
-    for name, text in texts.items():
+    texts = {CARD: dataset_card, CROISSANT: croissant_text}
+    for name in names:
         with storage_at(root).publish(name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+            temporary.write_text(texts[name](manifest), encoding="utf-8")
 
 
 def dataset_card(manifest: Manifest) -> str:

@@ -21,7 +21,8 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from remqa_data.errors import DatasetError
+from remqa_data.errors import DatasetError, one_line
+from remqa_data.files import uri_of
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.protocol import Storage
@@ -139,13 +140,17 @@ def make_manifest(
     asked_anew: Mapping[str, Mapping[str, Mapping[str, int]]] | None = None,
 ) -> Manifest:
     """A manifest with the hash of the configuration and the versions of this environment."""
-    versions = {"remqa-data": __version__, "python": platform.python_version()}
-    versions |= {package: _version_of(package) for package in VERSIONED}
     counts = {split: dict(sorted(kinds.items())) for split, kinds in questions.items()}
     anew = {scene: {kind: dict(n) for kind, n in kinds.items()} for scene, kinds in (asked_anew or {}).items()}
     return Manifest(
-        seed, dict(config), config_hash(config), versions, files, counts, dict(sorted(refused.items())), anew
+        seed, dict(config), config_hash(config), versions_here(), files, counts, dict(sorted(refused.items())), anew
     )
+
+
+def versions_here() -> dict[str, str]:
+    """Of this package, Python and the packages that make the bytes, as they are in this environment."""
+    here = {"remqa-data": __version__, "python": platform.python_version()}
+    return here | {package: _version_of(package) for package in VERSIONED}
 
 
 def _version_of(package: str) -> str:
@@ -177,18 +182,13 @@ def load_manifest(root: str | os.PathLike[str]) -> Manifest:
         text = storage.read(MANIFEST)
     except (FileNotFoundError, NotADirectoryError):
         raise _no_dataset(storage) from None
+    _check_format(path, text)
     try:
         manifest = _ADAPTER.validate_json(text)
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(str(part) for part in first["loc"]) or "the whole text"
         raise DatasetError(f"{path}: {field}: {first['msg']}; generate the dataset again") from None
-    if manifest.format_version != FORMAT_VERSION:
-        msg = (
-            f"{path}: format version {manifest.format_version}; this package reads {FORMAT_VERSION}; generate the dataset "
-            f"again, or install the remqa-data that made it ({manifest.versions.get('remqa-data')})"
-        )
-        raise DatasetError(msg)
     _check_names(path, manifest.files)
     return manifest
 
@@ -204,8 +204,23 @@ def question_splits(root: str | os.PathLike[str], manifest: Manifest | None = No
     """
     splits = (manifest or load_manifest(root)).splits("questions")
     if not splits:
-        raise DatasetError(f"{root} has no questions")
+        raise DatasetError(f"{uri_of(root)} has no questions")
     return splits
+
+
+def _check_format(where: str, text: bytes) -> None:
+    """Before anything else: another format may have other keys."""
+    try:
+        stored = json.loads(text)
+    except (ValueError, RecursionError):
+        return  # reading it says why
+    if isinstance(stored, dict) and (version := stored.get("format_version", FORMAT_VERSION)) != FORMAT_VERSION:
+        versions = stored.get("versions")
+        made_by = versions.get("remqa-data") if isinstance(versions, dict) else None
+        raise DatasetError(
+            f"{where}: format version {version!r:.20}; this package reads {FORMAT_VERSION}; generate the dataset again, "
+            f"or install the remqa-data that made it ({one_line(made_by):.40})"
+        )
 
 
 def _check_names(where: str, files: tuple[FileInfo, ...]) -> None:

@@ -46,11 +46,14 @@ class Place:
         Whether there is a manifest.
     has_parts : bool
         Whether there is anything of an unfinished dataset.
+    lacks : tuple of str
+        Which of README.md and croissant.json are not there.
     """
 
     is_empty: bool
     is_finished: bool
     has_parts: bool
+    lacks: tuple[str, ...]
 
 
 def look(storage: Storage) -> Place:
@@ -79,7 +82,8 @@ def look(storage: Storage) -> Place:
         raise DatasetError(
             f"{storage.where()} holds {_some(foreign)}: no part of a dataset of ours; give another folder"
         )
-    return Place(not paths, listed is not None, any(path.startswith(f"{PARTS}/") for path in paths))
+    has_parts = any(path.startswith(f"{PARTS}/") for path in paths)
+    return Place(not paths, listed is not None, has_parts, tuple(name for name in _SIGNS if name not in paths))
 
 
 def mark(storage: Storage) -> None:

@@ -107,8 +107,10 @@ class Parts:
         """
         paths = [file.path for file in self.storage.files(PARTS)]
         if any(path.endswith(f"/{_NOTE}") and not path.startswith(f"{self.folder}/") for path in paths):
-            msg = f"{self.storage.where(PARTS)} holds scenes of another run (other seed, configuration or version); "
-            raise DatasetError(msg + "use --overwrite, or another folder")
+            raise DatasetError(
+                f"{self.storage.where(PARTS)} holds scenes of another run (other seed, configuration, or version of Python "
+                "or a package); use --overwrite, another folder, or what it was begun with"
+            )
         notes = [path for path in paths if path.endswith(f"/{_NOTE}")]
         with ThreadPoolExecutor(_REQUESTS) as pool:
             parts = pool.map(lambda path: _parsed(self.storage.read(path)), notes)

@@ -19,10 +19,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from remqa_data.errors import DamagedShardError, DatasetError, ForgedRowError, SchemaError, one_line
-from remqa_data.files import atomic_path, local_path, sha256_of
+from remqa_data.files import atomic_path, local_path, sha256_of, uri_of
 from remqa_data.storage.manifest import FileInfo, Manifest, load_manifest
 from remqa_data.storage.protocol import Storage
-from remqa_data.storage.shard_cache import local_shard
+from remqa_data.storage.shard_cache import forget_if_damaged, local_shard, stored_shard
 from remqa_data.tables.row_checks import find_problem
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, Row, SceneRow
 from remqa_data.tables.schema import IMAGE_TYPE, check_schema, table_of, table_spec, to_rows, to_table
@@ -114,7 +114,7 @@ def read_table(root: str | os.PathLike[str], table: str, split: str, columns: Se
     DamagedShardError
         Naming the file, row group and column.
     """
-    return pa.concat_tables([Shard(path, table).read(columns=columns) for path in shard_paths(root, table, split)])
+    return pa.concat_tables([shard.read(columns=columns) for shard in open_shards(root, table, split)])
 
 
 def read_rows(root: str | os.PathLike[str], row_type: type[R], split: str, **wanted: str | int) -> Iterator[R]:
@@ -124,8 +124,7 @@ def read_rows(root: str | os.PathLike[str], row_type: type[R], split: str, **wan
     are not read.
     """
     name = table_of(row_type).name
-    for path in shard_paths(root, name, split):
-        shard = Shard(path, name)
+    for shard in open_shards(root, name, split):
         for group in range(shard.row_groups):
             is_wanted = np.ones(shard.rows(group), dtype=np.bool_)
             if wanted:
@@ -137,16 +136,22 @@ def read_rows(root: str | os.PathLike[str], row_type: type[R], split: str, **wan
                 yield from to_rows(row_type, rows if is_wanted.all() else rows.filter(is_wanted))
 
 
-def shard_paths(root: str | os.PathLike[str], table: str, split: str) -> list[Path]:
-    """Files of a split of a table of a finished dataset, in order; errors as in `read_table`.
+def open_shards(root: str | os.PathLike[str], table: str, split: str) -> Iterator[Shard]:
+    """Shards of a split of a table of a finished dataset, in order, as long as the manifest says; errors as in `read_table`.
 
     Those of a dataset in a bucket are fetched first, see `shard_cache`.
     """
     manifest = load_manifest(root)
     known = manifest.splits(table_spec(table).name)
     if split not in known:
-        raise DatasetError(f"{root}: table {table} has no split {split!r}; it has: {', '.join(known) or 'none'}")
-    return [local_shard(root, file) for file in manifest.files_of(table, split)]
+        raise DatasetError(
+            f"{uri_of(root)}: table {table} has no split {split!r}; it has: {', '.join(known) or 'none'}"
+        )
+    for file in manifest.files_of(table, split):
+        shard = Shard(local_shard(root, file), table)
+        if (rows := shard.file.metadata.num_rows) != file.rows:
+            raise _damaged(shard.path, f"it has {rows:,} rows; the manifest says {file.rows:,}")
+        yield shard
 
 
 class Shard:
@@ -172,7 +177,7 @@ class Shard:
         try:
             check_schema(table, self.file.schema_arrow)
         except SchemaError as error:
-            raise DamagedShardError(path, str(error)) from None
+            raise _damaged(path, str(error)) from None
 
     @property
     def row_groups(self) -> int:
@@ -198,7 +203,7 @@ class Shard:
             data = self.file.read_row_groups(groups, columns=columns, use_threads=False)
         except (OSError, pa.ArrowException) as error:
             damage = _damaged_column(self.path, self.file, groups)
-            raise damage or DamagedShardError(self.path, one_line(error)) from None
+            raise damage or _damaged(self.path, one_line(error)) from None
         problem = find_problem(self._record, data)
         if problem is not None:
             first = sum(self.rows(earlier) for earlier in range(groups[0]))
@@ -235,17 +240,9 @@ def check_sizes(storage: Storage, manifest: Manifest) -> None:
 
 
 def find_damage(root: str | os.PathLike[str], file: FileInfo) -> DamagedShardError | None:
-    """What is wrong with one file of a dataset, or None."""
+    """What is wrong with one file of a dataset, or None; of a bucket, with what lies in it now."""
     try:
-        path = local_shard(root, file)
-    except DamagedShardError as error:
-        return error
-    if not path.is_file():
-        return DamagedShardError(path, "the file is missing")
-    size = path.stat().st_size
-    if size != file.bytes:
-        return DamagedShardError(path, f"it has {size:,} bytes; the manifest says {file.bytes:,}")
-    try:
+        path = stored_shard(root, file)
         parquet = _opened(path)
         check_schema(file.table, parquet.schema_arrow)
     except DamagedShardError as error:
@@ -275,7 +272,13 @@ def _opened(path: Path) -> pq.ParquetFile:
     except FileNotFoundError:
         raise DamagedShardError(path, "the file is missing") from None
     except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
-        raise DamagedShardError(path, f"the footer cannot be read: {one_line(error)}") from None
+        raise _damaged(path, f"the footer cannot be read: {one_line(error)}") from None
+
+
+def _damaged(path: Path, reason: str, group: int | None = None, column: str | None = None) -> DamagedShardError:
+    if forget_if_damaged(path):
+        reason += " (a copy from a bucket, now removed: start again, which fetches it)"
+    return DamagedShardError(path, reason, group, column)
 
 
 def _damaged_column(path: Path, parquet: pq.ParquetFile, groups: Sequence[int]) -> DamagedShardError | None:
@@ -284,7 +287,7 @@ def _damaged_column(path: Path, parquet: pq.ParquetFile, groups: Sequence[int]) 
             try:
                 parquet.read_row_group(group, columns=[column], use_threads=False)
             except (OSError, pa.ArrowException) as error:
-                return DamagedShardError(path, one_line(error), group, column.replace(".list.element", "[]"))
+                return _damaged(path, one_line(error), group, column.replace(".list.element", "[]"))
     return None
 
 

@@ -17,7 +17,11 @@ from remqa_data.browse.site import Site
 from remqa_data.cli import app
 from remqa_data.errors import OutputError, SubmissionError
 from remqa_data.opencv import cv2
-from tests.helpers.dataset_rows import HEIGHT, WIDTH, images
+from remqa_data.storage.card import write_card
+from remqa_data.storage.manifest import make_manifest
+from remqa_data.storage.parts import Parts, assemble, count_questions, finish
+from remqa_data.tables.images import encode_labels
+from tests.helpers.dataset_rows import HEIGHT, WIDTH, images, scene_rows
 from tests.helpers.forgeries import Copy
 from tests.helpers.hostile_dataset import HOSTILE, HOSTILE_ID, QUESTIONS
 from tests.helpers.submissions import written
@@ -88,6 +92,41 @@ def test_a_question_names_its_group_and_their_answers(site: Site) -> None:
     assert "No question" not in page
 
 
+def test_every_object_of_a_view_and_every_colour_of_a_map_is_told(hostile: Path, tmp_path: Path) -> None:
+    copy, names = Copy(hostile, tmp_path / "copy"), [f"Mug|{number}" for number in range(20)]
+    picture = vars(encode_labels(np.arange(1, 21, dtype=np.uint16).reshape(4, 5)))
+    questions, rooms = copy.rows("questions"), copy.rows("scenes")
+    questions[3] |= {"object_ids": names, "start_instances": picture}
+    rooms[0] |= {"map_2d": picture, "semantic_map": rooms[0]["semantic_map"] | {"labels": names}}
+    copy.store("questions", questions)
+    copy.store("scenes", rooms)
+    site = Site(BrowsedDataset(copy.root))
+    assert "<summary>20 objects</summary>" in text(site, "q/Kitchen1-q3.html")
+    for address in ("q/Kitchen1-q3.html", "w/Kitchen1-c0.html"):
+        assert all(f"</svg>{name}</li>" in text(site, address) for name in names)
+
+
+def test_the_target_is_framed_without_a_script(site: Site) -> None:
+    assert f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" aria-hidden="true"><rect x="8" y="4"' in text(
+        site, "q/Kitchen1-q3.html"
+    )
+
+
+def test_rooms_are_in_natural_order_with_the_questions_that_have_a_page(tmp_path: Path) -> None:
+    parts = Parts(tmp_path / "rooms", {"seed": 0})
+    made = [
+        parts.write(name, scene_rows(name, "test", questions=2), {"refused": {}})
+        for name in ("FloorPlan10", "FloorPlan2")
+    ]
+    manifest = make_manifest(assemble(parts, made, 1), seed=0, config={}, questions=count_questions(made), refused={})
+    write_card(tmp_path / "rooms", manifest)
+    finish(parts.storage, manifest)
+    for limit, counts in ((None, ["2 questions", "2 questions"]), (3, ["2 questions", "1 question"])):
+        page = text(Site(BrowsedDataset(tmp_path / "rooms"), is_static=True, limit=limit), "rooms.html")
+        assert re.findall(r'"question">(\w+)<', page) == ["FloorPlan2", "FloorPlan10"]
+        assert re.findall(r"\d+ questions?(?= ·)", page) == counts
+
+
 def test_names_that_cannot_be_files_get_others(site: Site) -> None:
     assert re.fullmatch("x-[0-9a-f]{20}", slug(HOSTILE_ID))
     assert f"<h1>{HOSTILE}" not in text(site, f"q/{slug(HOSTILE_ID)}.html")
@@ -145,7 +184,7 @@ def test_an_export_has_every_address_it_links_to_and_index_last(hostile: Path, t
 
 def test_answers_of_agents_are_shown_beside_the_right_one(hostile: Path, tmp_path: Path) -> None:
     rows = [{"question_id": "Kitchen1-q0", "answer": " Yes "}, {"question_id": "Kitchen1-q1", "answer": HOSTILE}]
-    agents = read_answers([written(tmp_path / "a.jsonl", "qa", rows, agent=HOSTILE)], QUESTIONS)
+    agents = read_answers([written(tmp_path / "a.jsonl", "qa", rows, agent=HOSTILE)], hostile)
     assert [one.is_right for one in given_answers(agents, "Kitchen1-q0", "yes")] == [True]
     assert [one.is_right for one in given_answers(agents, "Kitchen1-q1", "2")] == [False]
     assert given_answers(agents, "Kitchen1-q2", "no") == []
@@ -154,7 +193,31 @@ def test_answers_of_agents_are_shown_beside_the_right_one(hostile: Path, tmp_pat
     assert "<img src=x" not in text(site, "q/Kitchen1-q1.html")
     assert "Nobody handed in anything" in text(site, "q/Kitchen1-q2.html")
     with pytest.raises(SubmissionError, match="referring expressions"):
-        read_answers([written(tmp_path / "b.jsonl", "rec", [])], QUESTIONS)
+        read_answers([written(tmp_path / "b.jsonl", "rec", [])], hostile)
+
+
+def test_steps_are_counted_as_when_they_are_scored(hostile: Path, tmp_path: Path) -> None:
+    row = {"question_id": "Kitchen1-q0", "actions": ["MoveAhead", "RotateLeft", "Done"]}
+    agents = read_answers([written(tmp_path / "a.jsonl", "nav", [row])], hostile)
+    assert [one.steps for one in given_answers(agents, "Kitchen1-q0", "yes")] == [2]
+
+
+@pytest.mark.parametrize(
+    ("names", "header", "said"),
+    [
+        (["Kitchen1-q0"], {"dataset": "0" * 64}, "the predictions are for dataset '0000000000000000', not"),
+        (["Kitchen1-q0"], {"split": "train"}, "table questions has no split 'train'"),
+        (["Kitchen1-q0", "Kitchen1-q0"], {}, "line 3, field question_id: 'Kitchen1-q0' is there twice"),
+        (["Kitchen1-q99"], {}, "line 2, field question_id: 'Kitchen1-q99' is not in split 'test'"),
+    ],
+)
+def test_answers_that_would_not_be_scored_are_not_shown(
+    hostile: Path, tmp_path: Path, names: list[str], header: dict[str, str], said: str
+) -> None:
+    path = written(tmp_path / "a.jsonl", "qa", [{"question_id": name, "answer": "yes"} for name in names], **header)
+    done = browse(hostile, "--export", tmp_path / "site", "--submission", path)
+    assert (done.exit_code, done.output.count("\n")) == (2, 1), done.output
+    assert said in done.output
 
 
 def test_the_audit_that_recount_wrote_is_shown(hostile: Path, tmp_path: Path) -> None:
@@ -192,6 +255,7 @@ def test_the_command_says_in_one_line_what_is_wrong(hostile: Path, tmp_path: Pat
         ((hostile, "--export", tmp_path / "full"), "not an empty folder"),
         ((hostile, "--export", hostile), "which holds nothing else; give another place"),
         ((hostile, "--export", hostile / "site"), "which holds nothing else; give another place"),
+        ((hostile, "--host", ""), "--host is empty"),
         ((hostile, "--submission", tmp_path / "x.jsonl", "--export", tmp_path / "a"), "no such file"),
     ):
         done = browse(*arguments)

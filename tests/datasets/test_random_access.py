@@ -1,4 +1,7 @@
+import pickle
 from pathlib import Path
+
+import pytest
 
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.storage.manifest import Manifest
@@ -14,6 +17,15 @@ def test_rows_come_in_the_order_asked_for_across_row_groups_and_shards(finished:
     assert rows == [every[row] for row in asked]
     assert rows[1]["answer"] == question_row("Kitchen1", "train", 0).answer
     assert reader.rows([], ["answer"]) == []
+
+
+def test_a_relative_folder_is_found_by_another_process_wherever_that_is(
+    finished: tuple[Path, Manifest], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(finished[0].parent)
+    reader = SplitReader(Path(finished[0].name), "questions", "train")
+    monkeypatch.chdir(tmp_path)
+    assert pickle.loads(pickle.dumps(reader)).rows([3], ["answer"]) == reader.rows([3], ["answer"])
 
 
 def test_a_name_may_lead_into_a_struct(finished: tuple[Path, Manifest]) -> None:

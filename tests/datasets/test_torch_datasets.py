@@ -1,18 +1,20 @@
 import json
 import pickle
-import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 import torch
 from torch.utils.data import DataLoader
 
+from remqa_data.datasets.random_access import SplitReader
 from remqa_data.datasets.sample_types import ExpressionSample, FrameSample, QuestionSample
 from remqa_data.datasets.torch_datasets import ExpressionDataset, FrameDataset, RemqaDataset, collate
-from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import DamagedShardError, DatasetError, UnknownNameError
-from remqa_data.storage.manifest import MANIFEST
+from remqa_data.storage.manifest import MANIFEST, load_manifest
+from remqa_data.storage.shards import file_info
 from remqa_data.tables.images import decode_rgb, encode_rgb
 from tests.helpers.dataset_rows import HEIGHT, MUG_BOX_2D, WIDTH, depth_array, objects_array, rgb_array, write_dataset
 
@@ -139,10 +141,35 @@ def test_images_that_another_writer_has_compressed_are_read_too(root, tmp_path) 
     shutil.copytree(root, tmp_path / "again")
     for path in (tmp_path / "again" / "frames").iterdir():
         pq.write_table(pq.read_table(path), path, compression="zstd", row_group_size=4)
+    manifest = load_manifest(tmp_path / "again")
+    files = [file_info(tmp_path / "again" / file.path, file.path, file.table, file.split) for file in manifest.files]
+    (tmp_path / "again" / MANIFEST).write_text(replace(manifest, files=tuple(files)).to_json())
     ours, theirs = (FrameDataset(folder, "train") for folder in (root, tmp_path / "again"))
     for i in (0, 5, 5, 30):
         assert torch.equal(ours[i]["rgb"], theirs[i]["rgb"])
         assert torch.equal(ours[i]["depth"], theirs[i]["depth"])
+
+
+@pytest.mark.parametrize("kind", [RemqaDataset, FrameDataset, ExpressionDataset])
+def test_columns_in_several_pieces_lose_no_row(root, kind, monkeypatch) -> None:
+    """As those of more than 2 GB of text come."""
+    whole = [str(sample) for sample in kind(root, "train", images=())]
+    read = SplitReader.columns
+
+    def in_pieces(reader: SplitReader, names: list[str]) -> pa.Table:
+        table = read(reader, names).combine_chunks()
+        return pa.concat_tables([table.slice(first, 3) for first in range(0, table.num_rows, 3)])
+
+    monkeypatch.setattr(SplitReader, "columns", in_pieces)
+    assert [str(sample) for sample in kind(root, "train", images=())] == whole
+
+
+def test_an_index_error_inside_is_not_the_end_of_the_data(root) -> None:
+    def transform(sample: QuestionSample) -> str:
+        return sample["actions"][99]
+
+    with pytest.raises(IndexError, match="out of range"):
+        list(RemqaDataset(root, "train", transform=transform, images=()))
 
 
 def test_indices_are_those_of_a_sequence(root) -> None:
@@ -243,6 +270,19 @@ def test_a_batch_stacks_what_has_one_shape_and_lists_the_rest(root) -> None:
     assert [boxes.shape for boxes in collate([frames[0], frames[1]])["boxes_2d"]] == [(0, 4), (2, 4)]
 
 
+def test_what_a_transform_adds_is_joined_as_pytorch_does(root) -> None:
+    more = {"array": np.ones((2, 3), np.float32), "scalar": np.float32(1), "dict": {"a": 1.0}, "tuple": (1, "x")}
+    dataset = RemqaDataset(root, "train", transform=lambda sample: sample | more, images=())
+    batch = next(iter(DataLoader(dataset, batch_size=2)))
+    assert (batch["array"].shape, batch["array"].dtype) == ((2, 2, 3), torch.float32)
+    assert (batch["scalar"].shape, batch["scalar"].dtype) == ((2,), torch.float32)
+    assert batch["dict"]["a"].tolist() == [1.0, 1.0]
+    assert (batch["tuple"][0].tolist(), batch["tuple"][1]) == ([1, 1], ("x", "x"))
+    with pytest.raises(DatasetError, match="array: samples of several shapes"):
+        collate([{"array": np.zeros(2)}, {"array": np.zeros(3)}])
+    assert collate([{"either": None}, {"either": 1}, {"either": "x"}]) == {"either": [None, 1, "x"]}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "start"),
@@ -316,78 +356,3 @@ def test_the_package_needs_torch_only_for_the_datasets() -> None:
     modules = "remqa_data.storage.shards, remqa_data.datasets.vocabulary, remqa_data.datasets.sample_types"
     code = f"import sys, {modules}; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-# ---- vocabulary
-
-
-def test_the_vocabulary_is_learnt_from_the_train_split_alone(root) -> None:
-    vocabulary = Vocabulary.from_dataset(root)
-    assert vocabulary.words[:2] == ("<pad>", "<unk>")
-    assert "next" in vocabulary.words
-    assert "beneath" not in vocabulary.words  # only test questions say so
-    assert vocabulary.answers == ("2", "no", "yes")
-    assert vocabulary.encode("Is there a zebra?")[-1] == 1
-    assert vocabulary.decode(vocabulary.encode("Is there a mug?")) == "is there a mug"
-
-
-def test_without_train_questions_there_is_no_vocabulary(root, tmp_path) -> None:
-    copy = Path(shutil.copytree(root, tmp_path / "copy"))
-    manifest = json.loads((copy / MANIFEST).read_text())
-    manifest["files"] = [file for file in manifest["files"] if (file["table"], file["split"]) != ("questions", "train")]
-    (copy / MANIFEST).write_text(json.dumps(manifest))
-    with pytest.raises(DatasetError, match="has no train questions to learn words from: give the vocabulary"):
-        Vocabulary.from_dataset(copy)
-
-
-def test_the_vocabulary_counts_frequent_words_first_and_drops_rare_ones() -> None:
-    vocabulary = Vocabulary.build(["a b", "b c", "B c, b"], ["yes"], min_count=2)
-    assert vocabulary.words == ("<pad>", "<unk>", "b", "c")
-
-
-def test_a_batch_of_questions_is_padded_at_the_end() -> None:
-    vocabulary = Vocabulary.build(["is it red"], ["no", "yes"])
-    numbers, lengths = vocabulary.encode_batch(["red", "is it blue", ""])
-    assert numbers.tolist() == [[4, 0, 0], [2, 3, 1], [0, 0, 0]]
-    assert lengths.tolist() == [1, 3, 0]
-    assert vocabulary.encode_batch([])[0].shape == (0, 0)
-
-
-def test_the_vocabulary_survives_a_file(root, tmp_path) -> None:
-    vocabulary = Vocabulary.from_dataset(root)
-    vocabulary.save(tmp_path / "vocabulary.json")
-    assert Vocabulary.load(tmp_path / "vocabulary.json") == vocabulary
-    assert vocabulary.answers.index("yes") == 2
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "[]",
-        '{"words": ["a"], "answers": []}',
-        '{"words": 3, "answers": []}',
-        '{"words": ["<pad>", "<unk>"], "answers": "yes"}',
-        '{"words": ["<pad>", "<unk>", "a", "a"], "answers": []}',
-        '{"words": ["<pad>", "<unk>"], "answers": [1]}',
-    ],
-)
-def test_a_file_that_is_no_vocabulary_is_refused(tmp_path, text) -> None:
-    path = tmp_path / "vocabulary.json"
-    path.write_text(text)
-    with pytest.raises(DatasetError, match=r"vocabulary\.json"):
-        Vocabulary.load(path)
-    for none in (tmp_path, tmp_path / "none.json"):
-        with pytest.raises(DatasetError, match="is not a vocabulary"):
-            Vocabulary.load(none)
-
-
-def test_a_vocabulary_refuses_what_is_no_word_of_it_and_one_text_for_several() -> None:
-    vocabulary = Vocabulary.build(["is there a mug", "is there a fork"], ["yes"])
-    numbers, _ = vocabulary.encode_batch(["is there a mug"])
-    assert vocabulary.decode(numbers[0]) == "is there a mug"
-    for number in (-1, len(vocabulary.words)):
-        with pytest.raises(UnknownNameError, match=f"unknown word '{number}'"):
-            vocabulary.decode([number])
-    with pytest.raises(TypeError, match="questions is a text"):
-        vocabulary.encode_batch("is there a mug")

@@ -1,5 +1,6 @@
 """Films that cannot be written whole; that they can is in `test_env`."""
 
+import os
 import resource
 from collections.abc import Iterator
 from pathlib import Path
@@ -61,6 +62,24 @@ def test_browsers_can_play_a_film(tmp_path: Path, suffix: str) -> None:
 def test_another_kind_of_film_is_refused_before_anything_is_drawn(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"film\.avi: give a name that ends with \.mp4, \.webm or \.webp"):
         play.write_film(tmp_path, "Q", tmp_path / "film.avi")
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("noise")
+def test_a_film_in_large_letters_is_one_and_opencv_says_nothing(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("film.WEBM", "film.MP4", "film.WEBP"):
+        assert play.write_film(tmp_path, "Q", tmp_path / name) == FRAMES
+    assert capfd.readouterr().err == ""
+
+
+def test_stderr_is_heard_again_whatever_happens(capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(OSError, match="no film"), play._without_stderr():  # noqa: PT012
+        os.write(2, b"tag")
+        raise OSError("no film")
+    os.write(2, b"heard")
+    assert capfd.readouterr().err == "heard"
 
 
 @pytest.mark.usefixtures("noise")

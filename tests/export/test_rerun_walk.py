@@ -33,7 +33,7 @@ def frames(one_room, room) -> list[FrameRow]:
 def written(one_room, room, frames, tmp_path_factory) -> dict[str, dict[int, dict[str, Any]]]:
     """By entity and frame the components that were logged."""
     chunk = pytest.importorskip("rerun.chunk")
-    path = tmp_path_factory.mktemp("rerun") / "walk.rrd"
+    path = tmp_path_factory.mktemp("rerun") / "walk.RRD"
     assert write_walk(one_room, room.scene, path, room.configuration) == len(frames)
     logged: dict[str, dict[int, dict[str, Any]]] = {}
     for piece in chunk.RrdReader(path).stream():

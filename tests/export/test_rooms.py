@@ -2,7 +2,9 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from typer.testing import CliRunner, Result
@@ -10,7 +12,7 @@ from typer.testing import CliRunner, Result
 from remqa_data.cli import app
 from remqa_data.errors import DatasetError
 from remqa_data.export import rooms
-from remqa_data.export.rooms import find_scene
+from remqa_data.export.rooms import find_scene, write_room
 from remqa_data.storage.manifest import load_manifest
 from tests.helpers.small_rooms import FRIDGE, small_room
 
@@ -58,6 +60,40 @@ def test_meshes_lie_in_a_folder_beside_the_file(small_rooms, tmp_path, name, opt
     text, meshes = files[-1].read_text(), [path for path in files if path.suffix == ".obj"]
     assert meshes
     assert all(path.name in text for path in meshes)
+
+
+@pytest.mark.parametrize("name", ["room.GLB", "room.Xml", "room.URDF"])
+def test_suffixes_in_large_letters_tell_the_format_too(small_rooms, tmp_path, name) -> None:
+    assert invoke("export", "Small1", "--data", small_rooms, "-o", tmp_path / name).exit_code == 0
+    assert (tmp_path / name).read_bytes()[:4] == (b"glTF" if name == "room.GLB" else b"<?xm")
+
+
+def test_another_room_takes_the_place_of_the_first_with_all_its_meshes_or_not_at_all(tmp_path, monkeypatch) -> None:
+    def contents() -> dict[Path, bytes]:
+        return {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+
+    one, other = small_room("Small1", 0), small_room("Small2", 1)
+    other = replace(other, objects=other.objects[:2])
+    write_room(one, tmp_path / "room.xml")
+    before, writing = contents(), rooms._write
+    monkeypatch.setattr(rooms, "_write", Mock(side_effect=KeyboardInterrupt))
+    with pytest.raises(KeyboardInterrupt):
+        write_room(other, tmp_path / "room.xml")
+    assert contents() == before
+    monkeypatch.setattr(rooms, "_write", writing)
+    assert set(write_room(other, tmp_path / "room.xml")) == set(contents())
+    assert set(before) - set(contents())
+
+
+@pytest.mark.parametrize("name", ["notes.txt", "textures/wood.png"])
+def test_a_folder_with_something_else_is_not_replaced(small_rooms, tmp_path, name) -> None:
+    kept = tmp_path / "room.xml-meshes" / name
+    kept.parent.mkdir(parents=True)
+    kept.touch()
+    result = invoke("export", "Small1", "--data", small_rooms, "-o", tmp_path / "room.xml")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "is replaced as a whole: move it, or give another name" in result.stderr
+    assert kept.exists()
 
 
 @pytest.mark.parametrize(

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from remqa_data.errors import OutputError
 from remqa_data.export.links import joint_range, link_origins
 from remqa_data.export.rooms import write_room
 from remqa_data.sim.physics.world import World
+from tests.helpers.small_rooms import small_room
 
 pytest.importorskip("pxr")
 from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation
@@ -140,6 +140,24 @@ def test_usd_finds_nothing_wrong_with_it(stage) -> None:
     assert sorted(said)[:5] == []
 
 
-def test_a_name_that_usd_does_not_go_by_is_refused(kitchen, tmp_path) -> None:
-    with pytest.raises(OutputError, match=r"room\.txt: give a name that ends with \.usd, \.usda, \.usdc"):
-        write_room(kitchen, tmp_path / "room.txt", "usd")
+def test_leaves_are_two_sided_and_what_is_solid_is_not(stage, world) -> None:
+    sides = {
+        (named_by.GetDisplayName(), UsdGeom.Mesh(prim).GetDoubleSidedAttr().Get())
+        for prim in stage.Traverse()
+        if prim.IsA(UsdGeom.Mesh) and (named_by := prim.GetParent())
+    }
+    plants = [object_id for object_id in world.ids if world.type_of(object_id) == "HousePlant"]
+    assert plants
+    assert all((plant, True) in sides for plant in plants)
+    assert ("Building", False) in {(name or "Building", is_two_sided) for name, is_two_sided in sides}
+
+
+@pytest.mark.parametrize(
+    ("name", "starts"), [("room.txt", b"PXR-USDC"), ("room.USDA", b"#usda"), ("r.USDC", b"PXR-USDC")]
+)
+def test_usd_can_be_called_anything_and_is_binary_then(tmp_path, name, starts) -> None:
+    path = tmp_path / name
+    write_room(small_room("Small1", 0), path, "usd")
+    assert path.read_bytes().startswith(starts)
+    renamed = path.rename(tmp_path / "renamed.usd")
+    assert Usd.Stage.Open(str(renamed)).GetPrimAtPath("/Room/Objects")

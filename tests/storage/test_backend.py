@@ -207,6 +207,20 @@ def test_a_damaged_shard_in_a_bucket_is_told(bucket: str, tmp_path: Path, change
             reading()
 
 
+@pytest.mark.parametrize("change", ["flip", "remove"])
+def test_what_is_damaged_in_a_bucket_is_told_though_a_copy_is_whole(bucket: str, change: str) -> None:
+    uri = f"{bucket}/cached-{change}"
+    path = write_dataset(uri).files_of("scenes", "test")[0].path
+    check_files(uri)
+    storage = storage_at(uri)
+    if change == "remove":
+        storage.delete([path])
+    else:
+        put(storage, path, storage.read(path)[::-1])
+    with pytest.raises(DamagedShardError, match=f"damaged shard: {uri}/{path}"):
+        check_files(uri)
+
+
 def test_a_torn_part_in_a_bucket_is_made_again(bucket: str) -> None:
     parts = Parts(f"{bucket}/torn", {})
     made = [parts.write(scene, {"frames": [frame_row(scene, "train", 0)]}) for scene in "AB"]

@@ -4,6 +4,7 @@ All runs are `remqa-gen` with rooms that are made up (see `crash_run`): in proce
 else in this one.
 """
 
+import json
 import os
 import shutil
 import subprocess
@@ -17,6 +18,7 @@ import psutil
 import pytest
 
 from remqa_data.errors import DatasetError
+from remqa_data.storage import manifest
 from remqa_data.storage.manifest import MANIFEST, load_manifest
 from tests.helpers import kill_runs
 from tests.helpers.crash_run import SCENES, run_here
@@ -156,6 +158,13 @@ def test_a_killed_run_is_not_gone_on_with_unasked(killed: Path) -> None:
     assert "scenes of another run" in last_line(text)
 
 
+def test_rooms_of_other_versions_of_a_package_are_not_mixed(killed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(manifest, "_version_of", lambda package: "9.9.9")
+    code, text = run_here(killed, "--resume")
+    assert code == 2
+    assert "scenes of another run (other seed, configuration, or version of Python or a package)" in last_line(text)
+
+
 def test_a_run_that_was_killed_after_the_manifest_is_tidied(dataset: Path, whole: Path) -> None:
     left = dataset / ".parts" / "0123456789abcdef" / "FloorPlan1" / "part.json"
     left.parent.mkdir(parents=True)
@@ -189,6 +198,41 @@ def test_a_damaged_shard_is_told_and_replaced_on_request(dataset: Path, whole: P
     assert "--overwrite" in last_line(text)
     assert run_here(dataset, "--overwrite")[0] == 0
     assert files_of(dataset) == files_of(whole)
+
+
+@pytest.mark.parametrize("missing", [["README.md"], ["croissant.json"], ["README.md", "croissant.json"]])
+def test_a_card_that_is_missing_is_written_again(dataset: Path, whole: Path, missing: list[str]) -> None:
+    for name in missing:
+        (dataset / name).unlink()
+    assert run_here(dataset, "--resume")[0] == 0
+    assert files_of(dataset) == files_of(whole)
+
+
+def test_a_card_that_somebody_has_added_to_stays(dataset: Path) -> None:
+    (dataset / "croissant.json").unlink()
+    (dataset / "README.md").write_text((dataset / "README.md").read_text() + "Mine.")
+    assert run_here(dataset, "--resume")[0] == 0
+    assert (dataset / "README.md").read_text().endswith("Mine.")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("versions", {"numpy": "2.0.0"}, "a finished dataset of another configuration, seed or version"),
+        ("questions", {"train": {"FOO": 3}}, "manifest.json: questions.train.FOO: the configuration asks for none"),
+        (
+            "questions",
+            {"later": {"SPATIAL": 3}},
+            "manifest.json: questions.later.SPATIAL: the configuration asks for none",
+        ),
+    ],
+)
+def test_a_manifest_that_was_changed_by_hand_is_told(dataset: Path, key: str, value: object, said: str) -> None:
+    path = dataset / MANIFEST
+    path.write_text(json.dumps(json.loads(path.read_text()) | {key: value}))
+    code, text = run_here(dataset, "--resume")
+    assert code == 2
+    assert said in last_line(text)
 
 
 @pytest.mark.parametrize("how", ["torn", "flipped", "missing"])

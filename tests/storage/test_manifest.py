@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from remqa_data.errors import DatasetError
+from remqa_data.errors import DamagedShardError, DatasetError
 from remqa_data.storage.manifest import MANIFEST, load_manifest, make_manifest
 from remqa_data.storage.shards import read_table
 
@@ -68,6 +68,18 @@ def test_a_file_that_is_listed_twice_is_refused(dataset: Path) -> None:
     second = load_manifest(dataset).files[1].path
     with pytest.raises(DatasetError, match=f"{second} is listed 2 times"):
         load_manifest(told(dataset, path=second))
+
+
+def test_a_file_of_another_number_of_rows_is_refused(dataset: Path) -> None:
+    table, split = (getattr(load_manifest(dataset).files[0], name) for name in ("table", "split"))
+    with pytest.raises(DamagedShardError, match="rows; the manifest says 99"):
+        read_table(told(dataset, rows=99), table, split)
+
+
+def test_a_format_to_come_is_called_so_whatever_its_keys_are(tmp_path: Path) -> None:
+    (tmp_path / MANIFEST).write_text('{"format_version": 3, "versions": {"remqa-data": "2.0.0"}, "shards": []}')
+    with pytest.raises(DatasetError, match=r"format version 3; this package reads 2; .* that made it \(2\.0\.0\)"):
+        load_manifest(tmp_path)
 
 
 def test_opencv_may_be_of_another_package(monkeypatch: pytest.MonkeyPatch) -> None:

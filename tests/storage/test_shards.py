@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import DamagedShardError, DatasetError, UnknownNameError
 from remqa_data.files import sha256_of
 from remqa_data.storage.card import croissant, dataset_card
@@ -227,10 +228,24 @@ def test_a_file_that_is_cut_off_is_told(dataset) -> None:
     path = dataset / "scenes" / "test-00000-of-00002.parquet"
     whole = path.read_bytes()
     path.write_bytes(whole[:1000])
-    with pytest.raises(DamagedShardError, match=rf"it has 1,000 bytes; the manifest says {len(whole):,}"):
-        check_files(dataset)
+    for reading in (lambda: check_files(dataset), lambda: read_table(dataset, "scenes", "test")):
+        with pytest.raises(DamagedShardError, match=rf"it has 1,000 bytes; the manifest says {len(whole):,}"):
+            reading()
     with pytest.raises(DamagedShardError, match="footer cannot be read"):
-        read_table(dataset, "scenes", "test")
+        Shard(path, "scenes")
+
+
+def test_a_shard_of_another_split_is_told(dataset) -> None:
+    shutil.copyfile(
+        dataset / "questions/test-00000-of-00002.parquet", dataset / "questions/train-00001-of-00002.parquet"
+    )
+    for reading in (
+        lambda: read_table(dataset, "questions", "train"),
+        lambda: list(read_rows(dataset, QuestionRow, "train")),
+        lambda: SplitReader(dataset, "questions", "train"),
+    ):
+        with pytest.raises(DamagedShardError, match=r"train-00001.*bytes; the manifest says"):
+            reading()
 
 
 def test_a_file_that_is_missing_is_told(dataset) -> None:

@@ -20,7 +20,7 @@ from remqa_data.language.referring import Program
 from remqa_data.language.stored import stored_program
 from remqa_data.opencv import cv2
 from remqa_data.storage.manifest import load_manifest
-from remqa_data.storage.shards import Shard, read_table, shard_paths
+from remqa_data.storage.shards import open_shards, read_table
 from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
 
 PUBLISHED_PX = 300 * 300
@@ -55,8 +55,7 @@ def measured_views(root: str | os.PathLike[str]) -> pd.DataFrame:
     rooms = _rooms(root)
     measured = []
     for split in load_manifest(root).splits("questions"):
-        for path in shard_paths(root, "questions", split):
-            shard = Shard(path, "questions")
+        for shard in open_shards(root, "questions", split):
             for group in range(shard.row_groups):
                 for row in shard.read(group).to_pylist():
                     with naming(root, f"question {row['question_id']}"):

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from remqa_data.cli import app
 from remqa_data.generators.audit.recount import wording
-from remqa_data.generators.audit.recount.report import _phrases, recount
+from remqa_data.generators.audit.recount.report import _phrases, _sight, recount
 from remqa_data.generators.audit.recount.wording import _has_landmark, expressions_in_frames
 
 FRIDGE = (("filter_type", "Fridge"),)
@@ -40,6 +40,13 @@ def test_a_dataset_may_have_no_expressions(dataset, monkeypatch) -> None:
     questions = pd.DataFrame({"has_landmark": [True], "called_so": [2], "expression": ["the mug"], "same_type": [1]})
     measured = {figure.what: figure.measured for figure in _phrases(questions, found)}
     assert math.isnan(measured["expressions whose target has no rival in the frame"])  # `recount` leaves it out
+
+
+def test_every_start_view_should_show_its_landmark() -> None:
+    names = ["evidence_px", "evidence_de", "target_px", "front_deg", "start_m"]
+    views = pd.DataFrame(dict.fromkeys(names, 50.0), index=range(100)).assign(landmark_seen=[True] * 99 + [False])
+    (figure,) = [one for one in _sight(views) if "landmark" in one.what]
+    assert (figure.asked, figure.measured, figure.holds) == (">= 1", 0.99, False)
 
 
 @pytest.mark.slow
