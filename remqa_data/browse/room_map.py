@@ -10,13 +10,11 @@ import networkx as nx
 
 from remqa_data.browse.dataset import Room
 from remqa_data.errors import RemqaError
-from remqa_data.geometry.types import Box
+from remqa_data.geometry.types import Box, Vec2
 from remqa_data.sim.agent.actions import parse_actions, walk_and_rest
 from remqa_data.sim.metadata import AgentState
 from remqa_data.sim.navigation.grid import ReachableGrid
 from remqa_data.sim.navigation.paths import poses_along
-
-Point = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -62,7 +60,7 @@ class RoomMap:
         (i, j), size = room.corner, room.voxel_m
         return cls(i * size, (j + rows) * size, columns * size, rows * size)
 
-    def point(self, x: float, y: float) -> Point:
+    def point(self, x: float, y: float) -> Vec2:
         """A place of the world on the map."""
         return round(x - self.left, 3), round(self.top - y, 3)
 
@@ -76,12 +74,12 @@ class RoomMap:
         x, y = self.point(box[0], box[4])
         return Rectangle(x, y, round(box[3] - box[0], 3), round(box[4] - box[1], 3))
 
-    def centre(self, box: Box) -> Point:
+    def centre(self, box: Box) -> Vec2:
         """The middle of a box of the world."""
         return self.point((box[0] + box[3]) / 2, (box[1] + box[4]) / 2)
 
 
-def way(room: Room, frame: RoomMap, start: dict[str, Any], actions: Sequence[str]) -> list[Point]:
+def way(room: Room, frame: RoomMap, start: dict[str, Any], actions: Sequence[str]) -> list[Vec2]:
     """The places that an oracle's actions lead through on the map; only the start if they cannot be followed."""
     state = AgentState((start["position"][0], start["position"][1], start["position"][2]), start["yaw_deg"], 0.0)
     first = frame.point(*state.position[:2])

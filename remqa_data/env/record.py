@@ -14,6 +14,7 @@ import numpy as np
 
 from remqa_data.env.actions import Shares
 from remqa_data.env.episodes import Task
+from remqa_data.geometry.types import Vec2
 from remqa_data.metrics import (
     box_iou,
     chained,
@@ -56,7 +57,7 @@ class EpisodeRecord:
     """
 
     walk: list[Action] = field(default_factory=list)
-    positions: list[tuple[float, float]] = field(default_factory=list)
+    positions: list[Vec2] = field(default_factory=list)
     manipulation: Action | None = None
     is_manipulated: bool = False
     before: Before | None = None

@@ -15,6 +15,8 @@ U64 = npt.NDArray[np.uint64]
 Flags = npt.NDArray[np.bool_]
 """Truth values."""
 
+Vec2 = tuple[float, float]
+"""x, y in metres."""
 Vec3 = tuple[float, float, float]
 """x, y, z in metres."""
 Rect = tuple[float, float, float, float]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 from remqa_data.catalog import object_type
 from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import Vec3
+from remqa_data.geometry.types import Vec2, Vec3
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.body import Body, direction
 from remqa_data.sim.agent.receptacles import put_into
@@ -132,7 +132,7 @@ class Agent(Body):
         """What comes of opening or closing what is so already."""
         return ActionResult(False, f"{object_id} is already {'closed' if openness == 0.0 else 'open'}")
 
-    def opens_to(self, object_id: str, position: tuple[float, float]) -> float:
+    def opens_to(self, object_id: str, position: Vec2) -> float:
         """How far a closed object opens before an agent that stands at a position, from 0 to 1."""
         return self._until_it_meets_an_agent(object_id, 0.0, self.world.most_open(object_id), position)
 
@@ -162,7 +162,7 @@ class Agent(Body):
         """Ids of what comes along when an object is picked up."""
         return []
 
-    def put(self, receptacle_id: str, force: bool = False, near: tuple[float, float] | None = None) -> ActionResult:
+    def put(self, receptacle_id: str, force: bool = False, near: Vec2 | None = None) -> ActionResult:
         """Put what is held into or onto a receptacle: at the nearest free place that the agent sees, or else at any.
 
         That is the nearest one to the agent, or to another x and y, metres.
@@ -282,7 +282,7 @@ class Agent(Body):
 
             self.arm.state = HOME
 
-    def _until_it_meets_an_agent(self, object_id: str, was: float, goal: float, position: tuple[float, float]) -> float:
+    def _until_it_meets_an_agent(self, object_id: str, was: float, goal: float, position: Vec2) -> float:
         """How far a door or drawer can be moved before it touches an agent at a position, if not all the way."""
         frame, asset = self.world.state(object_id).matrix(), self.world.assets[object_id]
         steps = math.ceil(abs(goal - was) / SWING_STEP - 1e-9)

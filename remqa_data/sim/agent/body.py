@@ -9,7 +9,7 @@ import numpy as np
 
 from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Flags, Vec3
+from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.sim.agent.results import DONE, ActionResult
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.grid import ReachableGrid, reach_distance
@@ -176,7 +176,7 @@ class Body:
         _check_finite(yaw_deg)
         self.yaw_deg = _turn(yaw_deg)
 
-    def _blocker(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
+    def _blocker(self, start: Vec2, end: Vec2) -> str | None:
         """What keeps the body from a straight step, by the name that it has in errors."""
         return self.ground.blocker(start, end)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import Vec2
 from remqa_data.sim.agent.agent import Agent
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
@@ -33,7 +34,7 @@ class Wanted:
 
     kind: str
     object_id: str
-    goal: tuple[float, float]
+    goal: Vec2
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from remqa_data.assets.core.model import Space
 from remqa_data.catalog import types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
-from remqa_data.geometry.types import F64, Flags, Vec3
+from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, sunk_into, support_of
 from remqa_data.sim.navigation.grid import collision_corners
@@ -67,7 +67,7 @@ def put_into(
     world: World,
     held: str,
     receptacle_id: str,
-    near: tuple[float, float],
+    near: Vec2,
     are_seen: Callable[[F64], Flags],
     is_clear: Callable[[str], bool],
 ) -> Release:

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from remqa_data.geometry.types import Vec2
+
 
 @dataclass(frozen=True)
 class Embodiment:
@@ -71,7 +73,7 @@ class Embodiment:
         """Of the camera above the floor, as it stands or crouches."""
         return self.camera_height_m if is_standing else self.crouched_camera_height_m
 
-    def centre_of(self, cell: tuple[int, int]) -> tuple[float, float]:
+    def centre_of(self, cell: tuple[int, int]) -> Vec2:
         """Centre of a cell of a grid of its steps, metres."""
         return cell[0] * self.step_m, cell[1] * self.step_m
 

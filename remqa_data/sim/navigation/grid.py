@@ -21,7 +21,7 @@ import numpy.typing as npt
 from remqa_data.assets.core.model import Asset, CollisionBox
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
-from remqa_data.geometry.types import F64, Rect, Vec3
+from remqa_data.geometry.types import F64, Rect, Vec2, Vec3
 from remqa_data.opencv import cv2
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
@@ -59,7 +59,7 @@ class ReachableGrid:
     floor_z: float
     body: Embodiment = AGENT
 
-    def position(self, cell: Cell) -> tuple[float, float]:
+    def position(self, cell: Cell) -> Vec2:
         """Centre of a cell in the room, metres."""
         return self.body.centre_of(cell)
 
@@ -163,12 +163,12 @@ def collision_corners(boxes: tuple[CollisionBox, ...]) -> F64:
     return np.array(found).reshape(-1, 8, 3)
 
 
-def outline_distance(outlines: Iterable[Outline], point: tuple[float, float]) -> float:
+def outline_distance(outlines: Iterable[Outline], point: Vec2) -> float:
     """Metres from a point to the nearest of some outlines; 0 inside one."""
     return min((max(0.0, -cv2.pointPolygonTest(outline, point, True)) for outline in outlines), default=math.inf)
 
 
-def reach_distance(position: tuple[float, float], floor_z: float, point: Vec3 | F64) -> float:
+def reach_distance(position: Vec2, floor_z: float, point: Vec3 | F64) -> float:
     """Metres from the shoulder, at its best height and facing the point, to a point; the arm reaches 0.63 m."""
     x, y, z = (float(v) for v in point)
     shoulder = min(max(z, floor_z + AGENT.shoulder_low_m), floor_z + AGENT.shoulder_high_m)
@@ -212,7 +212,7 @@ class Clearance:
     """
 
     distance_m: npt.NDArray[np.float32]
-    corner: tuple[float, float]
+    corner: Vec2
 
     def at(self, x: float, y: float) -> float:
         """Metres from a point of the room to the nearest obstacle; 0 outside the room."""

@@ -12,7 +12,7 @@ from itertools import chain
 
 import numpy as np
 
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, Vec2
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.grid import (
     FINE_M,
@@ -27,7 +27,7 @@ from remqa_data.sim.navigation.grid import (
     reachable_grid,
     solid_ids,
 )
-from remqa_data.sim.navigation.straight_ways import SAMPLE_M, Point, StraightWays
+from remqa_data.sim.navigation.straight_ways import SAMPLE_M, StraightWays
 from remqa_data.sim.physics.bodies import STRUCTURE_NAME
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
@@ -59,7 +59,7 @@ class Ground:
         """What keeps the agent from standing at a point, by object id or "structure"; None if nothing does."""
         return None if self._clear().at(x, y) > self.radius_m else self._nearest(x, y)
 
-    def blocker(self, start: Point, end: Point) -> str | None:
+    def blocker(self, start: Vec2, end: Vec2) -> str | None:
         """What keeps the agent from a straight step; see `blocker_at`.
 
         An agent that is too near to something already, such as to a thing that fell before its feet, may walk away
@@ -68,11 +68,11 @@ class Ground:
         blocked = self._first_blocked(start, end)
         return None if blocked is None else self._nearest(*blocked)
 
-    def is_clear(self, start: Point, end: Point) -> bool:
+    def is_clear(self, start: Vec2, end: Vec2) -> bool:
         """Whether nothing keeps the agent from a straight step; cheaper than to ask what does."""
         return self._first_blocked(start, end) is None
 
-    def meets_agent(self, object_id: str, link_poses: F64, agent: Point, first_link: int = 0) -> bool:
+    def meets_agent(self, object_id: str, link_poses: F64, agent: Vec2, first_link: int = 0) -> bool:
         """Whether an object would touch the agent with its links at (n, 4, 4) poses; not if it does so already.
 
         With `first_link` 1, which is enough where the rest stays, only what moves when it opens is looked at.
@@ -81,7 +81,7 @@ class Ground:
         now = outline_distance(self._outlines[object_id], agent)
         return self.distance(object_id, link_poses, agent, first_link) <= min(self.radius_m, now - 1e-6)
 
-    def distance(self, object_id: str, link_poses: F64, agent: Point, first_link: int = 0) -> float:
+    def distance(self, object_id: str, link_poses: F64, agent: Vec2, first_link: int = 0) -> float:
         """How far an object would be from the middle of the agent with its links at (n, 4, 4) poses, metres in plan."""
         asset, floor_z = self.world.assets[object_id], self.world.scene.floor_z
         return outline_distance(asset_outlines(asset, link_poses, floor_z, first_link, self.body), agent)
@@ -100,7 +100,7 @@ class Ground:
             self._ways = StraightWays(self._clear(), places, self.world.scene.bounds, self.radius_m)
         return self._ways
 
-    def _first_blocked(self, start: Point, end: Point) -> Point | None:
+    def _first_blocked(self, start: Vec2, end: Vec2) -> Vec2 | None:
         clearance = self._clear()
         count = max(1, math.ceil(math.dist(start, end) / SAMPLE_M - 1e-9))
         limit = min(self.radius_m, np.nextafter(clearance.at(*start), 0.0))

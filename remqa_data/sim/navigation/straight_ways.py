@@ -7,11 +7,9 @@ import math
 import numpy as np
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Flags, Rect
+from remqa_data.geometry.types import F64, Flags, Rect, Vec2
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import Clearance
-
-Point = tuple[float, float]
 
 SAMPLE_M = AGENT.step_m / 4
 """A step is tested at least this densely."""
@@ -39,7 +37,7 @@ class StraightWays:
         self._clearance, self._bounds, self._radius_m = clearance, bounds, radius_m
         self._metres: dict[int, F64] = {}
 
-    def shortest(self, start: Point, goal: Point) -> list[Point] | None:
+    def shortest(self, start: Vec2, goal: Vec2) -> list[Vec2] | None:
         """The shortest way that bends at cells, and at one at least, from its start to its goal; None if there is none.
 
         Its length is the same there and back. Whether one can walk straight there, `Ground.is_clear` tells.
@@ -76,7 +74,7 @@ class StraightWays:
             self._metres[cell] = self.metres_from((x, y))
         return self._metres[cell]
 
-    def metres_from(self, place: Point) -> F64:
+    def metres_from(self, place: Vec2) -> F64:
         """(n,) metres straight from a place to each cell, infinite where something is in the way.
 
         From a place that is too near to something a way leads to the nearest cell only.

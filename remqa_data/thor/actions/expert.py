@@ -12,11 +12,12 @@ from weakref import WeakKeyDictionary
 import networkx as nx
 import numpy as np
 
+from remqa_data.geometry.types import Vec2
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.navigation.ground import Ground
 from remqa_data.sim.navigation.straight_ways import SAME_PLACE_M
-from remqa_data.thor.actions.search import Plan, nearest_cell, no_path, object_meant
+from remqa_data.thor.actions.search import nearest_cell, no_path, object_meant
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import Action
 from remqa_data.thor.state.frames import PartialVector, to_room, whole
@@ -97,7 +98,7 @@ class _Reached(NamedTuple):
 
     whole_m: float
     number: int
-    place: Plan
+    place: Vec2
     left_m: float
     gone_m: float
     heading: int
@@ -120,7 +121,7 @@ class _Known:
         From a place to a goal, by both.
     """
 
-    others: tuple[Plan, ...] = ()
+    others: tuple[Vec2, ...] = ()
     can_walk: dict[tuple[Cell, Cell], bool] = field(default_factory=dict)
     ways: dict[Cell, _WaysTo] = field(default_factory=dict)
     metres_left: dict[tuple[Cell, Cell], float] = field(default_factory=dict)
@@ -179,14 +180,14 @@ def _known(simulator: SimulatorState) -> _Known:
     return known
 
 
-def _can_walk(known: _Known, agent: ThorAgent, start: Plan, end: Plan) -> bool:
+def _can_walk(known: _Known, agent: ThorAgent, start: Vec2, end: Vec2) -> bool:
     step = _exact(start), _exact(end)
     if step not in known.can_walk:
         known.can_walk[step] = agent.can_walk(start, end)
     return known.can_walk[step]
 
 
-def _metres_left(known: _Known, agent: ThorAgent, place: Plan, goal: Cell) -> float:
+def _metres_left(known: _Known, agent: ThorAgent, place: Vec2, goal: Cell) -> float:
     asked = _exact(place), goal
     if asked not in known.metres_left:
         if goal not in known.ways:
@@ -195,12 +196,12 @@ def _metres_left(known: _Known, agent: ThorAgent, place: Plan, goal: Cell) -> fl
     return known.metres_left[asked]
 
 
-def _exact(place: Plan) -> Cell:
+def _exact(place: Vec2) -> Cell:
     """What places are remembered by; they differ by roundings only."""
     return round(place[0] / SAME_PLACE_M), round(place[1] / SAME_PLACE_M)
 
 
-def _spot(place: Plan, step_m: float) -> Cell:
+def _spot(place: Vec2, step_m: float) -> Cell:
     """Which places count as the same."""
     return round(place[0] / (SAME_SHARE * step_m)), round(place[1] / (SAME_SHARE * step_m))
 
@@ -219,7 +220,7 @@ class _WaysTo:
         self._cells = np.array([grid.position(cell) for cell in steps])
         self._rest = np.array(list(steps.values())) * grid.body.step_m
 
-    def metres_from(self, place: Plan, ground: Ground) -> float:
+    def metres_from(self, place: Vec2, ground: Ground) -> float:
         """Metres from a place to the goal; infinite if no cell near it can be walked to."""
         away = np.hypot(*(self._cells - place).T)
         whole_way = away + self._rest

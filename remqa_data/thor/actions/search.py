@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, Vec2
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.grid import Cell
 from remqa_data.sim.navigation.ground import Ground
@@ -23,7 +23,6 @@ from remqa_data.thor.state.events import object_records
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
 
-Plan = tuple[float, float]
 """x and y in the room, metres."""
 
 HORIZONS_DEG, STANDINGS = (-30.0, 0.0, 30.0, 60.0), (False, True)
@@ -221,7 +220,7 @@ def get_2d_semantic_hull(simulator: SimulatorState, objectId: str) -> ActionResu
     return not_there(simulator, objectId) or ActionResult(True, value=_hull(simulator, objectId))
 
 
-def no_path(start: Plan, goal: Plan) -> ActionResult:
+def no_path(start: Vec2, goal: Vec2) -> ActionResult:
     """That no way leads from one place to another."""
     return ActionResult(False, f"no path from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g}) (x, z)")
 
@@ -299,11 +298,11 @@ def _spread(points: F64, count: int) -> F64:
     return points[chosen]
 
 
-def _flood(ground: Ground, start: Plan, step_m: float, heading_deg: float, most: int) -> list[Plan] | None:
+def _flood(ground: Ground, start: Vec2, step_m: float, heading_deg: float, most: int) -> list[Vec2] | None:
     """Places that whole steps lead to, as a breadth-first search finds them; None if there are more than `most`."""
     cos, sin = round(math.cos(math.radians(heading_deg)), 15), round(math.sin(math.radians(heading_deg)), 15)
 
-    def place(cell: Cell) -> Plan:
+    def place(cell: Cell) -> Vec2:
         right, ahead = cell[0] * step_m, cell[1] * step_m
         return start[0] + ahead * cos + right * sin, start[1] + ahead * sin - right * cos
 
@@ -320,7 +319,7 @@ def _flood(ground: Ground, start: Plan, step_m: float, heading_deg: float, most:
     return [place(cell) for cell in seen]
 
 
-def _way(simulator: SimulatorState, position: PartialVector | None, goal: Plan) -> ActionResult:
+def _way(simulator: SimulatorState, position: PartialVector | None, goal: Vec2) -> ActionResult:
     agent = simulator.agent
     start = (agent.x, agent.y) if position is None else to_room(whole(position))[:2]
     direct = agent.ground.is_clear(start, goal) and agent.ground.is_clear(goal, start)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
-from remqa_data.geometry.types import F64, I32, Flags, Vec3
+from remqa_data.geometry.types import F64, I32, Flags, Vec2, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import Agent, Hands
@@ -69,7 +69,7 @@ class ThorAgent(Agent):
         self,
         world: World,
         view: WorldView,
-        position: tuple[float, float],
+        position: Vec2,
         yaw_deg: float,
         *,
         settings: Settings,
@@ -138,7 +138,7 @@ class ThorAgent(Agent):
         right, up, ahead = arithmetic.turned(np.subtract(point, camera.position), camera.rotation()).tolist()
         return right, up, ahead
 
-    def can_walk(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
+    def can_walk(self, start: Vec2, end: Vec2) -> bool:
         """Whether it could walk straight from a place to another one, metres in the room."""
         return self._other_between(start, end) is None and self.ground.is_clear(start, end)
 
@@ -316,7 +316,7 @@ class ThorAgent(Agent):
         x, y, z = arithmetic.snapped(np.asarray(self.held_at()) + origin).tolist()
         return [(x, y, z + rise) for rise in RISES_M] + super().drop_spots()
 
-    def _until_it_meets_an_agent(self, object_id: str, was: float, goal: float, position: tuple[float, float]) -> float:
+    def _until_it_meets_an_agent(self, object_id: str, was: float, goal: float, position: Vec2) -> float:
         """See `Agent`; nothing opens through another agent either."""
         for place in (position, *((other.x, other.y) for other in self._all if other is not self)):
             goal = super()._until_it_meets_an_agent(object_id, was, goal, place)
@@ -326,7 +326,7 @@ class ThorAgent(Agent):
         """See `Agent`; nothing is put where another agent stands either."""
         return all(Agent._is_beside(who, object_id) for who in self._all or (self,))
 
-    def _blocker(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
+    def _blocker(self, start: Vec2, end: Vec2) -> str | None:
         """See `Body`; another agent is in the way, too."""
         return self._other_between(start, end) or super()._blocker(start, end)
 
@@ -334,7 +334,7 @@ class ThorAgent(Agent):
         """See `Body`."""
         return self._other_between((x, y), (x, y)) or super()._blocker_at(x, y)
 
-    def _other_between(self, start: tuple[float, float], end: tuple[float, float]) -> str | None:
+    def _other_between(self, start: Vec2, end: Vec2) -> str | None:
         """The agent that stands on a straight way, if any; one may walk away from who is too near."""
         for number, other in enumerate(self._all):
             if other is self or self._passes_agents:

@@ -12,7 +12,7 @@ from remqa_data.catalog import types_with
 from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.boxes import corners
-from remqa_data.geometry.types import F64, Flags, Vec3
+from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.scene import SceneObject
 from remqa_data.sim.agent.pictures import Pictures
 from remqa_data.sim.agent.results import ActionResult
@@ -133,7 +133,7 @@ class LoadedFloorPlan:
             )
             self.agents.append(agent)
 
-    def _free_place(self, settings: Settings) -> tuple[float, float]:
+    def _free_place(self, settings: Settings) -> Vec2:
         """Of the reachable cells that no agent is near, the one nearest to the first agent."""
         grid = reachable_grid(self.world)
         places = [grid.position(cell) for cell in grid.cells]
@@ -357,7 +357,7 @@ def _can_see(camera: AnyCamera, agent: ThorAgent) -> bool:
     return reaches_out or not bool(are_outside(view, corners(box)))
 
 
-def _start_pose(view: WorldView, grid: ReachableGrid) -> tuple[tuple[float, float], float]:
+def _start_pose(view: WorldView, grid: ReachableGrid) -> tuple[Vec2, float]:
     """The middle of the floor that can be reached, and the heading from which most objects are seen there."""
     positions = grid.positions()
     nearest = int(np.linalg.norm(positions - positions.mean(axis=0), axis=1).argmin())

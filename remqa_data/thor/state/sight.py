@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, Vec2
 from remqa_data.sim.metadata import scaled_pixels
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.physics.state import ObjectState
@@ -41,10 +41,10 @@ class Sight:
         self._frames = np.tile(np.eye(4), (len(self._ids), 1, 1))
         self._shown: dict[str, ObjectState] = {}
         self._version: tuple[int, int] | None = None
-        self._distances: dict[tuple[float, float], F64] = {}
+        self._distances: dict[Vec2, F64] = {}
         self._visible: dict[tuple[Camera, float], frozenset[str]] = {}
 
-    def distances(self, position: tuple[float, float]) -> F64:
+    def distances(self, position: Vec2) -> F64:
         """(objects,) metres in plan from a position to the objects' closed boxes, as of `Body.plan_distance`."""
         self._follow()
         if position not in self._distances:
