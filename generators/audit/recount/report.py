@@ -10,6 +10,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from remqa_data.generators.audit.recount.chance import cue_scores
+from remqa_data.generators.audit.recount.moves import misplaced
 from remqa_data.generators.audit.recount.views import measured_views
 from remqa_data.generators.audit.recount.wording import (
     BETWEEN_THINGS,
@@ -50,7 +51,8 @@ def recount(root: str | os.PathLike[str]) -> pd.DataFrame:
         If scikit-learn is not installed, see the extra `report`.
     """
     views, questions = measured_views(root), asked(root)
-    figures = [*_truths(views), *_sight(views), *_variety(questions), *_phrases(questions, expressions_in_frames(root))]
+    figures = [*_truths(views), _most("targets moved to where they cannot go or stand", len(misplaced(root)), 0)]
+    figures += [*_sight(views), *_variety(questions), *_phrases(questions, expressions_in_frames(root))]
     for score in cue_scores(views):
         limit = score.chance + 1.96 * score.error
         figures.append(_most(f"{score.kind}: right by {score.cue}", score.accuracy, limit))
