@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remqa_data.datasets.frames import Frames
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.evaluation.report.tables import failed_at, in_words, rounded
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
 from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, does, load_room, place_of, replay_jobs, walk
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.scoring.scoring import attempt_of
-from remqa_data.evaluation.submission.frames import FramePictures
 from remqa_data.evaluation.submission.reader import Submission
 from remqa_data.evaluation.submission.tracks import TRACKS
 from remqa_data.geometry.types import F64, I64, U8
@@ -106,10 +106,10 @@ def _rows(
 
 def _expressions(results: Results, truth: GroundTruth, rows: dict[int, dict[str, object]]) -> list[ShownAttempt]:
     asked = read_table(truth.root, "expressions", truth.split, ["text", "frame_id"]).to_pylist()
-    pictures_of = FramePictures(truth.root)
+    frames = Frames(truth.root)
     attempts = []
     for place, row in rows.items():
-        image = decode_rgb(pictures_of[asked[place]["frame_id"]]).copy()
+        image = decode_rgb(frames.picture(asked[place]["frame_id"])).copy()
         _draw_boxes(image, truth.boxes[place], row.get("box"))
         facts = (("IoU", _shown(results.samples["mean_iou"][place])), ("submitted box", _shown(row.get("box"))))
         pictures = (_picture("frame: true box green, submitted red", image),)

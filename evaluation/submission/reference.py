@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from remqa_data.evaluation.submission.frames import FramePictures
+from remqa_data.datasets.frames import Frames
 from remqa_data.evaluation.submission.tracks import TRACKS, WORDS, Track
 from remqa_data.extras import require
 from remqa_data.sim.agent.actions import DONE, MANIPULATION, open_action, parse_actions, walk_and_rest
@@ -95,9 +95,9 @@ def _random(root: Path, asked: Sequence[Row], rng: np.random.Generator, answers:
 
 def _random_boxes(root: Path, asked: Sequence[Row], rng: np.random.Generator) -> Iterator[Row]:
     """A box for each expression, anywhere in its frame."""
-    pictures = FramePictures(root)
+    frames = Frames(root)
     for row in asked:
-        size = image_size(pictures[row["frame_id"]]) or (FRAME_PX, FRAME_PX)
+        size = image_size(frames.picture(row["frame_id"])) or (FRAME_PX, FRAME_PX)
         box = [round(edge * pixels / FRAME_PX) for edge, pixels in zip(_random_box(rng), (*size, *size), strict=True)]
         yield {"expression_id": row["expression_id"], "box": box}
 

@@ -16,11 +16,11 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from remqa_data.datasets.frames import Frames
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.datasets.sample_types import RAGGED, ExpressionSample, FrameSample, QuestionSample
 from remqa_data.errors import DatasetError, ForgedRowError, ImageFormatError, UnknownNameError
 from remqa_data.extras import require
-from remqa_data.storage.manifest import load_manifest
 from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
 from remqa_data.tables.rows import KINDS
 from remqa_data.tables.schema import table_spec
@@ -191,23 +191,13 @@ class ExpressionDataset(_TableDataset[ExpressionSample]):
         images: Sequence[str] | None = ("rgb",),
     ) -> None:
         super().__init__(root, split, transform, columns, images)
-        # The split "val" is cut from scenes whose frames are in another split, so a frame may be in any.
-        splits = load_manifest(self.root).splits("frames") if self.images else []
-        self._frames = [SplitReader(self.root, "frames", name) for name in splits]
-        place_of = {
-            frame_id: (number, row)
-            for number, reader in enumerate(self._frames)
-            for row, frame_id in enumerate(reader.columns(["frame_id"])["frame_id"].to_pylist())
-        }
-        frame_ids = self._reader.columns(["frame_id"])["frame_id"].to_pylist() if self.images else []
-        for frame_id in frame_ids:
-            if frame_id not in place_of:
-                raise UnknownNameError("frame", frame_id, place_of)
-        self._places = [place_of[frame_id] for frame_id in frame_ids]
+        self._places: list[tuple[SplitReader, int]] = []
+        if self.images:
+            frames = Frames(self.root)
+            self._places = [frames[name] for name in self._reader.columns(["frame_id"])["frame_id"].to_pylist()]
 
     def _image_place(self, row: int) -> tuple[SplitReader, int]:
-        number, frame_row = self._places[row]
-        return self._frames[number], frame_row
+        return self._places[row]
 
 
 def collate(samples: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

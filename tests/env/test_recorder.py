@@ -100,14 +100,19 @@ def test_the_oracle_is_perfect_and_its_recording_too(two_rooms: Path, tmp_path: 
     assert [info["SPL"] for info in ended] == [1.0] * 8
 
 
+def recorded(root: Path, path: Path) -> tuple[Recorder, RemqaEnv]:
+    """An environment that writes what is done in it, and what it wraps."""
+    env = Recorder(gymnasium.make(ENV_ID, root=root, split="train", hands="reach", width=32, height=32), path)
+    assert isinstance(env.unwrapped, RemqaEnv)
+    return env, env.unwrapped
+
+
 @pytest.mark.slow
 def test_an_agent_that_errs_is_scored_alike_by_the_environment_and_the_evaluator(
     two_rooms: Path, tmp_path: Path
 ) -> None:
     path = tmp_path / "random.jsonl"
-    env = Recorder(gymnasium.make(ENV_ID, root=two_rooms, split="train", hands="reach", width=32, height=32), path)
-    remqa = env.unwrapped
-    assert isinstance(remqa, RemqaEnv)
+    env, remqa = recorded(two_rooms, path)
     rng = np.random.default_rng(0)
     walking = ["MoveAhead", "MoveBack", "MoveLeft", "RotateLeft", "RotateRight", "LookDown", "LookUp", "Crouch"]
     ended = []
@@ -132,9 +137,7 @@ def test_the_strict_chain_is_that_of_the_evaluator_whatever_follows_the_first_ma
     two_rooms: Path, tmp_path: Path
 ) -> None:
     path = tmp_path / "a.jsonl"
-    env = Recorder(gymnasium.make(ENV_ID, root=two_rooms, split="train", hands="reach", width=32, height=32), path)
-    remqa = env.unwrapped
-    assert isinstance(remqa, RemqaEnv)
+    env, remqa = recorded(two_rooms, path)
     asked = read_table(two_rooms, "questions", "train", ["question_id", "manipulation", "target_id"]).to_pylist()
     drawers = [row for row in asked if row["manipulation"] == "Open"]
     plans = (

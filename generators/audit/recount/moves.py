@@ -7,8 +7,8 @@ from collections import defaultdict
 
 from remqa_data.geometry.types import Vec3
 from remqa_data.scene import Scene
-from remqa_data.sim.agent.actions import MOVE, parse_action
-from remqa_data.sim.agent.handling import OVERLAP_M, support_of
+from remqa_data.sim.agent.actions import MOVE, parse_actions
+from remqa_data.sim.agent.handling import OVERLAP_M, is_in_room, support_of
 from remqa_data.sim.physics.world import World
 from remqa_data.storage.manifest import load_manifest, question_splits
 from remqa_data.storage.shards import read_table
@@ -40,11 +40,10 @@ def misplaced(root: str | os.PathLike[str]) -> dict[str, str]:
 def _moves(root: str | os.PathLike[str]) -> dict[tuple[str, int], _Moves]:
     """By configuration."""
     found: dict[tuple[str, int], _Moves] = defaultdict(dict)
+    names = ["question_id", "scene", "configuration", "actions"]
     for split in question_splits(root):
-        for row in read_table(
-            root, "questions", split, ["question_id", "scene", "configuration", "actions"]
-        ).to_pylist():
-            for action in map(parse_action, row["actions"]):
+        for row in read_table(root, "questions", split, names).to_pylist():
+            for action in parse_actions(row["actions"]):
                 if action.name == MOVE:
                     x, y, z = action.numbers
                     found[row["scene"], row["configuration"]][row["question_id"]] = str(action.target), (x, y, z)
@@ -61,10 +60,9 @@ def _problems(world: World, moves: _Moves) -> dict[str, str]:
 
 
 def _problem(world: World, object_id: str, position: Vec3) -> str | None:
-    x0, y0, x1, y1 = world.scene.bounds
-    if not (x0 <= position[0] <= x1 and y0 <= position[1] <= y1):
-        return "out of the room"
     carried = world.move(object_id, position)
+    if not is_in_room(world, object_id):
+        return "out of the room"
     touched = [(other, gap) for other, gap in world.overlapping(object_id, OVERLAP_M) if other not in carried]
     for other, gap in touched:
         if gap < -OVERLAP_M:

@@ -46,6 +46,7 @@ class Body:
         self, position: Sequence[float], yaw_deg: float, horizon_deg: float = 0.0, is_standing: bool = True
     ) -> None:
         """Put the agent somewhere, unchecked, with its arm folded."""
+        _check_finite(*position, yaw_deg, horizon_deg)
         self._prepare_to_move()
         self.x, self.y = float(position[0]), float(position[1])
         self._face(float(yaw_deg))
@@ -108,14 +109,15 @@ class Body:
 
     def move(self, ahead_m: float, right_m: float = 0.0, force: bool = False) -> ActionResult:
         """Walk straight; with `force` through anything."""
-        cos, sin = direction(self.yaw_deg)
         _check_finite(ahead_m, right_m)
+        cos, sin = direction(self.yaw_deg)
         x = self.x + ahead_m * cos + right_m * sin
         y = self.y + ahead_m * sin - right_m * cos
         return self._go(x, y, None if force else self._blocker((self.x, self.y), (x, y)))
 
     def rotate(self, degrees: float) -> ActionResult:
         """Turn, counter-clockwise."""
+        _check_finite(degrees)
         self._prepare_to_move()
         self._face(self.yaw_deg + degrees)
         return DONE
@@ -139,12 +141,12 @@ class Body:
         """Be somewhere else, if the agent can stand there and look so; what is not given stays as it is."""
         x, y = self.x if x is None else float(x), self.y if y is None else float(y)
         horizon = self.horizon_deg if horizon_deg is None else float(horizon_deg)
-        _check_finite(x, y, horizon)
+        yaw = self.yaw_deg if yaw_deg is None else float(yaw_deg)
+        _check_finite(x, y, yaw, horizon)
         stays = (x, y) == (self.x, self.y)  # where it is, it is, whatever has come there since
         refusal = None if force else self.tilt_refusal(horizon)
         result = refusal or self._go(x, y, None if force or stays else self._blocker_at(x, y))
         if result.success:
-            yaw = self.yaw_deg if yaw_deg is None else yaw_deg
             self.place((x, y), yaw, horizon, self.is_standing if is_standing is None else is_standing)
         return result
 
@@ -173,7 +175,6 @@ class Body:
 
     def _face(self, yaw_deg: float) -> None:
         """Have a heading."""
-        _check_finite(yaw_deg)
         self.yaw_deg = _turn(yaw_deg)
 
     def _blocker(self, start: Vec2, end: Vec2) -> str | None:

@@ -105,7 +105,7 @@ def settle(
     before = world.save()
     world.settle(steps, velocities, awake)
     for object_id, state in before.states.items():
-        if not state.is_fixed and object_id not in world.held and not _is_in_room(world, object_id):
+        if not state.is_fixed and object_id not in world.held and not is_in_room(world, object_id):
             world.move(object_id, state.position, state.quaternion)
 
 
@@ -217,7 +217,8 @@ def support_of(world: World, object_id: str) -> str | None:
     return found.id if found else None
 
 
-def _is_in_room(world: World, object_id: str) -> bool:
+def is_in_room(world: World, object_id: str) -> bool:
+    """Whether the middle of an object is between the walls of its room, and not below the floor."""
     x0, y0, x1, y1 = world.scene.bounds
     x, y, z = world.state(object_id).position
     return x0 <= x <= x1 and y0 <= y <= y1 and z >= world.scene.floor_z

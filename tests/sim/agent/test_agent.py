@@ -323,6 +323,7 @@ def test_numbers_that_are_none_are_refused_and_the_agent_stays(agent: Agent, num
         lambda: agent.rotate(number),
         lambda: agent.teleport(number, 0.0),
         lambda: agent.teleport(yaw_deg=number),
+        lambda: agent.teleport(agent.x + 0.25, agent.y, number, force=True),
         lambda: agent.teleport(horizon_deg=number, force=True),
     ):
         with pytest.raises(ActionError, match="finite"):
