@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import torch
+from torch import nn
 
 from remqa_data.agents.detection_scores import score_detector
 from remqa_data.agents.networks.answerer import ManipulationAnswerer, likeliest
@@ -161,51 +162,72 @@ def predict_all(
     DatasetError
         If the dataset has no such split.
     """
-    loaded = [load_trained(name, weights, root, force=force) for name in names if not is_committee(name)]
-    titles = Counter(about.network.title for _, about in loaded)
-    titles.update([load_committee_config(name).title for name in names if is_committee(name)])
+    networks, speakers = _loaded(names, weights, root, force)
+    written: list[Path] = []
+    for network, about in networks:
+        if isinstance(network, Detector | Refiner):
+            written.append(out / f"{about.network.network.kind}-{split}.json")
+            detector = network if isinstance(network, Detector) else _two_stages(network, weights, root, force)
+            scores = score_detector(detector, about.types, root, split, device, progress=progress)
+            with atomic_path(written[-1]) as temporary:
+                temporary.write_text(json.dumps(scores, indent=1) + "\n", encoding="utf-8")
+    for track, title, rows in _said(networks, speakers, root, split, weights, device, force, progress):
+        written.append(out / track / file_name(title, split))
+        write_predictions(written[-1], track, root, split, title, rows)
+    return written
+
+
+def _loaded(
+    names: Sequence[str], weights: Path | None, root: Path, force: bool
+) -> tuple[list[tuple[nn.Module, About]], list[Speaker]]:
+    """Networks by their names, and all who refer to boxes that a detector finds: matchers and committees."""
+    networks = [load_trained(name, weights, root, force=force) for name in names if not is_committee(name)]
+    committees = [(name, load_committee_config(name).title) for name in names if is_committee(name)]
+    titles = Counter([*(about.network.title for _, about in networks), *(title for _, title in committees)])
     if (title := next((title for title, count in titles.items() if count > 1), None)) is not None:
         raise ConfigError(f"several networks are called {title!r}: let them predict to folders of their own (--out)")
     speakers = [
         Speaker(about.network.title, alone(network, about.vocabulary), about)
-        for network, about in loaded
+        for network, about in networks
         if isinstance(network, Matcher)
     ]
-    speakers += [
-        Speaker(load_committee_config(name).title, *load_committee(name, weights, root, force=force))
-        for name in names
-        if is_committee(name)
-    ]
-    grounders = [(network, about) for network, about in loaded if isinstance(network, Grounder)]
-    if not speakers and not any(isinstance(network, SAYS) for network, _ in loaded):
+    speakers += [Speaker(title, *load_committee(name, weights, root, force=force)) for name, title in committees]
+    if not speakers and not any(isinstance(network, SAYS) for network, _ in networks):
         raise ConfigError(f"{', '.join(names)}: says nothing of stored pictures; remqa-agent run lets it walk")
-    written: list[Path] = []
-    for network, about in loaded:
-        if isinstance(network, Detector | Refiner):
-            detector: AnyDetector
-            if isinstance(network, Refiner):
-                detector = TwoStageDetector(trained(DETECTOR, Detector, weights, root, force=force), network)
-            else:
-                detector = network
-            scores = score_detector(detector, about.types, root, split, device, progress=progress)
-            written.append(out / f"{about.network.network.kind}-{split}.json")
-            with atomic_path(written[-1]) as temporary:
-                temporary.write_text(json.dumps(scores, indent=1) + "\n", encoding="utf-8")
-        elif isinstance(network, ManipulationAnswerer):
-            rows = predict_answers(network, about, root, split, device, progress)
-            written.append(out / "qa" / file_name(about.network.title, split))
-            write_predictions(written[-1], "qa", root, split, about.network.title, rows)
-    referred: dict[str, list[dict[str, Any]]] = {}
+    return networks, speakers
+
+
+def _two_stages(refiner: Refiner, weights: Path | None, root: Path, force: bool) -> TwoStageDetector:
+    """A second stage after the detector that it has learnt from."""
+    return TwoStageDetector(trained(DETECTOR, Detector, weights, root, force=force), refiner)
+
+
+def _said(
+    networks: Sequence[tuple[nn.Module, About]],
+    speakers: Sequence[Speaker],
+    root: Path,
+    split: str,
+    weights: Path | None,
+    device: str,
+    force: bool,
+    progress: Progress | None,
+) -> Iterator[tuple[Track, str, list[dict[str, Any]]]]:
+    """Each submission: its track, its title and its rows."""
+    for network, about in networks:
+        if isinstance(network, ManipulationAnswerer):
+            yield "qa", about.network.title, predict_answers(network, about, root, split, device, progress)
     for group in _alike(speakers):
-        seen_through = trained_detector(group[0].about.network.network, weights, root, force=force)
-        referred |= predict_expressions(seen_through, group, root, split, device, progress)
-    for network, about in grounders:
-        detector = trained(DETECTOR, Detector, weights, root, force=force)
-        referred[about.network.title] = predict_groundings(detector, network, about, root, split, device, progress)
-    for title, rows in referred.items():
-        written.append(out / "rec" / file_name(title, split))
-        write_predictions(written[-1], "rec", root, split, title, rows)
-    return written
+        detector = trained_detector(group[0].about.network.network, weights, root, force=force)
+        for title, rows in predict_expressions(detector, group, root, split, device, progress).items():
+            yield "rec", title, rows
+    for network, about in networks:
+        if isinstance(network, Grounder):
+            features = trained(DETECTOR, Detector, weights, root, force=force)
+            yield (
+                "rec",
+                about.network.title,
+                predict_groundings(features, network, about, root, split, device, progress),
+            )
 
 
 def _alike(speakers: Sequence[Speaker]) -> list[list[Speaker]]:
