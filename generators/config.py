@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
@@ -25,7 +26,7 @@ from remqa_data.scene import Light
 from remqa_data.storage.manifest import config_hash
 from remqa_data.tables.images import RgbFormat
 from remqa_data.tables.rows import KINDS, QuestionKind
-from remqa_data.yaml_files import checked, preset_names, read_config, read_keys
+from remqa_data.yaml_files import checked, preset_names, read_config
 
 Layouts = Literal["ithor", "sampled"]
 LAYOUTS: tuple[Layouts, ...] = ("ithor", "sampled")
@@ -146,6 +147,17 @@ class Config(_Section):
     walk: WalkConfig
     image: ImageConfig
 
+    @field_validator("scenes", mode="before")
+    @classmethod
+    def _number_or_names(cls, scenes: Any) -> Any:
+        is_number = isinstance(scenes, int) and not isinstance(scenes, bool)
+        are_names = isinstance(scenes, list | tuple) and scenes and all(isinstance(name, str) for name in scenes)
+        if not (is_number or are_names):
+            raise ValueError(
+                f"expected a number of rooms, or a list of their names such as [FloorPlan1], found {scenes!r:.80}"
+            )
+        return scenes
+
     @model_validator(mode="after")
     def _scenes_are_there(self) -> Config:
         if isinstance(self.scenes, int):
@@ -157,7 +169,7 @@ class Config(_Section):
         unknown = [name for name in self.scenes if not _is_room(self.layouts, name)]
         twice = [name for name, count in Counter(self.scenes).items() if count > 1]
         if unknown or twice:
-            wrong = f"there is no room {unknown[0]!r:.80}" if unknown else f"{twice[0]!r} is named twice"
+            wrong = _no_room(self.layouts, unknown[0]) if unknown else f"{twice[0]!r} is named twice"
             msg = f"scenes: {wrong}; name rooms {_NAMES[self.layouts]}, each once"
             raise ValueError(msg)
         return self
@@ -212,7 +224,7 @@ class Config(_Section):
         Raises
         ------
         ConfigError
-            If there are no such layouts, or the configuration names rooms of other layouts.
+            If there are no such layouts, they have not so many rooms, or the configuration names rooms of other layouts.
         """
         if layouts not in LAYOUTS:
             raise ConfigError(f"layouts: there are no layouts {layouts!r}; use {' or '.join(LAYOUTS)}")
@@ -221,7 +233,7 @@ class Config(_Section):
                 f"layouts: the configuration names rooms of the layouts {self.layouts}; let its file say how many instead, "
                 f"such as scenes: {len(self.scenes)}"
             )
-        return self.model_copy(update={"layouts": layouts})
+        return checked(Config, self.model_dump() | {"layouts": layouts}, f"layouts {layouts}")
 
     def with_seed(self, seed: int) -> Config:
         """The same with another seed.
@@ -258,11 +270,6 @@ def load_config(path: str | os.PathLike[str]) -> Config:
     return read_config(Config, path, PRESETS)
 
 
-def parse_config(text: str, where: str = "configuration") -> Config:
-    """Read a configuration from its text; see `load_config`."""
-    return checked(Config, read_keys(text, where), where)
-
-
 def stored_config(stored: Mapping[str, Any]) -> Config:
     """The configuration that a manifest holds.
 
@@ -293,6 +300,14 @@ def _is_room(layouts: Layouts, name: str) -> bool:
         return sampled_index(name) < MOST_SAMPLED
     except UnknownNameError:
         return False
+
+
+def _no_room(layouts: Layouts, name: str) -> str:
+    """That there is no such room, and which one has its number."""
+    wrong, number = f"there is no room {name!r:.80}", name.rpartition("-")[2]
+    if layouts == "sampled" and re.fullmatch("[0-9]{6}", number):
+        return f"{wrong}, as number {int(number)} is {sampled_name(int(number))}"
+    return wrong
 
 
 def _in_proportion(total: int, has: int, had: int) -> int:

@@ -13,10 +13,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache, lru_cache
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-import yaml
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -27,8 +27,8 @@ from pydantic import (
     model_validator,
 )
 
-from remqa_data.errors import CatalogError, UnknownNameError, one_line
-from remqa_data.yaml_files import template_text, template_values
+from remqa_data.errors import CatalogError, ConfigError, UnknownNameError
+from remqa_data.yaml_files import read_keys, template_text, template_values
 
 Flag = Literal[
     "openable",
@@ -327,15 +327,21 @@ def read_catalog(text: str) -> Mapping[str, ObjectType]:
     Raises
     ------
     CatalogError
-        If the text is not YAML, or a type lacks a field, has an unknown one, or one of the wrong type.
+        If the text is not YAML, a type or a field is there twice, a type lacks a field, has an unknown one, or one of the
+        wrong type, or two types share the word for one.
     """
     try:
-        rows = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise CatalogError(f"{SOURCE} is not YAML: {one_line(error)}") from error
-    if not isinstance(rows, dict):
-        raise CatalogError(f"{SOURCE}: expected one entry for each object type, found {type(rows).__name__}")
-    return MappingProxyType({name: _read_type(name, rows[name]) for name in sorted(rows, key=str)})
+        rows = read_keys(text, SOURCE)
+    except ConfigError as error:
+        raise CatalogError(str(error)) from None
+    types = {name: _read_type(name, rows[name]) for name in sorted(rows, key=str)}
+    called: dict[str, str] = {}
+    for name, kind in types.items():
+        if (other := called.setdefault(kind.singular, name)) != name:
+            raise CatalogError(
+                f"{SOURCE}: {name}.words: {other} is called {kind.singular!r}, too; phrases tell by the word"
+            )
+    return MappingProxyType(types)
 
 
 def _read_type(name: object, row: object) -> ObjectType:
@@ -351,6 +357,16 @@ def _read_type(name: object, row: object) -> ObjectType:
             f"{'.'.join([str(name), *map(str, problem['loc'])])}: {problem['msg']}" for problem in error.errors()
         )
         raise CatalogError(f"{SOURCE}: {problems}") from error
+
+
+def _known_type(name: str) -> str:
+    if name not in catalog():
+        raise ValueError(str(UnknownNameError("object type", name, catalog())))
+    return name
+
+
+TypeName = Annotated[str, AfterValidator(_known_type)]
+"""The name of a type of the catalog, in a file of rules."""
 
 
 @lru_cache(maxsize=1)

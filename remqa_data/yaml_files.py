@@ -1,26 +1,27 @@
-"""YAML files: those of `templates/`, which come with the package, and configurations, which are read without trust.
+"""YAML files: those of `templates/`, which come with the package, and configurations; both are read without trust.
 
-What is wrong with a configuration is told with the file and the key.
+What is wrong with one is told in one line with the file and the key.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any, TypeVar
 
 import yaml
-from pydantic import BaseModel, ValidationError
+from pydantic import AfterValidator, BaseModel, ValidationError
 
-from remqa_data.errors import ConfigError, nearest_names, one_line
+from remqa_data.errors import ConfigError, UnknownNameError, nearest_names, one_line
 
 MOST_CONFIG_BYTES = 1 << 18
 MOST_CONFIG_DEPTH = 8
 """Lists and mappings inside of one another; it takes four."""
 
 M = TypeVar("M", bound=BaseModel)
+T = TypeVar("T")
 
 
 def template_text(name: str) -> str:
@@ -32,9 +33,15 @@ def template_text(name: str) -> str:
     return (resources.files("remqa_data.templates") / name).read_text(encoding="utf-8")
 
 
-def template_values(name: str) -> Any:
-    """What a YAML file of `templates/` says."""
-    return yaml.safe_load(template_text(name))
+def template_values(name: str) -> Mapping[str, Any]:
+    """What a YAML file of `templates/` says.
+
+    Raises
+    ------
+    ConfigError
+        If it is no YAML, or says something twice.
+    """
+    return read_keys(template_text(name), name)
 
 
 def template_rules(model: type[M], name: str) -> M:
@@ -42,10 +49,43 @@ def template_rules(model: type[M], name: str) -> M:
 
     Raises
     ------
-    pydantic.ValidationError
-        If it says anything else.
+    ConfigError
+        If a key is missing, unknown or has a wrong value: names file, key and reason.
     """
-    return model.model_validate(template_values(name))
+    return parsed(model, template_text(name), name)
+
+
+def entry_for_each(names: Collection[str]) -> AfterValidator:
+    """Checks that a table of rules has an entry for each of some names."""
+
+    def check(table: Mapping[str, T]) -> Mapping[str, T]:
+        if missing := [name for name in names if name not in table]:
+            raise ValueError(f"there is no entry for {missing[0]!r}")
+        return table
+
+    return AfterValidator(check)
+
+
+def checked_pattern(pattern: str, needed: Collection[str], others: Collection[str] = ()) -> str:
+    """A pattern as it is, which has some placeholders, perhaps some others, and none besides.
+
+    >>> checked_pattern("the {noun}", ["noun"])
+    'the {noun}'
+
+    Raises
+    ------
+    ValueError
+        If it has not: names them.
+    """
+    known = {name: f"{{{name}}}" for name in (*needed, *others)}
+    try:
+        is_plain = pattern.format(**known) == pattern
+    except (KeyError, IndexError, ValueError, AttributeError, TypeError):
+        is_plain = False
+    if not is_plain or any(known[name] not in pattern for name in needed):
+        also = f"; of these it needs {', '.join(known[name] for name in needed)}" if others else ""
+        raise ValueError(f"expected the placeholders {', '.join(known.values())}, found {pattern!r:.200}{also}")
+    return pattern
 
 
 def preset_names(package: str) -> tuple[str, ...]:
@@ -62,8 +102,18 @@ def read_config(kind: type[M], path: str | os.PathLike[str], package: str) -> M:
     ConfigError
         If the file cannot be read, or a key is missing, unknown or has a wrong value: names file, key and reason.
     """
-    where = os.fspath(path)
-    return checked(kind, read_keys(config_text(path, package), where), where)
+    return parsed(kind, config_text(path, package), os.fspath(path))
+
+
+def parsed(kind: type[M], text: str, where: str) -> M:
+    """The configuration of a kind that a YAML text says.
+
+    Raises
+    ------
+    ConfigError
+        If it is no YAML, or a key is missing, unknown or has a wrong value: names where, the key and the reason.
+    """
+    return checked(kind, read_keys(text, where), where)
 
 
 def config_text(path: str | os.PathLike[str], package: str) -> str:
@@ -119,7 +169,9 @@ def checked(kind: type[M], data: Mapping[str, Any], where: str) -> M:
     try:
         return kind.model_validate(data)
     except ValidationError as error:
-        raise ConfigError(f"{where}: {_first_problem(error)}") from None
+        raise ConfigError(f"{where}: {_first_problem(error, kind)}") from None
+    except UnknownNameError as error:  # of a validator: no ValueError, so pydantic lets it pass
+        raise ConfigError(f"{where}: {error}") from None
 
 
 class _NotPlainError(Exception):
@@ -162,12 +214,35 @@ class _Plain(yaml.SafeLoader):
         return found
 
 
-def _first_problem(error: ValidationError) -> str:
-    """The first thing that is wrong with a configuration, in one line that begins with its key."""
-    problem = error.errors()[0]
+def _first_problem(error: ValidationError, kind: type[BaseModel]) -> str:
+    """What is wrong with a configuration, in one line that begins with its key: what it does not know comes first.
+
+    A key that is misspelt is missing, too, and to hear that of one that is there helps nobody.
+    """
+    problems = error.errors()
+    unknown = next((problem for problem in problems if problem["type"] == "extra_forbidden"), None)
+    problem = unknown or problems[0]
     # Of a value that may be of two types, pydantic tells the branch after the key; the key is enough.
     key = ".".join(
-        str(part) for part in problem["loc"] if part not in ("constrained-int", "int") and "tuple" not in str(part)
+        str(part)
+        for part in problem["loc"]
+        if part not in ("constrained-int", "int", "[key]") and "tuple" not in str(part)
     )
-    reason = one_line(problem["msg"].removeprefix("Value error, "))
-    return f"{one_line(key)[:80]}: {reason}" if key else reason
+    reason = _unknown_key(kind, problem["loc"]) if unknown else problem["msg"].removeprefix("Value error, ")
+    return f"{one_line(key)[:80]}: {one_line(reason)}" if key else one_line(reason)
+
+
+def _unknown_key(kind: type[BaseModel], place: tuple[int | str, ...]) -> str:
+    """What there is to say of a key that a configuration does not have."""
+    near = nearest_names(str(place[-1])[:80], _keys(kind, place[:-1]), count=1)
+    return "there is no such key" + (f"; did you mean {near[0]!r}?" if near else "")
+
+
+def _keys(kind: type[BaseModel], place: tuple[int | str, ...]) -> list[str]:
+    """The keys that a configuration has at a place; none where there may be one thing or another."""
+    for part in place:
+        inner = kind.model_fields[str(part)].annotation if part in kind.model_fields else None
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return []
+        kind = inner
+    return [field.alias or name for name, field in kind.model_fields.items()]

@@ -220,14 +220,32 @@ def _lots_of(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, tot
     if count and not rooms:
         raise QuotaError(f"{split}: {kind}: none of the rooms is for {split}; add one, or ask for no {split} questions")
     if count > sum(room_for.values()):
-        empty = [scene for scene, lots in room_for.items() if lots == 0]
-        msg = f"{split}: {kind}: {total} questions need {counted(count, 'lot')} of {LOT_SIZE}, "
-        msg += f"but {counted(len(rooms), 'room')} "
-        msg += f"({_some(list(room_for))}) have room for {sum(room_for.values())}"
-        msg += f"; {_some(empty)} can take none" if empty else ""
-        other = "more scenes" if sum(room_for.values()) else "scenes of other types"
-        raise QuotaError(f"{msg}; ask for {other} or fewer questions")
+        raise QuotaError(f"{split}: {kind}: {_too_many(rooms, split, kind, total)}")
     return count
+
+
+def _too_many(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, total: int) -> str:
+    """Why rooms cannot take a total, and what to ask for instead."""
+    most = LOT_SIZE * sum(room.most[kind] for room in rooms)
+    names = f"the {counted(len(rooms), 'room').removeprefix('1 ')} {_some([room.scene for room in rooms])}"
+    have = f"{names} can be asked {f'at most {most}' if most else 'none'}"
+    if most and (empty := [room.scene for room in rooms if room.most[kind] == 0]):
+        have += f" ({_some(empty)} none)"
+    others = _other_rooms(rooms, split, kind)
+    return f"{total} questions need rooms that can be asked as many; {have}; ask for {others}fewer questions"
+
+
+def _other_rooms(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind) -> str:
+    """Words for rooms to ask for besides, or instead, with the one that takes most questions of a kind, if there is any."""
+    more = "more scenes" if any(room.most[kind] for room in rooms) else "other scenes"
+    if any(is_sampled(room.scene) for room in rooms):
+        return f"{more} or "
+    given = {room.scene for room in rooms}
+    others = [
+        room for room in _capacities(SOURCE).values() if room.scene not in given and split_of(room.scene) == split
+    ]
+    best = max(others, key=lambda room: room.most[kind], default=None)
+    return f"{more}, such as {best.scene}, or " if best is not None and best.most[kind] else ""
 
 
 def _in_samples(lots: Mapping[str, int], kind: QuestionKind, total: int) -> dict[str, dict[str, int]]:

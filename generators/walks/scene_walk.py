@@ -97,7 +97,8 @@ def walk_through(
         frames.append(_frame_row(place, index, taken, world.ids, update, rgb_format))
     if not frames:
         raise ArrangementError(
-            f"{place.scene}: no pose of a walk sees anything: give other headings_deg and horizons_deg"
+            f"{place.scene}: no pose that the walk tries shows {settings.min_objects} objects; give more cells_per_frame, "
+            "frames_per_configuration, headings_deg or horizons_deg"
         )
     said = [_expression_row(place, one, expression_split or place.split) for one in said_of(frames, expressions)]
     stored, map_2d = map_columns(voxels.to_sparse(), voxels.plan())

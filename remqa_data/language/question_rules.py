@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Literal
+from typing import Annotated, Literal, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveFloat, PositiveInt, field_validator
 
-from remqa_data.catalog import Manipulation
+from remqa_data.catalog import Manipulation, TypeName
 from remqa_data.language.inner import InnerRelation
 from remqa_data.scene_graph.relations import Relation
-from remqa_data.tables.rows import QuestionKind
-from remqa_data.yaml_files import template_rules
+from remqa_data.tables.rows import KINDS, QuestionKind
+from remqa_data.yaml_files import checked_pattern, entry_for_each, template_rules
 
 SOURCE = "questions.yaml"
 YES, NO = "yes", "no"
@@ -20,31 +20,56 @@ YES, NO = "yes", "no"
 ExpressionKind = Literal["bare", "relation", "attribute", "superlative"]
 """What an expression tells its target by: "the fridge", "... next to the sink", "the red ...", "... closest to the door"."""
 
+T = TypeVar("T")
+ForEachKind = Annotated[Mapping[QuestionKind, T], entry_for_each(KINDS)]
+"""What each kind of question has; none is left out."""
+
 
 class QuestionRules(BaseModel):
     """All of `templates/questions.yaml`, which says what each field means."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    templates: Mapping[QuestionKind, str]
+    templates: ForEachKind[str]
     inner_template: str
     inner_share: float = Field(ge=0, le=1)
-    inner_longest_words: int
-    inner_relations: Mapping[InnerRelation, float]
-    aim_words: Mapping[QuestionKind, PositiveFloat]
-    bare_share: Mapping[QuestionKind, float]
+    inner_longest_words: PositiveInt
+    inner_relations: Annotated[Mapping[InnerRelation, NonNegativeFloat], entry_for_each(get_args(InnerRelation))]
+    aim_words: ForEachKind[PositiveFloat]
+    bare_share: ForEachKind[Annotated[float, Field(ge=0, le=1)]]
     bare_share_per_word: float = Field(ge=0)
-    tolerance_words: Mapping[QuestionKind, PositiveFloat]
-    longest_words: Mapping[QuestionKind, int]
-    expression_weights: Mapping[ExpressionKind, float]
+    tolerance_words: ForEachKind[PositiveFloat]
+    longest_words: ForEachKind[PositiveInt]
+    expression_weights: Annotated[Mapping[ExpressionKind, NonNegativeFloat], entry_for_each(get_args(ExpressionKind))]
     rank_factor: float = Field(gt=0, le=1)
     spatial_words: Mapping[Relation, str]
-    manipulations: Mapping[QuestionKind, Mapping[Manipulation, float]]
-    type_weights: Mapping[str, PositiveFloat]
-    max_groups_per_place: Mapping[QuestionKind, int]
-    max_groups_per_type: int
+    manipulations: ForEachKind[Mapping[Manipulation, NonNegativeFloat]]
+    type_weights: Mapping[TypeName, PositiveFloat]
+    max_groups_per_place: ForEachKind[PositiveInt]
+    max_groups_per_type: PositiveInt
     again_factor: float = Field(ge=1)
     counts: tuple[int, ...]
+
+    @field_validator("templates")
+    @classmethod
+    def _can_be_filled(cls, templates: Mapping[QuestionKind, str]) -> Mapping[QuestionKind, str]:
+        for template in templates.values():
+            checked_pattern(template, ["re"], ["a_obj", "objs", "relation"])
+        return templates
+
+    @field_validator("inner_template")
+    @classmethod
+    def _inner_can_be_filled(cls, template: str) -> str:
+        return checked_pattern(template, ["obj", "relation", "obj2", "re"])
+
+    @field_validator("counts")
+    @classmethod
+    def _fill_a_lot(cls, counts: tuple[int, ...]) -> tuple[int, ...]:
+        if counts not in ((0, 1), (0, 1, 2, 3)):
+            raise ValueError(
+                f"expected [0, 1] or [0, 1, 2, 3], each as often among four questions, found {list(counts)}"
+            )
+        return counts
 
     def answers(self, kind: QuestionKind) -> tuple[str, ...]:
         """The answers to a kind of question."""

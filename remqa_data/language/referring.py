@@ -11,7 +11,7 @@ A program is a pipeline over sets of objects, as in CLEVR: it starts with all ob
   ``"second from the left"`` and the like with what is nearly there.
 
 Programs are tuples of strings and tuples, so they can be compared and hashed; JSON turns them into lists, which are
-understood as well.
+understood as well. All but behind and between can be said in a phrase.
 
 >>> program_of("the red mug on the dining table")
 (('filter_type', 'Mug'), ('filter_color', 'red'), ('relate', 'on', (('filter_type', 'DiningTable'),)))
@@ -73,6 +73,8 @@ def candidates(text_or_program: str | AnyProgram, loose_graph: SceneGraph) -> li
 def program_of(text: str) -> Program:
     """The program of a phrase that follows the patterns of `templates/expressions.yaml`.
 
+    What is behind or between other things is asked of programs alone: no phrase says it.
+
     Raises
     ------
     ProgramError
@@ -96,12 +98,17 @@ def program_of(text: str) -> Program:
 def _noun_program(words: str, text: str, relation: Step | None) -> Program:
     """Type, colours and materials, then the relation, then the place in a stack or a row of what is left."""
     article, _, rest = words.partition(" ")
-    names = _types_by_word()
-    side = next((side for side in expression_rules().row_sides if rest.endswith(f" {side}")), "")
+    names, rules = _types_by_word(), expression_rules()
+    side = next((side for side in rules.row_sides if rest.endswith(f" {side}")), "")
     rest = rest.removesuffix(f" {side}") if side else rest
     parts = rest.split(" ")
     if article.lower() != "the" or not rest:
         raise ProgramError(f"{text!r}: expected a phrase that starts with 'the', found {words!r}")
+    if "the" in parts[1:]:
+        said = ", ".join((*relation_rules().words.values(), rules.closest_word))
+        raise ProgramError(
+            f"{text!r}: {parts[parts.index('the', 1) - 1]!r} is no relation that phrases say; they say {said}"
+        )
     for start in range(len(parts)):
         noun = " ".join(parts[start:])
         if noun in names:
@@ -109,7 +116,8 @@ def _noun_program(words: str, text: str, relation: Step | None) -> Program:
             filters = [step for step in attributes if step[0].startswith("filter")]
             places = [step for name in ("stack", "row") for step in attributes if step[0] == name]
             if side and not any(side in step[1] for step in places):
-                break
+                ordinals = " or ".join(rules.row_ordinals)
+                raise ProgramError(f"{text!r}: {side!r} is said of the {ordinals} of a row, and no such word is there")
             return (("filter_type", names[noun]), *filters, *([relation] if relation else []), *places)
     hint = "".join(f"; did you mean {near!r}?" for near in nearest_names(rest, names, 1))
     raise ProgramError(f"{text!r}: no object type is called {rest!r}{hint}")

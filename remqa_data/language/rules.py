@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveFloat, PositiveInt, field_validator
 
-from remqa_data.catalog import catalog, types_with
+from remqa_data.catalog import TypeName, catalog, types_with
 from remqa_data.scene_graph.relations import Relation
-from remqa_data.yaml_files import template_rules
+from remqa_data.yaml_files import checked_pattern, entry_for_each, template_rules
 
 SOURCE = "expressions.yaml"
 SEEN_AS_ONE = types_with("seen_as_one")
@@ -28,34 +28,48 @@ RowPlace = Literal[
 ]
 
 
+PatternKind = Literal["bare", "relation", "attribute"]
+PLACEHOLDERS: Mapping[PatternKind, tuple[str, ...]] = {
+    "bare": ("noun",),
+    "relation": ("noun", "relation", "noun2"),
+    "attribute": ("attribute", "noun"),
+}
+Share = Annotated[float, Field(gt=0, le=1)]
+
+
 class ExpressionRules(BaseModel):
     """All of `templates/expressions.yaml`, which says what each field means."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    patterns: dict[str, str]
-    landmarks: tuple[tuple[str, ...], ...]
-    only_for: dict[str, tuple[Relation, ...]]
+    patterns: Annotated[dict[PatternKind, str], entry_for_each(PLACEHOLDERS)]
+    landmarks: tuple[tuple[TypeName, ...], ...]
+    only_for: dict[TypeName, tuple[Relation, ...]]
     stack_words: dict[str, StackPlace]
-    same_height_m: float
-    column_min_share: float
+    same_height_m: NonNegativeFloat
+    column_min_share: Share
     row_words: dict[str, RowPlace]
     row_ordinals: tuple[str, ...]
     row_sides: dict[str, str]
-    row_min_step_m: float
-    row_max_turn_deg: float
-    row_min_height_share: float
+    row_min_step_m: NonNegativeFloat
+    row_max_turn_deg: float = Field(ge=0, le=180)
+    row_min_height_share: Share
     closest_word: str
-    closest_tie_m: float
-    closest_max_m: float
-    closest_margin_m: float
-    closest_margin_factor: float
-    closest_landmark_groups: int
-    near_m: float
-    near_height_m: float
+    closest_tie_m: NonNegativeFloat
+    closest_max_m: PositiveFloat
+    closest_margin_m: NonNegativeFloat
+    closest_margin_factor: float = Field(ge=1)
+    closest_landmark_groups: PositiveInt
+    near_m: NonNegativeFloat
+    near_height_m: NonNegativeFloat
     substances: frozenset[str]
     similar_words: tuple[frozenset[str], ...]
-    may_mean: dict[str, frozenset[str]]
+    may_mean: dict[TypeName, frozenset[TypeName]]
+
+    @field_validator("patterns")
+    @classmethod
+    def _can_be_filled(cls, patterns: dict[PatternKind, str]) -> dict[PatternKind, str]:
+        return {kind: checked_pattern(pattern, PLACEHOLDERS[kind]) for kind, pattern in patterns.items()}
 
 
 @lru_cache(maxsize=1)

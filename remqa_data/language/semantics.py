@@ -57,7 +57,7 @@ class Exactly:
         return {i for i in found if abs(heights[i] - end) < same}
 
     def in_row(self, graph: SceneGraph, found: set[str], place: RowPlace) -> set[str]:
-        """The one at an end of a row that faces one way: left or right of two, leftmost or rightmost of more; or near it."""
+        """The one at an end of a row that faces one way: left or right of two, leftmost or rightmost of any; or near it."""
         if not (len(found) == 2 if place in ("left", "right") else len(found) > 2 * _steps_in(place) + 1):
             return set()
         if not all(_same_way(graph, a, b) for a in found for b in found):

@@ -6,11 +6,13 @@ were seen, and once all have been seen it equals the graph of the whole room.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Iterable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from typing import ClassVar, get_args
 
 import networkx as nx
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from remqa_data.errors import SceneGraphError, UnknownNameError
 from remqa_data.scene_graph.relations import Edge, Relation, RelationRules, edges_between, relation_rules
@@ -20,6 +22,8 @@ from remqa_data.sim.metadata import FrameMetadata, ObjectMetadata
 @dataclass(frozen=True)
 class GraphUpdate:
     """What a frame added to a graph: nodes in the order in which they were added, and edges sorted."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", allow_inf_nan=False)
 
     nodes: tuple[ObjectMetadata, ...]
     edges: tuple[Edge, ...]
@@ -60,7 +64,8 @@ class SceneGraph:
     ----------
     graph : networkx.DiGraph
         Nodes are object ids with the fields of `ObjectMetadata` as attributes; edges have the attributes `relation`,
-        `distance_m` and `iou`. Read it as you like; change it through this class.
+        `distance_m` and `iou`. Read it as you like; change it through this class. Boxes are tuples, which GraphML and GML
+        do not have: write it with `networkx.node_link_data`.
     memo : dict
         For `remqa_data.language.referring`, which keeps here what it has found; empty again whenever the graph grows.
     """
@@ -104,11 +109,17 @@ class SceneGraph:
         return self.add_objects(frame.objects)
 
     def add_objects(self, objects: Iterable[ObjectMetadata]) -> GraphUpdate:
-        """Add objects that are not known yet; what the agent holds is nowhere in the room and is left out."""
+        """Add objects that are not known yet; what the agent holds is nowhere in the room and is left out.
+
+        Raises
+        ------
+        SceneGraphError
+            If a box is not six finite numbers.
+        """
         new: dict[str, ObjectMetadata] = {}
         for record in objects:
             if record.id not in self._objects and not record.is_picked_up:
-                new.setdefault(record.id, without_frame(record))
+                new.setdefault(record.id, _with_checked_box(without_frame(record)))
         update = GraphUpdate(tuple(new.values()), tuple(sorted(self._edges_of(list(new.values())))))
         self._apply(update)
         return update
@@ -138,8 +149,16 @@ class SceneGraph:
         return self._objects[object_id]
 
     def relation(self, source: str, target: str) -> Relation | None:
-        """What the source is to the target, if anything."""
+        """What the source is to the target, if anything.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no object of one of the ids.
+        """
         if not self.graph.has_edge(source, target):
+            self.node(source)
+            self.node(target)
             return None
         relation: Relation = self.graph.edges[source, target]["relation"]
         return relation
@@ -150,9 +169,11 @@ class SceneGraph:
         Raises
         ------
         UnknownNameError
-            If there is no object of that id.
+            If there is no object of that id, or no such relation between two objects.
         """
         self.node(source)
+        if relation not in get_args(Relation):
+            raise UnknownNameError("relation", relation, get_args(Relation))
         return sorted(target for target in self.graph.successors(source) if self.relation(source, target) == relation)
 
     def holders(self, object_id: str) -> list[str]:
@@ -209,3 +230,11 @@ class SceneGraph:
 def without_frame(record: ObjectMetadata) -> ObjectMetadata:
     """The record without what one frame says about it."""
     return ObjectMetadata(**{field.name: getattr(record, field.name) for field in fields(ObjectMetadata)})
+
+
+def _with_checked_box(record: ObjectMetadata) -> ObjectMetadata:
+    """The record with its box as a tuple, which a list would never equal."""
+    box = tuple(record.box)
+    if len(box) != 6 or not all(map(math.isfinite, box)):
+        raise SceneGraphError(f"node {record.id!r}: its box is {box}; expected six finite numbers")
+    return record if isinstance(record.box, tuple) else replace(record, box=box)

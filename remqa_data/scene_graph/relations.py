@@ -9,18 +9,18 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self, get_args
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from remqa_data.catalog import object_type
+from remqa_data.catalog import TypeName, object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.geometry.types import F64
 from remqa_data.sim.metadata import ObjectMetadata
-from remqa_data.yaml_files import template_rules
+from remqa_data.yaml_files import entry_for_each, template_rules
 
 Relation = Literal["in", "on", "under", "above", "below", "next to"]
 """What one object is to another, by their boxes and by what holds them: the edges of the scene graph."""
@@ -33,7 +33,7 @@ Table = npt.NDArray[np.bool_]
 
 
 class _Rules(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class _Thresholds(_Rules):
@@ -59,7 +59,7 @@ class PartRules(_Thresholds):
     """When a drawer is in a dresser."""
 
     min_share: float = Field(gt=0, le=1)
-    parts: dict[str, frozenset[str]]
+    parts: dict[TypeName, frozenset[TypeName]]
 
 
 class FloorRules(_Thresholds):
@@ -76,7 +76,7 @@ class UnderRules(_Thresholds):
     max_sunk_m: float = Field(ge=0)
     max_area_ratio: float = Field(gt=0)
     min_head_room_m: float = Field(ge=0)
-    legs: frozenset[str]
+    legs: frozenset[TypeName]
 
 
 class PileRules(_Thresholds):
@@ -106,14 +106,14 @@ class StackedRules(_Thresholds):
 
     min_side_share: float = Field(gt=0, le=1)
     wall_depth_m: float = Field(ge=0)
-    on_walls: frozenset[str]
+    on_walls: frozenset[TypeName]
     max_gap_m: float = Field(ge=0)
     max_sunk_m: float = Field(ge=0)
     max_sunk_share: float = Field(ge=0, le=1)
-    sunk_in: frozenset[str]
+    sunk_in: frozenset[TypeName]
     max_distance_m: float = Field(gt=0)
     max_iou: float = Field(ge=0, le=1)
-    never: frozenset[str]
+    never: frozenset[TypeName]
 
 
 class NextToRules(_Thresholds):
@@ -125,7 +125,7 @@ class NextToRules(_Thresholds):
     max_distance_m: float = Field(gt=0)
     max_iou: float = Field(ge=0, le=1)
     max_shared_volume: float = Field(gt=0, le=1)
-    never: frozenset[str]
+    never: frozenset[TypeName]
 
 
 class RelationRules(_Rules):
@@ -138,17 +138,17 @@ class RelationRules(_Rules):
     sounds_like : mapping of relation to set of relations
         What it may be taken to mean besides.
     inverses : mapping of relation to relation or None
-        What the second object is to the first.
+        What the second object is to the first: the relation of the edge that goes back.
     floor, part, under, pile, stacked, next_to, order
         Thresholds of the relations.
     near_miss_factor : float
         How much `loosened` loosens, and `tightened` tightens.
     """
 
-    words: dict[Relation, str]
+    words: Annotated[dict[Relation, str], entry_for_each(get_args(Relation))]
     sounds_like: dict[Relation, frozenset[Relation]]
-    order_words: dict[OrderRelation, str]
-    inverses: dict[Relation, Relation | None]
+    order_words: Annotated[dict[OrderRelation, str], entry_for_each(get_args(OrderRelation))]
+    inverses: Annotated[dict[Relation, Relation | None], entry_for_each(get_args(Relation))]
     floor: FloorRules
     part: PartRules
     under: UnderRules
@@ -158,8 +158,20 @@ class RelationRules(_Rules):
     order: OrderRules
     near_miss_factor: float = Field(ge=1)
 
+    @field_validator("inverses")
+    @classmethod
+    def _both_ways(cls, inverses: dict[Relation, Relation | None]) -> dict[Relation, Relation | None]:
+        for relation, back in inverses.items():
+            if back is not None and inverses[back] != relation:
+                raise ValueError(f"that of {relation!r} is {back!r}, so that of {back!r} is {relation!r}")
+        return inverses
+
     def loosened(self) -> RelationRules:
-        """Rules under which more pairs are related: limits times the factor, shares to be reached divided by it."""
+        """Rules with limits times the factor, and shares to be reached divided by it.
+
+        By these more pairs are related, but not each pair as by the strict rules: a rule that fits now may come before the
+        one that fitted. `remqa_data.language.referring.candidates` allows for that.
+        """
         return self._with_limits_times(self.near_miss_factor)
 
     def tightened(self) -> RelationRules:
@@ -216,20 +228,19 @@ def edges_between(
     measured = _Measured(geometry.centre_distance(a.boxes, b.boxes), geometry.iou_3d(a.boxes, b.boxes))
     relation = np.full(measured.iou.shape, None, dtype=np.object_)
     free = a.ids[:, None] != b.ids[None]
-    above, below = _above(a, b, rules, measured), _above(b, a, rules, measured.swapped()).T
-    nothing = np.zeros_like(free)
+    beside = _next_to(a, b, rules, measured)
+    both_ways: tuple[tuple[Relation, Table, Table], ...] = (
+        ("on", _held(a, b, rules, "on"), _held(b, a, rules, "on").T),
+        ("in", _held(a, b, rules, "in"), _held(b, a, rules, "in").T),
+        ("under", _under(a, b, rules), _under(b, a, rules).T),
+        ("above", _above(a, b, rules, measured), _above(b, a, rules, measured.swapped()).T),
+        ("next to", beside, beside),
+    )
     # Earlier rules win over later ones, in both directions: what is in a thing is not next to it, nor it to that.
-    for tables, backwards in (
-        ({"in": _held(a, b, rules, "in"), "on": _held(a, b, rules, "on")}, _holds(a, b, rules)),
-        ({"under": _under(a, b, rules)}, _under(b, a, rules).T),
-        ({"above": above, "below": below}, nothing),
-        ({"next to": _next_to(a, b, rules, measured)}, nothing),
-    ):
-        taken = backwards.copy()
-        for name, table in tables.items():
-            relation[table & free] = name
-            taken |= table
-        free &= ~taken
+    for name, there, back in both_ways:
+        relation[back & free] = rules.inverses[name]
+        relation[there & free] = name
+        free &= ~(there | back)
     for i, j in np.argwhere(relation != None):  # noqa: E711  (an array compares element by element)
         distance, iou = float(measured.distance[i, j]), float(measured.iou[i, j])
         yield Edge(sources[i].id, targets[j].id, relation[i, j], distance, iou)
@@ -321,10 +332,6 @@ def _piled(a: _Side, b: _Side, rules: RelationRules) -> Table:
     inside = np.array([kind == "in" for kind in a.kind], dtype=np.bool_)[:, None] & a.share_support_with(b)
     higher = geometry.centres(a.boxes)[:, 2][:, None] > geometry.centres(b.boxes)[:, 2][None]
     return np.asarray(over & higher & inside & a.liftable()[:, None] & b.liftable()[None])
-
-
-def _holds(a: _Side, b: _Side, rules: RelationRules) -> Table:
-    return (_held(b, a, rules, "in") | _held(b, a, rules, "on")).T
 
 
 def _under(a: _Side, b: _Side, rules: RelationRules) -> Table:

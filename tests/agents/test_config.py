@@ -43,7 +43,7 @@ def test_a_file_is_read_like_a_preset(tmp_path: Path) -> None:
         ("kind: random", "kind: clever", "navigator: Input tag 'clever' found using 'kind' does not match"),
         ("most_steps: 10", "most_steps: 501", "most_steps: Input should be less than or equal to 500"),
         ("title: mine", "title: ''", "title: String should have at least 1 character"),
-        ("answerer: null", "answers: null", "answerer: Field required"),
+        ("answerer: null", "answers: null", "answers: there is no such key; did you mean 'answerer'"),
         ("10\nnavigator: {kind: random}", "0\nnavigator: {kind: frontier}", "who explores does a step at least"),
         (TEXT, "- a list", "expected keys such as 'seed', found list"),
         (TEXT, "a: &x 1\nb: *x", "anchors and aliases"),

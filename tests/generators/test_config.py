@@ -5,8 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from remqa_data.errors import ConfigError
-from remqa_data.generators.config import load_config, parse_config, presets
+from remqa_data.generators.config import Config, load_config, presets
 from remqa_data.generators.questions.allotment import allot, capacities, split_of
+from remqa_data.yaml_files import parsed
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PAPER = (CONFIGS / "paper.yaml").read_text(encoding="utf-8")
@@ -96,11 +97,18 @@ def test_numbers_of_rooms_that_there_are_not(count) -> None:
         ("scenes: 120", "scenes: 121", "scenes: 121 is more than the 120 rooms"),
         ("scenes: 120", "scenes: [FloorPlan31]", "scenes: there is no room 'FloorPlan31'"),
         ("scenes: 120", "scenes: [FloorPlan1, FloorPlan1]", "scenes: 'FloorPlan1' is named twice"),
+        ("scenes: 120", "scenes: []", "scenes: expected a number of rooms, or a list of their names .*, found \\[\\]"),
+        ("scenes: 120", "scenes: [1, 2]", "scenes: expected a number of rooms, or a list of their names"),
+        ("scenes: 120", "scenes: FloorPlan1", "scenes: expected a number of rooms, or a list .*, found 'FloorPlan1'"),
+        ("scenes: 120", "scenes: '3'", "scenes: expected a number of rooms, or a list .*, found '3'"),
         ("configurations: 4", "configurations: 3", "configurations: .*greater than or equal to 4"),
         ("SPATIAL: 222", "SPATIAL: many", "questions.test.SPATIAL: .*integer"),
         ("rgb_format: jpeg", "rgb_format: gif", "image.rgb_format: .*'jpeg' or 'png'"),
-        ("walk:", "wlk:", "walk: Field required"),
-        ("cells_per_frame: 1.0", "cells_per_frame: 1.0\n  speed: 1", "walk.speed: Extra inputs"),
+        ("walk:", "wlk:", "wlk: there is no such key; did you mean 'walk'"),
+        ("image:", "images:", "images: there is no such key; did you mean 'image'"),
+        ("configurations: 4", "configuration: 4", "configuration: there is no such key; did you mean 'configurations'"),
+        ("rgb_format: jpeg", "rgb_format: jpeg\n  lihgt: flat", "image.lihgt: .*; did you mean 'light'"),
+        ("cells_per_frame: 1.0", "cells_per_frame: 1.0\n  speed: 1", "walk.speed: there is no such key$"),
         ("horizons_deg: [0, 30]", "horizons_deg: []", "walk.horizons_deg: .*at least 1"),
         ("horizons_deg: [0, 30]", "horizons_deg: [0, 30, 0]", "walk.horizons_deg: 0 is there twice"),
         ("horizons_deg: [0, 30]", "horizons_deg: [0, 30]\n  headings_deg: [0]", ".*'headings_deg' is there twice"),
@@ -110,7 +118,7 @@ def test_numbers_of_rooms_that_there_are_not(count) -> None:
 def test_mistakes_are_told_in_one_line_with_file_and_key(old, new, message) -> None:
     assert old in PAPER
     with pytest.raises(ConfigError, match=f"^my.yaml: {message}") as caught:
-        parse_config(PAPER.replace(old, new, 1), "my.yaml")
+        parsed(Config, PAPER.replace(old, new, 1), "my.yaml")
     assert "\n" not in str(caught.value)
 
 
@@ -128,8 +136,9 @@ def test_a_file_may_begin_with_a_byte_order_mark(tmp_path) -> None:
 
 
 def test_the_hash_follows_what_is_said_not_how() -> None:
-    config = parse_config(PAPER)
-    assert parse_config("# a comment\n" + PAPER.replace("[0, 30]", "[ 0, 30 ]")).sha256 == config.sha256
+    config = parsed(Config, PAPER, "paper.yaml")
+    commented = "# a comment\n" + PAPER.replace("[0, 30]", "[ 0, 30 ]")
+    assert parsed(Config, commented, "paper.yaml").sha256 == config.sha256
     assert config.with_seed(1).sha256 != config.sha256
     assert config.with_scenes(120).sha256 == config.sha256
 
@@ -138,8 +147,8 @@ def test_headings_are_kept_as_they_are_stored() -> None:
     given = PAPER.replace("headings_deg: [0, 90, 180, 270]", "headings_deg: [360, -90, 45, -360]")
     assert given != PAPER
     with pytest.raises(ConfigError, match="-360 is there twice"):
-        parse_config(given)
-    assert parse_config(given.replace(", -360", "")).walk.headings_deg == (0, 270, 45)
+        parsed(Config, given, "my.yaml")
+    assert parsed(Config, given.replace(", -360", ""), "my.yaml").walk.headings_deg == (0, 270, 45)
 
 
 def test_a_configuration_that_names_its_rooms_says_how_to_take_others() -> None:

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from remqa_data.errors import ConfigError
-from remqa_data.generators.config import load_config, parse_config
+from remqa_data.generators.config import Config, load_config
+from remqa_data.yaml_files import parsed
 
 TINY = (Path(__file__).parents[2] / "configs" / "tiny.yaml").read_text(encoding="utf-8")
 
@@ -112,7 +113,7 @@ CONFIGS = dict(configs())
 def test_a_configuration_that_cannot_be_used_is_one_line(name: str) -> None:
     started = time.process_time()
     with pytest.raises(ConfigError) as caught:
-        parse_config(CONFIGS[name], "hostile.yaml")
+        parsed(Config, CONFIGS[name], "hostile.yaml")
     line = str(caught.value)
     assert line.startswith("hostile.yaml: ")
     assert line.isprintable(), line
@@ -122,7 +123,7 @@ def test_a_configuration_that_cannot_be_used_is_one_line(name: str) -> None:
 
 def test_there_are_enough_of_them() -> None:
     assert len(CONFIGS) >= 120
-    parse_config(TINY)
+    parsed(Config, TINY, "tiny.yaml")
 
 
 @pytest.mark.parametrize("content", [b"seed: \xff", "seed: 0".encode("utf-16"), b"\x80" * 100])

@@ -227,6 +227,10 @@ def test_updates_that_do_not_fit_together_are_refused() -> None:
     [
         (lambda d: d["nodes"][0].pop("box"), "nodes.0.box: Field required"),
         (lambda d: d["edges"][0].update(relation="beside"), "edges.0.relation"),
+        (lambda d: d["edges"][0].update(weight=1.0), "edges.0.weight: "),
+        (lambda d: d["nodes"][0].update(colour="red"), "nodes.0.colour: "),
+        (lambda d: d.update(node=[]), "node: "),
+        (lambda d: d["nodes"][0]["box"].__setitem__(0, float("nan")), "nodes.0.box.0: "),
     ],
 )
 def test_damage_is_named(change, message: str) -> None:
@@ -235,6 +239,31 @@ def test_damage_is_named(change, message: str) -> None:
     with pytest.raises(SceneGraphError) as caught:
         GraphUpdate.from_json(json.dumps(data), "row 7")
     assert str(caught.value).startswith("row 7: " + message)
+
+
+def test_names_that_are_not_known_are_told_by_each_way_of_reading() -> None:
+    graph = kitchen_graph()
+    for source, target in (("Fridge|2", "Sink|1"), ("Sink|1", "Fridge|2")):
+        with pytest.raises(UnknownNameError, match=r"unknown object 'Fridge\|2'; did you mean 'Fridge\|1'"):
+            graph.relation(source, target)
+    with pytest.raises(UnknownNameError, match="unknown relation 'beside'"):
+        graph.related("Sink|1", "beside")  # type: ignore[arg-type]
+
+
+def test_a_box_is_six_finite_numbers_however_they_are_given() -> None:
+    mug = thing("Mug|1", (0, 0, 0), (0.1, 0.1, 0.1))
+    listed = replace(mug, box=list(mug.box))  # type: ignore[arg-type]
+    assert SceneGraph.from_objects([listed]) == SceneGraph.from_objects([mug])
+    for box in ((float("nan"), *mug.box[1:]), mug.box[:4]):
+        with pytest.raises(SceneGraphError, match=r"node 'Mug\|1': its box is .*; expected six finite numbers"):
+            SceneGraph.from_objects([replace(mug, box=box)])
+
+
+def test_the_rules_say_which_edge_goes_back() -> None:
+    rules = relation_rules()
+    one_way = rules.model_copy(update={"inverses": {**rules.inverses, "above": None, "below": None}})
+    kept = {edge for edge in kitchen_graph().edges if edge.relation != "below"}
+    assert set(SceneGraph.from_objects(kitchen(), one_way).edges) == kept
 
 
 def test_what_is_no_node_is_related_to_nothing_and_that_is_told() -> None:

@@ -111,6 +111,19 @@ def test_totals_that_do_not_fit_name_split_kind_and_rooms(groups, extra) -> None
         allot(rooms, {"train": {"COUNTING": 4 * sum(groups) + extra}})
 
 
+def test_totals_that_do_not_fit_name_rooms_that_could_be_asked_instead() -> None:
+    other = r"the room FloorPlan430 can be asked none; ask for other scenes, such as FloorPlan30, or fewer questions$"
+    with pytest.raises(QuotaError, match=other):
+        allot(capacities(["FloorPlan430"]), {"test": {"COUNTING": 2}})
+    more = (
+        r"can be asked at most \d+ \(FloorPlan430 none\); ask for more scenes, such as FloorPlan30, or fewer questions$"
+    )
+    with pytest.raises(QuotaError, match=more):
+        allot(capacities(["FloorPlan430", "FloorPlan27"]), {"test": {"COUNTING": 2000}})
+    with pytest.raises(QuotaError, match=r"at most \d+; ask for more scenes or fewer questions$"):
+        allot(capacities(["Sampled-kitchen-000004"]), {"test": {"COUNTING": 2000}})
+
+
 def test_rooms_are_asked_about_alike_where_they_have_room() -> None:
     rooms = [room_for("FloorPlan1", 12), room_for("FloorPlan2", 12), room_for("FloorPlan3", 2)]
     quotas = allot(rooms, {"train": {"EXISTENCE": 80, "COUNTING": 24, "SPATIAL": 24}})

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from remqa_data.errors import ArrangementError
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo, SceneWalk, walk_through
@@ -20,15 +21,16 @@ from remqa_data.tables.images import decode_instances, decode_rgb
 from remqa_data.tables.rows import ExpressionRow, FrameRow, SceneRow
 from remqa_data.tables.schema import to_table
 
+SETTINGS = WalkSettings(frames=6)
 
-def make_walk() -> SceneWalk:
+
+def make_walk(settings: WalkSettings = SETTINGS) -> SceneWalk:
     with World(load_scene("FloorPlan401")) as world:
         world.settle()
         view, grid = WorldView(world), reachable_grid(world)
         expressions = Expressions(SceneGraph.from_objects(object_metadata(world).values()))
         found = {object_id: expressions.of(object_id) for object_id in world.ids}
         place = ConfigurationInfo("FloorPlan401", "bathroom", 0, "train", 0)
-        settings = WalkSettings(frames=6)
         return walk_through(place, view, grid, grid.cells[0], found, settings, np.random.default_rng(5))
 
 
@@ -90,3 +92,10 @@ def test_the_same_seed_gives_the_same_rows(walked: SceneWalk) -> None:
     assert again.scene == walked.scene
     assert again.frames == walked.frames
     assert again.expressions == walked.expressions
+
+
+def test_a_walk_without_frames_says_what_its_poses_did_not_show() -> None:
+    with pytest.raises(
+        ArrangementError, match=r"^FloorPlan401: no pose .* shows 99 objects; give more cells_per_frame, "
+    ):
+        make_walk(WalkSettings(frames=1, cells_per_frame=1.0, min_objects=99))
