@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Protocol, Self, TypeVar
 
 import typer
 
@@ -42,6 +42,19 @@ Seed = Annotated[
         min=0, max=MOST_SEED, help="Other draws, and names that end in -SEED; by default that of the configuration."
     ),
 ]
+Seeds = Annotated[
+    list[int] | None,
+    typer.Option(
+        "--seed",
+        min=0,
+        max=MOST_SEED,
+        help="Other draws, and names that end in -SEED; several times for several submissions of each.",
+    ),
+]
+Seen = Annotated[
+    int | None,
+    typer.Option(min=1, help="Play so many train questions about rooms that networks learn from; goes to DIR/seen."),
+]
 OUT = Path("out/agents")
 WEIGHTS = Path("out/weights")
 
@@ -73,40 +86,22 @@ def run(
     resume: Resume = False,
     weights: Weights = None,
     force: Force = False,
-    seeds: Annotated[
-        list[int] | None,
-        typer.Option(
-            "--seed",
-            min=0,
-            max=MOST_SEED,
-            help="Other draws, and names that end in -SEED; several times for several submissions of each.",
-        ),
-    ] = None,
-    seen: Annotated[
-        int | None,
-        typer.Option(
-            min=1, help="Play so many train questions about rooms that networks learn from; goes to DIR/seen."
-        ),
-    ] = None,
+    seeds: Seeds = None,
+    seen: Seen = None,
 ) -> None:
     """Let systems play all questions of a split; write a submission of each, which remqa-eval replays."""
     from remqa_data.agents.config import load_system
     from remqa_data.agents.runner import Player, play_all
     from remqa_data.agents.seen import SEEN, SEEN_SPLIT, seen_questions
     from remqa_data.agents.systems import fingerprint, make_agent
-    from remqa_data.agents.training.config import seeded_name
     from remqa_data.storage.manifest import load_manifest
 
     if split is not None and seen is not None:
         raise ConfigError("--seen plays train questions: leave --split out")
     check_beside(out, data)
-    configs = [(Path(name).stem, load_system(name)) for name in systems]
-    if seeds:
-        configs = [(seeded_name(name, seed), config.seeded(seed)) for seed in seeds for name, config in configs]
+    configs = _named(systems, load_system, seeds or ())
     only = None if seen is None else seen_questions(data, seen)
-    split = split or "test"
-    if only is not None:
-        split, out = SEEN_SPLIT, out / SEEN
+    split, out = (split or "test", out) if only is None else (SEEN_SPLIT, out / SEEN)
     asked = sum(load_manifest(data).questions.get(split, {}).values()) if only is None else len(only)
     count = worker_count(workers)
     announce_compiling(count)
@@ -154,28 +149,18 @@ def train(
     from remqa_data.extras import require
 
     torch = require("torch", "agents")
-    from remqa_data.agents.training.config import load_network_config, seeded_name
+    from remqa_data.agents.training.config import load_network_config
     from remqa_data.agents.training.learn import learn
     from remqa_data.agents.training.matching import Looks
 
     check_beside(out, data)
-    configs = [(Path(name).stem, load_network_config(name)) for name in networks]
-    if seed is not None:
-        configs = [(seeded_name(name, seed), config.seeded(seed)) for name, config in configs]
-    for name, count in Counter(name for name, _ in configs).items():
-        if count > 1:
-            raise ConfigError(
-                f"{count} networks would write {out / name}.safetensors: train them to folders of their own"
-            )
+    configs = _named(networks, load_network_config, () if seed is None else (seed,))
+    _check_files_differ([name for name, _ in configs], out)
     check_device(device)
     torch.set_num_threads(threads or worker_count(None))
     scores, looks = {}, dict[str, Looks]()
     for name, config in configs:
-        with Counting(None, f"{name} looks") as on_look, ExitStack() as bars:
-
-            def begin(samples: int, name: str = name, bars: ExitStack = bars) -> Callable[[int], None]:
-                return bars.enter_context(Counting(samples, f"{name} learns"))
-
+        with _learning(name) as (on_look, on_learn):
             about = learn(
                 name,
                 config,
@@ -187,9 +172,10 @@ def train(
                 resume=resume,
                 looks=looks,
                 on_look=on_look,
-                on_learn=begin,
+                on_learn=on_learn,
             )
         figures = ", ".join(f"{key} {value:.3g}" for key, value in about.score.items())
+        figures = figures or f"{data} has no val rooms, so it is not scored"
         output().say(f"{out / name}.safetensors: {figures}")
         scores[name] = about.score
     output().result(scores=scores)
@@ -330,6 +316,39 @@ def table(data: Data, out: Folder = OUT, workers: Workers = None, weights: Weigh
             print_grid(Console(), grid)
     say.say(f"{out}: table.md, table.json, {'table.html, ' * bool(find_spec('jinja2'))}leaderboard.json")
     say.result(**as_json(scored))
+
+
+class _Config(Protocol):
+    def seeded(self, seed: int) -> Self: ...
+
+
+C = TypeVar("C", bound=_Config)
+
+
+def _named(names: Sequence[str], load: Callable[[str], C], seeds: Sequence[int]) -> list[tuple[str, C]]:
+    """Configurations with the stems of their names; where there are seeds, with the draws and the name of each of them."""
+    from remqa_data.agents.training.config import seeded_name
+
+    configs = [(Path(name).stem, load(name)) for name in names]
+    if not seeds:
+        return configs
+    return [(seeded_name(name, seed), config.seeded(seed)) for seed in seeds for name, config in configs]
+
+
+def _check_files_differ(names: Sequence[str], folder: Path) -> None:
+    """Refuse to train two networks into one file."""
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise ConfigError(
+                f"{count} networks would write {folder / name}.safetensors: train them to folders of their own"
+            )
+
+
+@contextmanager
+def _learning(name: str) -> Iterator[tuple[Callable[[int], None], Callable[[int], Callable[[int], None]]]]:
+    """Shows how a network looks and then learns: what is told of looking, and what begins to count samples."""
+    with Counting(None, f"{name} looks") as on_look, ExitStack() as bars:
+        yield on_look, lambda samples: bars.enter_context(Counting(samples, f"{name} learns"))
 
 
 def check_device(name: str) -> None:

@@ -8,8 +8,8 @@ from math import prod
 from pathlib import Path
 from typing import NamedTuple
 
-from remqa_data.agents.runner import pace_path
-from remqa_data.agents.training.config import networks, weights_file
+from remqa_data.agents.runner import read_pace
+from remqa_data.agents.training.config import DURATION, networks, weights_file
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.report.tables import Grid
 from remqa_data.evaluation.submission.reader import open_submission
@@ -29,8 +29,8 @@ class Cost(NamedTuple):
     parameters : int
     megabytes : float
         Of its file: numbers are stored in half precision.
-    minutes : float
-        That its training took, by the clock of the machine that did it.
+    minutes : float or None
+        That its training took, by the clock of the machine that did it, where that is known.
     score : dict
         What it scored in val rooms.
     """
@@ -38,7 +38,7 @@ class Cost(NamedTuple):
     title: str
     parameters: int
     megabytes: float
-    minutes: float
+    minutes: float | None
     score: dict[str, float]
 
 
@@ -62,9 +62,18 @@ def cost_of(path: Path) -> Cost:
             learnt = [name for name in file.keys() if name.rpartition(".")[2] not in NOT_LEARNT]  # noqa: SIM118 - no mapping
             sizes = [prod(file.get_slice(name).get_shape()) for name in learnt]
         score = dict(about["score"])
-        return Cost(about["config"]["title"], sum(sizes), path.stat().st_size / 1e6, score.pop(MINUTES), score)
+        minutes = score.pop(MINUTES, None) or _minutes_beside(path)
+        return Cost(about["config"]["title"], sum(sizes), path.stat().st_size / 1e6, minutes, score)
     except (OSError, KeyError, TypeError, ValueError, safetensors.SafetensorError) as error:
         raise ConfigError(f"{path} is no network that remqa-agent has trained: {type(error).__name__}") from None
+
+
+def _minutes_beside(path: Path) -> float | None:
+    """What the training of a network has written beside its weights."""
+    try:
+        return float(json.loads((path.with_suffix("") / DURATION).read_bytes())[MINUTES])
+    except (OSError, KeyError, TypeError, ValueError):
+        return None
 
 
 def costs_grid(costs: Iterable[Cost]) -> Grid:
@@ -74,7 +83,7 @@ def costs_grid(costs: Iterable[Cost]) -> Grid:
             cost.title,
             f"{cost.parameters:,}",
             f"{cost.megabytes:.2f}",
-            f"{cost.minutes:.1f}",
+            "-" if cost.minutes is None else f"{cost.minutes:.1f}",
             ", ".join(f"{name.removeprefix('val_')} {value:.3f}" for name, value in cost.score.items()),
         )
         for cost in costs
@@ -86,7 +95,7 @@ def pace_grid(submissions: Iterable[Path]) -> Grid | None:
     """Actions a second of those whose playing was timed: drawing and thinking, not loading. None if there are none."""
     rows = []
     for path in submissions:
-        pace = json.loads(pace_path(path).read_text(encoding="utf-8")) if pace_path(path).is_file() else {}
+        pace = read_pace(path)
         if pace.get("seconds"):
             rate = pace["steps"] / pace["seconds"]
             rows.append(

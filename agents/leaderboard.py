@@ -9,7 +9,7 @@ from remqa_data.agents.table import Scored
 from remqa_data.evaluation.scoring.results import OVERALL
 from remqa_data.evaluation.submission.tracks import TRACKS
 
-MEASURES = ("S_N", "S_L", "S_QA", "S_M", "S_MQA", "SPL")
+MEASURES = ("S_N", "S_L", "S_QA", "S_M", "S_MQA")
 
 
 def leaderboard(systems: Sequence[Scored]) -> dict[str, Any]:

@@ -235,6 +235,11 @@ def pace_path(submission: Path) -> Path:
     return submission.with_suffix(".pace.json")
 
 
+def read_pace(submission: Path) -> dict[str, Any]:
+    """What is written there: `steps`, `seconds` and `run`; nothing if nobody has."""
+    return _read(pace_path(submission))
+
+
 @lru_cache(maxsize=1)
 def _stage(root: Path, split: str) -> tuple[RemqaEnv, WalkMemories]:
     """What a process reads once for all of its jobs; hands are those with which `remqa-eval` replays."""
@@ -249,7 +254,7 @@ def _prepare(parts: Path, about: dict[str, Any], resume: bool) -> None:
     """A folder for finished rooms, which says what run they are of; empty unless that is the same run."""
     note = parts / NOTE
     if resume and note.is_file():
-        if json.loads(note.read_text(encoding="utf-8")) != about:
+        if _read(note) != about:
             raise ConfigError(f"{parts}: holds rooms of another run; leave --resume out to begin anew")
         return
     if parts.exists() and not note.is_file():
@@ -265,8 +270,16 @@ def _told_of(player: Player) -> dict[str, Any]:
 
 def _is_finished(submission: Path, run: dict[str, Any]) -> bool:
     """Whether this run has written its submission."""
-    pace = pace_path(submission)
-    return submission.is_file() and pace.is_file() and json.loads(pace.read_text(encoding="utf-8")).get("run") == run
+    return submission.is_file() and read_pace(submission).get("run") == run
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """What a file of JSON holds; nothing if there is none, or it is damaged."""
+    try:
+        told = json.loads(path.read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return told if isinstance(told, dict) else {}
 
 
 def _seconds_path(part: Path) -> Path:

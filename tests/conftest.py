@@ -18,6 +18,7 @@ import pytest
 from hypothesis import settings
 from typer import testing
 
+from remqa_data.evaluation.scoring import kept_results
 from remqa_data.storage.manifest import Manifest, load_manifest
 from tests.helpers.dataset_rows import write_dataset
 from tests.helpers.real_datasets import made_once, one_room_config, two_rooms_config
@@ -35,6 +36,15 @@ def no_power_cut() -> Iterator[None]:
     """No test waits for what only a power cut would take away: 4 ms for a file that is written, and 3 when it goes again."""
     with pytest.MonkeyPatch.context() as monkeypatch:
         monkeypatch.setattr(os, "fsync", os.fstat)  # which fails, too, where there is no such file
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def scores_of_this_run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What was scored before a run is not known to it, and what it scores is forgotten."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        folder = tmp_path_factory.mktemp("kept")
+        monkeypatch.setattr(kept_results, "cache_folder", lambda: folder)
         yield
 
 

@@ -326,7 +326,7 @@ class AnsweringTask:
                 hits[asked.kind].append(answer == asked.answer)
         every = [hit for found in hits.values() for hit in found]
         shares = {f"val_{kind}": float(np.mean(found)) for kind, found in hits.items() if found}
-        return shares | {"val": float(np.mean(every)) if every else 0.0}
+        return shares | {"val": float(np.mean(every))} if every else {}
 
     @torch.no_grad()
     def answers(self, batch: list[Asked]) -> list[str]:

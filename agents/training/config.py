@@ -21,6 +21,8 @@ SUFFIX = ".safetensors"
 """Of files of weights."""
 CURVES = "curves.csv"
 """Where training writes what it measures after each epoch, in a folder of the network's name."""
+DURATION = "duration.json"
+"""Beside it: how many minutes that took. Not in the weights, so that the same seed gives the same file."""
 
 
 class _Section(BaseModel):
@@ -90,7 +92,7 @@ class GrounderConfig(_Network):
     form: Literal["collaborative", "grouped"]
 
 
-class AnswererConfig(_Network):
+class AnswererNetworkConfig(_Network):
     """Answers by what it looks at; `with_box` is whether it is told where the target is.
 
     It sees squares of `side_px` pixels, through a backbone that begins as the detector's, or as that of its second stage of
@@ -162,7 +164,7 @@ class AdaptiveWalkerConfig(_Network):
         return (self.begins_with,)
 
 
-class ImitatorConfig(_Network):
+class ImitatorNetworkConfig(_Network):
     """Walks as shortest ways do, and answers or says what to do in the end; an epoch is so many walks on cached views."""
 
     kind: Literal["imitator"]
@@ -192,11 +194,11 @@ Network = (
     | RefinerConfig
     | MatcherConfig
     | GrounderConfig
-    | AnswererConfig
+    | AnswererNetworkConfig
     | ViewEncoderConfig
     | WalkerConfig
     | AdaptiveWalkerConfig
-    | ImitatorConfig
+    | ImitatorNetworkConfig
 )
 
 

@@ -140,7 +140,7 @@ class RefinementTask:
             asked += len(true.boxes)
             found += int(fits.any(1).sum())
             known += int((fits & (true.types[:, None] == seen.types[chosen])).any(1).sum())
-        return {"val_found": found / max(asked, 1), "val_known": known / max(asked, 1)}
+        return {"val_found": found / asked, "val_known": known / asked} if asked else {}
 
 
 class Objects(NamedTuple):

@@ -154,7 +154,7 @@ class GroundingTask:
                 for one, true in zip(found, wanted, strict=True)
             )
             asked += len(found)
-        return {"val_right": right / max(asked, 1), "val_mask_iou": float(overlap) / max(asked, 1)}
+        return {"val_right": right / asked, "val_mask_iou": float(overlap) / asked} if asked else {}
 
 
 def asked_frames(frames: Sequence[SeenFrame], vocabulary: Vocabulary, device: str = "cpu") -> AskedFrames:

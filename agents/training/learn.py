@@ -17,9 +17,9 @@ from remqa_data.agents.training.answering import AnsweringTask
 from remqa_data.agents.training.config import (
     SUFFIX,
     AdaptiveWalkerConfig,
-    AnswererConfig,
+    AnswererNetworkConfig,
     DetectorConfig,
-    ImitatorConfig,
+    ImitatorNetworkConfig,
     MatcherConfig,
     Network,
     NetworkConfig,
@@ -33,7 +33,7 @@ from remqa_data.agents.training.imitating import ImitationTask
 from remqa_data.agents.training.matching import Looks, MatchingTask
 from remqa_data.agents.training.pictures import detector_types
 from remqa_data.agents.training.reinforcing import ReinforcingTask
-from remqa_data.agents.training.trainer import Schedule, Task, train
+from remqa_data.agents.training.trainer import Schedule, Task, deterministic, train
 from remqa_data.agents.training.viewing import ViewingTask
 from remqa_data.agents.training.weights import (
     DETECTOR,
@@ -111,23 +111,26 @@ def learn(
         _, about = load_network(path)
         if (about.network, about.datasets, about.needs, about.began_with) == (config, datasets, needs, began_with):
             return about
-    task = _task(network, config.schedule.seed, roots, folder, views, device, {} if looks is None else looks, on_look)
-    fingerprint = json.dumps([config.sha256, datasets, needs, began_with])
-    schedule = Schedule(**config.schedule.model_dump())
-    progress = on_learn(schedule.samples(len(task))) if on_learn else None
-    score = train(
-        task,
-        schedule,
-        folder / name,
-        fingerprint=fingerprint,
-        resume=resume,
-        device=device,
-        workers=workers if isinstance(task, OF_PICTURES) else 0,
-        progress=progress,
-    )
-    halved(task.model)
-    with torch.no_grad():
-        score |= task.score()
+    with deterministic(device):
+        task = _task(
+            network, config.schedule.seed, roots, folder, views, device, {} if looks is None else looks, on_look
+        )
+        fingerprint = json.dumps([config.sha256, datasets, needs, began_with])
+        schedule = Schedule(**config.schedule.model_dump())
+        progress = on_learn(schedule.samples(len(task))) if on_learn else None
+        score = train(
+            task,
+            schedule,
+            folder / name,
+            fingerprint=fingerprint,
+            resume=resume,
+            device=device,
+            workers=workers if isinstance(task, OF_PICTURES) else 0,
+            progress=progress,
+        )
+        halved(task.model)
+        with torch.no_grad():
+            score |= task.score()
     vocabulary = getattr(task, "vocabulary", None)
     about = About(
         config.model_dump(mode="json"),
@@ -157,7 +160,7 @@ def _task(
     if isinstance(network, DetectorConfig):
         torch.manual_seed(seed)
         return DetectionTask(roots, network.side_px, device)
-    if isinstance(network, WalkerConfig | AdaptiveWalkerConfig | ImitatorConfig):
+    if isinstance(network, WalkerConfig | AdaptiveWalkerConfig | ImitatorNetworkConfig):
         views = views or views_beside(roots[0])
         encoder = trained("view_encoder", ViewEncoder, folder, roots[0])
         if isinstance(network, AdaptiveWalkerConfig):
@@ -165,7 +168,7 @@ def _task(
             torch.manual_seed(seed)
             return AdaptingTask(roots, views, before, encoder, network.walks, device)
         torch.manual_seed(seed)
-        if isinstance(network, ImitatorConfig):
+        if isinstance(network, ImitatorNetworkConfig):
             return ImitationTask(roots, views, network.form, encoder, network.walks, device)
         return ReinforcingTask(roots, views, network.form, encoder, network.walks, device)
     if isinstance(network, MatcherConfig):
@@ -181,7 +184,7 @@ def _task(
         return RefinementTask(roots, network.side_px, detector, device)
     if isinstance(network, ViewEncoderConfig):
         return ViewingTask(roots, detector, device)
-    if isinstance(network, AnswererConfig):
+    if isinstance(network, AnswererNetworkConfig):
         if network.refiner:
             refiner = trained(network.refiner, Refiner, folder, roots[0])
             detector.backbone.load_state_dict(refiner.backbone.state_dict())

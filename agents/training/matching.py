@@ -202,7 +202,7 @@ class MatchingTask:
                 if name == "detected":
                     nearest = iou(picture.targets, match.boxes_of(regions)).max(1)
                     found["recall"] += int((nearest >= RIGHT_IOU).sum())
-        return {f"val_{name}": count / max(asked, 1) for name, count in found.items()}
+        return {f"val_{name}": count / asked for name, count in found.items()} if asked else {}
 
     def _fits(self, batch: list[Choices]) -> Sequence[Fit | None]:
         """What the box head says of what was found in each picture, whether or not that is chosen among."""

@@ -13,6 +13,7 @@ import multiprocessing
 import pickle
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Protocol
@@ -22,9 +23,10 @@ import torch
 from torch import Tensor, nn
 from torch.utils.data import DataLoader, Dataset
 
-from remqa_data.agents.training.config import CURVES
+from remqa_data.agents.training.config import CURVES, DURATION
 from remqa_data.errors import ConfigError
 from remqa_data.files import atomic_path
+from remqa_data.version import __version__
 
 CHECKPOINT = "checkpoint.pt"
 
@@ -143,7 +145,7 @@ def train(
 
     Returns
     -------
-    The last score, with "minutes".
+    The last score.
 
     Raises
     ------
@@ -153,7 +155,6 @@ def train(
     if workers and "fork" not in multiprocessing.get_all_start_methods():
         raise ConfigError("--workers: this system forks no processes; leave it out")
     torch.manual_seed(schedule.seed)
-    torch.use_deterministic_algorithms(device == "cpu")
     run = _Run(task, schedule, folder, fingerprint, device)
     if resume:
         run.go_on()
@@ -169,7 +170,21 @@ def train(
                 run.save()
         run.end_epoch()
     run.model.eval()
-    return run.state.score | {"minutes": run.state.minutes}
+    with atomic_path(folder / DURATION) as temporary:
+        temporary.write_text(json.dumps({"minutes": round(run.state.minutes, 2)}) + "\n", encoding="utf-8")
+    return run.state.score
+
+
+@contextmanager
+def deterministic(device: str) -> Iterator[None]:
+    """Let torch compute the same on the CPU each time; its settings and its generator are as before in the end."""
+    was = torch.are_deterministic_algorithms_enabled()
+    with torch.random.fork_rng(devices=[]):
+        torch.use_deterministic_algorithms(torch.device(device).type == "cpu")
+        try:
+            yield
+        finally:
+            torch.use_deterministic_algorithms(was)
 
 
 class _Run:
@@ -196,7 +211,7 @@ class _Run:
         self.state = _State()
         self.batches = schedule.batches(len(task))
         self.saved = time.monotonic()
-        self._about = json.dumps({"schedule": vars(schedule), "of": fingerprint})
+        self._about = json.dumps({"schedule": vars(schedule), "of": fingerprint, "version": __version__})
         self._is_short = schedule.precision == "bfloat16" and knows_bfloat16(device)
         self._unread: list[Mapping[str, Tensor]] = []
 
@@ -219,9 +234,12 @@ class _Run:
         stored = _checkpoint(path, self.device)
         if stored["about"] != self._about:
             raise ConfigError(f"{path} is of another training; leave --resume out to begin anew")
-        self.model.load_state_dict(stored["model"])
-        self.optimizer.load_state_dict(stored["optimizer"])
-        self.state = _State(**stored["state"])
+        try:
+            self.model.load_state_dict(stored["model"])
+            self.optimizer.load_state_dict(stored["optimizer"])
+            self.state = _State.of(stored["state"])
+        except (RuntimeError, LookupError, ValueError, TypeError, AttributeError):
+            raise ConfigError(_no_checkpoint(path)) from None
 
     def learn_from(self, batch: Any) -> None:
         """One step."""
@@ -292,7 +310,11 @@ def _checkpoint(path: Path, device: str) -> dict[str, Any]:
             return stored
     except (RuntimeError, LookupError, ValueError, TypeError, AttributeError, EOFError, pickle.UnpicklingError):
         pass  # what PyTorch says of a damaged file is of many kinds
-    raise ConfigError(f"{path} is no checkpoint of a training; leave --resume out to begin anew")
+    raise ConfigError(_no_checkpoint(path))
+
+
+def _no_checkpoint(path: Path) -> str:
+    return f"{path} is no checkpoint of a training; leave --resume out to begin anew"
 
 
 class _Batches(Dataset[Any]):
@@ -345,13 +367,27 @@ def _as_it_is(batch: Any) -> Any:
 class _State:
     """How far a training has come."""
 
-    def __init__(self, **stored: Any) -> None:
+    def __init__(self) -> None:
         self.epoch = self.step = 0
         self.minutes = 0.0
         self.sums: dict[str, float] = {}
         self.score: dict[str, float] = {}
         self.curves: list[dict[str, float]] = []
-        self.__dict__.update(stored)
+
+    @classmethod
+    def of(cls, stored: Mapping[str, Any]) -> _State:
+        """That of a checkpoint.
+
+        Raises
+        ------
+        TypeError
+            If it is none.
+        """
+        state = cls()
+        if {name: type(value) for name, value in stored.items()} != {n: type(v) for n, v in vars(state).items()}:
+            raise TypeError(stored.keys())
+        vars(state).update(stored)
+        return state
 
 
 def _write_curves(path: Path, curves: list[dict[str, float]]) -> None:

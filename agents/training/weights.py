@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import torch
+from pydantic import ConfigDict, TypeAdapter
 from torch import nn
 
 from remqa_data.agents.networks.actor_critic import ActorCritic
@@ -24,10 +25,10 @@ from remqa_data.agents.networks.view_encoder import ViewEncoder
 from remqa_data.agents.training.config import (
     SUFFIX,
     AdaptiveWalkerConfig,
-    AnswererConfig,
+    AnswererNetworkConfig,
     DetectorConfig,
     GrounderConfig,
-    ImitatorConfig,
+    ImitatorNetworkConfig,
     MatcherConfig,
     Network,
     NetworkConfig,
@@ -77,10 +78,12 @@ class About:
     words, answers : tuple of str
         Of its vocabulary.
     score : dict
-        Of the val rooms, and the minutes that its training took.
+        Of the val rooms.
     needs, began_with : dict
         sha256 of the weights of the networks that it works with, and of those that it began with, by name.
     """
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
 
     config: dict[str, Any]
     datasets: tuple[str, ...]
@@ -180,7 +183,7 @@ def _opened(path: Path) -> Iterator[Any]:
 def _about(file: Any) -> About:
     """What an opened file says of itself; an error of some kind if it says nothing that is understood here."""
     stored: Mapping[str, Any] = json.loads(file.metadata()[KEY])
-    about = About(**{**stored, **{name: tuple(stored[name]) for name in ("datasets", "types", "words", "answers")}})
+    about = TypeAdapter(About).validate_python(stored)
     if about.format != FORMAT or not about.datasets:
         msg = f"format {about.format} of {len(about.datasets)} datasets"
         raise ValueError(msg)
@@ -284,11 +287,11 @@ def empty_network(about: About) -> nn.Module:
         return ActorCritic(types, "savn")
     if isinstance(network, ViewEncoderConfig):
         return ViewEncoder(types)
-    if isinstance(network, ImitatorConfig):
+    if isinstance(network, ImitatorNetworkConfig):
         if network.form == "planner_controller":
             return PlannerController(words, len(about.answers), types)
         return DOERS[network.form](words, types)
-    if isinstance(network, AnswererConfig):
+    if isinstance(network, AnswererNetworkConfig):
         return ManipulationAnswerer(words, len(about.answers), types, network.views, network.side_px)
     if isinstance(network, GrounderConfig):
         return GROUNDERS[network.form](words)

@@ -104,12 +104,18 @@ def comparison_notes(paths: Sequence[Path], results: Sequence[Results], compared
     """What a reader of the comparison must know; the paths are those of the results."""
     one = compared[0].difference
     lines = [f"{path}: {NOT_REPLAYED}" for path, of in zip(paths, results, strict=True) if of.replayed is False]
+    no_interval = any(one.difference.low is None for one in compared)
     return [
         *lines,
         _verdict(results),
         f"Paired over {counted(one.questions, 'question')} in {counted(one.scenes, 'scene')}; intervals by bootstrap over "
         "scenes, p by swapping the two in whole scenes.",
         "Detectable: the smallest true difference that a test at 5 % finds in 80 % of such test splits.",
+        *(
+            ["-: resampling tells nothing, as there is one scene only, or all differ by the same."]
+            if no_interval
+            else []
+        ),
     ]
 
 

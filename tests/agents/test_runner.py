@@ -13,7 +13,7 @@ import pytest
 
 from remqa_data.agents import runner
 from remqa_data.agents.config import load_system
-from remqa_data.agents.runner import Player, pace_path, play_all, play_split
+from remqa_data.agents.runner import NOTE, Player, pace_path, play_all, play_split, read_pace
 from remqa_data.agents.systems import make_agent
 from remqa_data.errors import ConfigError
 from remqa_data.storage.manifest import MANIFEST, load_manifest
@@ -126,6 +126,9 @@ def test_a_finished_submission_is_not_played_again_but_by_another_run(two_rooms:
         was = path.stat().st_mtime_ns
         assert played(two_rooms, path, "random", **options) == rows
         assert path.stat().st_mtime_ns > was
+    pace_path(path).write_text("{")
+    assert played(two_rooms, path, "random", resume=True, fingerprint="another") == rows
+    assert read_pace(path)["steps"] > 0
 
 
 def test_only_the_same_run_is_gone_on_with(two_rooms: Path, tmp_path: Path) -> None:
@@ -138,6 +141,9 @@ def test_only_the_same_run_is_gone_on_with(two_rooms: Path, tmp_path: Path) -> N
         played(two_rooms, path, "random", progress=stop, fingerprint="one")
     with pytest.raises(ConfigError, match="holds rooms of another run; leave --resume out"):
         played(two_rooms, path, "random", resume=True, fingerprint="another")
+    (tmp_path / "a.jsonl.parts" / NOTE).write_text("{")
+    with pytest.raises(ConfigError, match="holds rooms of another run; leave --resume out"):
+        played(two_rooms, path, "random", resume=True, fingerprint="one")
 
 
 # ---- what an agent never sees

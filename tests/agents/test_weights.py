@@ -1,11 +1,17 @@
 """The weights that come with the package: what they say of themselves, and to a slice of the test split."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
+from safetensors import safe_open
+from safetensors.torch import save_file
 
 from remqa_data.agents.networks.detection.detector import iou
 from remqa_data.agents.training.config import load_network_config, networks
-from remqa_data.agents.training.weights import load_network, weights_path
+from remqa_data.agents.training.weights import KEY, load_network, weights_path
+from remqa_data.errors import ConfigError
 from remqa_data.files import sha256_of
 from tests.helpers.weights_slice import EXPRESSIONS, MATCHERS, QUESTIONS, rows_of, said_answer, said_boxes
 
@@ -55,3 +61,18 @@ def test_matchers_find_what_a_slice_of_the_test_split_means_as_they_did() -> Non
         assert np.mean(np.diagonal(iou(boxes, before)) > 0.9) >= 0.95, name
         hits = [np.mean(np.diagonal(iou(found, true)) >= 0.5) for found in (boxes, before)]
         assert hits[0] == pytest.approx(hits[1], abs=0.05), name
+
+
+@pytest.mark.parametrize(
+    "change", [{"datasets": [1]}, {"datasets": []}, {"config": 3}, {"format": 9}, {"more": "words"}]
+)
+def test_weights_that_say_other_things_of_themselves_are_refused_in_one_line(
+    tmp_path: Path, change: dict[str, object]
+) -> None:
+    with safe_open(weights_path("plain_matcher"), framework="pt") as file:
+        tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - it is no mapping
+        told = json.loads(file.metadata()[KEY]) | change
+    path = tmp_path / "changed.safetensors"
+    save_file(tensors, path, metadata={KEY: json.dumps(told)})
+    with pytest.raises(ConfigError, match=r"changed\.safetensors is no network that remqa-agent has trained"):
+        load_network(path, tmp_path)

@@ -1,5 +1,6 @@
 import csv
 import errno
+import json
 import subprocess
 import sys
 import time
@@ -10,7 +11,8 @@ import pytest
 import torch
 
 from remqa_data.agents.training import trainer
-from remqa_data.agents.training.trainer import CHECKPOINT, CURVES, train
+from remqa_data.agents.training.config import CURVES, DURATION
+from remqa_data.agents.training.trainer import CHECKPOINT, deterministic, train
 from remqa_data.errors import ConfigError
 from tests.helpers.small_training import SCHEDULE, Sums, checksum
 
@@ -18,7 +20,9 @@ from tests.helpers.small_training import SCHEDULE, Sums, checksum
 @pytest.mark.slow
 def test_it_learns_and_writes_its_curves(tmp_path: Path) -> None:
     score = train(Sums(), replace(SCHEDULE, epochs=40), tmp_path)
+    assert set(score) == {"val_error"}
     assert score["val_error"] < 0.1
+    assert json.loads((tmp_path / DURATION).read_text())["minutes"] < 5
     with (tmp_path / CURVES).open() as file:
         curves = list(csv.DictReader(file))
     assert [row["epoch"] for row in curves] == [str(epoch) for epoch in range(1, 41)]
@@ -127,20 +131,44 @@ def test_a_killed_run_ends_with_the_same_weights(tmp_path: Path) -> None:
     assert sums[0] == sums[1]
 
 
-def test_only_the_same_training_is_gone_on_with(tmp_path: Path) -> None:
+def test_only_the_same_training_is_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     train(Sums(), SCHEDULE, tmp_path)
     with pytest.raises(ConfigError, match="is of another training; leave --resume out"):
         train(Sums(), replace(SCHEDULE, learning_rate=0.02), tmp_path, resume=True)
     with pytest.raises(ConfigError, match="is of another training"):
         train(Sums(), SCHEDULE, tmp_path, fingerprint="another dataset", resume=True)
+    monkeypatch.setattr(trainer, "__version__", "0.0.1")
+    with pytest.raises(ConfigError, match="is of another training"):
+        train(Sums(), SCHEDULE, tmp_path, resume=True)
+
+
+@pytest.mark.parametrize("device", ["cpu", "cpu:0"])
+def test_torch_is_left_as_it_was(device: str) -> None:
+    before = torch.get_rng_state()
+    with deterministic(device):
+        torch.manual_seed(1)
+        assert torch.are_deterministic_algorithms_enabled()
+    assert torch.equal(torch.get_rng_state(), before)
+    assert not torch.are_deterministic_algorithms_enabled()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", [b"", b"junk" * 100, b"PK\x03\x04" + b"\0" * 50, "half", "other"])
+@pytest.mark.parametrize(
+    "damage", [b"", b"junk" * 100, b"PK\x03\x04" + b"\0" * 50, "half", "other", "model", "epoch", "no minutes"]
+)
 def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path, damage: bytes | str) -> None:
     train(Sums(), SCHEDULE, tmp_path)
     path = tmp_path / CHECKPOINT
-    if damage == "half":
+    if damage in ("model", "epoch", "no minutes"):
+        stored = torch.load(path)
+        if damage == "model":
+            del stored["model"]["0.weight"]
+        elif damage == "epoch":
+            stored["state"]["epoch"] = "two"
+        else:
+            del stored["state"]["minutes"]
+        torch.save(stored, path)
+    elif damage == "half":
         path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     elif damage == "other":
         torch.save({"weights": torch.ones(3)}, path)

@@ -125,6 +125,7 @@ def test_a_comparison_says_who_is_ranked_first_and_who_has_no_rank(three: list[P
     assert not REPLAYED & {one.name for one in compare(*load_comparable([claims, opens]))}
     assert "Ranked by S_MQA, which only a replay measures: no rank for A." in noted(claims, opens)
     assert "Ranked by S_MQA, which only a replay measures: no rank for A and B." in noted(claims, claims)
+    assert noted(claims, claims)[-1].startswith("-: resampling tells nothing")
 
 
 def noted(*paths: Path) -> list[str]:

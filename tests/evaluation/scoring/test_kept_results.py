@@ -10,8 +10,13 @@ from remqa_data.evaluation.submission.reader import open_submission
 from tests.helpers.submissions import results_of, written
 
 
-def answers(path: Path, answer: str) -> Path:
-    return written(path, "qa", [{"question_id": f"Kitchen3-q{i}", "answer": answer} for i in range(10)])
+def answers(path: Path, answer: str, count: int = 10) -> Path:
+    return written(path, "qa", [{"question_id": f"Kitchen3-q{i}", "answer": answer} for i in range(count)])
+
+
+@pytest.fixture(autouse=True)
+def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(kept_results, "cache_folder", lambda: tmp_path / "cache")
 
 
 @pytest.fixture
@@ -37,12 +42,31 @@ def test_a_submission_is_scored_once_until_it_changes(data: Path, tmp_path: Path
     assert len(scorings) == 2
 
 
-@pytest.mark.parametrize("change", [{"replayed": False}, {"versions": {"remqa-data": "0.0.1"}}])
-def test_what_was_believed_or_found_by_another_version_is_found_again(
-    data: Path, tmp_path: Path, scorings: list[str], change: dict[str, object]
-) -> None:
-    path = answers(tmp_path / "a.jsonl", "yes")
-    kept = results_of(data, path).model_copy(update=change)
-    write_results(tmp_path / "a.results.json", kept)
-    assert score_once(open_submission(path), load_ground_truth(data, "qa", "test")) != kept
+def test_what_lies_beside_a_submission_is_not_believed(data: Path, tmp_path: Path, scorings: list[str]) -> None:
+    """Who submits may write it: a perfect score of the same file, dataset and version."""
+    path = answers(tmp_path / "a.jsonl", "no")
+    honest = results_of(data, path)
+    perfect = results_of(data, answers(tmp_path / "b.jsonl", "yes")).model_copy(
+        update={"submission": honest.submission}
+    )
+    assert perfect.metric("answer_accuracy") != honest.metric("answer_accuracy")
+    beside = tmp_path / "a.results.json"
+    write_results(beside, perfect)
+    assert score_once(open_submission(path), load_ground_truth(data, "qa", "test")) == honest == load_results(beside)
     assert len(scorings) == 1
+
+
+def test_other_questions_another_version_or_a_damaged_file_is_scored_again(
+    data: Path, tmp_path: Path, scorings: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, truth = answers(tmp_path / "a.jsonl", "yes", count=4), load_ground_truth(data, "qa", "test")
+    whole = score_once(open_submission(path), truth)
+    part = score_once(open_submission(path), truth.only(truth.ids.to_pylist()[:4]))
+    assert (whole.counts.asked, part.counts.asked, len(scorings)) == (len(truth.ids), 4, 2)
+    for kept in (tmp_path / "cache" / "scores").iterdir():
+        kept.write_text("{")
+    assert score_once(open_submission(path), truth) == whole
+    assert len(scorings) == 3
+    monkeypatch.setattr(kept_results, "__version__", "0.0.1")
+    score_once(open_submission(path), truth)
+    assert len(scorings) == 4

@@ -12,10 +12,12 @@ from remqa_data.evaluation.cli import app
 from remqa_data.evaluation.report.comparison import compare, load_comparable
 from remqa_data.evaluation.report.tables import in_words, print_results, rounded
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
-from remqa_data.evaluation.scoring.results import SCHEMA_PATH, load_results, schema_json, write_results
+from remqa_data.evaluation.scoring.results import load_results, schema_json, write_results
 from remqa_data.evaluation.submission.reader import Header, write_submission
 from remqa_data.storage.manifest import load_manifest
 from tests.helpers.submissions import results_of, written
+
+SCHEMA_PATH = Path(__file__).parents[3] / "evaluation" / "scoring" / "results.schema.json"
 
 
 def answers(data: Path, path: Path, answer: str, agent: str = "a") -> Path:
