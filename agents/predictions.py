@@ -20,7 +20,7 @@ from remqa_data.agents.networks.detection.regions import AnyDetector
 from remqa_data.agents.networks.grounding import Grounder, grounded
 from remqa_data.agents.networks.matcher import Matcher
 from remqa_data.agents.training.answering import AskedViews
-from remqa_data.agents.training.config import AnswererConfig, is_committee, load_committee_config
+from remqa_data.agents.training.config import AnswererNetworkConfig, is_committee, load_committee_config
 from remqa_data.agents.training.grounding import asked_frames, seen_frames
 from remqa_data.agents.training.matching import Progress, frames_with_expressions, referred_pictures
 from remqa_data.agents.training.weights import (
@@ -122,7 +122,7 @@ def predict_answers(
 ) -> list[dict[str, Any]]:
     """What an answerer says to the questions of a split, from the stored views: rows of the track `qa`."""
     config = about.network.network
-    assert isinstance(config, AnswererConfig)
+    assert isinstance(config, AnswererNetworkConfig)
     views = AskedViews(root, split, with_box=config.with_box, side_px=network.side_px)
     vocabulary, rows = about.vocabulary, []
     network = network.to(device)

@@ -186,7 +186,7 @@ def _answerer(
     require("torch", "agents")
     from remqa_data.agents.networks.answerer import ManipulationAnswerer
     from remqa_data.agents.parts.network_answerer import NetworkAnswerer
-    from remqa_data.agents.training.config import AnswererConfig
+    from remqa_data.agents.training.config import AnswererNetworkConfig
     from remqa_data.agents.training.weights import load_trained
 
     network, about = load_trained(config.network, weights, root, force=force)
@@ -197,7 +197,7 @@ def _answerer(
             f"looks: {config.network!r} compares two views from one place; take one that has the end alone"
         )
     settings = about.network.network
-    assert isinstance(settings, AnswererConfig)
+    assert isinstance(settings, AnswererNetworkConfig)
     return NetworkAnswerer(network, about.vocabulary, settings.with_box)
 
 

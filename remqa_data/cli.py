@@ -11,6 +11,7 @@ import typer
 
 from remqa_data.command_line import command_group, output
 from remqa_data.errors import ConfigError
+from remqa_data.export import Format
 from remqa_data.files import beside, check_beside
 from remqa_data.limits import MOST_SEED
 from remqa_data.processes.interrupts import ends_the_process
@@ -165,9 +166,7 @@ def export(
         list[str] | None,
         typer.Option("--open", metavar="ID", help="Open this object, or all; give it as often as needed."),
     ] = None,
-    form: Annotated[
-        Literal["glb", "mjcf", "urdf", "usd"] | None, typer.Option("--format", help="Whatever the file is called.")
-    ] = None,
+    form: Annotated[Format | None, typer.Option("--format", help="Whatever the file is called.")] = None,
 ) -> None:
     """Write a room for other programs: a GLB with textures and names, or MJCF, URDF and USD with joints, masses and meshes."""
     from remqa_data.export.rooms import find_scene, write_room

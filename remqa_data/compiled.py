@@ -26,6 +26,7 @@ SOURCES = (
     "mapping/voxel_votes",
     "sim/arm/obstacles",
     "sim/light/bake",
+    "sim/light/gather",
     "sim/light/patches",
     "sim/light/volume",
     "sim/light/voxels",

@@ -1,4 +1,4 @@
-"""The floors of docs/ARCHITECTURE.md are those of the code: every room is on one, and every import points down."""
+"""The floors of docs/ARCHITECTURE.md are those of the code: every package is on one, and every import points down."""
 
 import ast
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ MOST_MODULES = 16
 
 
 def floors() -> list[list[str]]:
-    """The rooms of each floor, from the top."""
+    """The packages of each floor, from the top."""
     block = (ROOT / "docs" / "ARCHITECTURE.md").read_text(encoding="utf-8").split("```")[1]
     return [line.split("   ")[0].split() for line in block.strip().splitlines()]
 
@@ -31,8 +31,8 @@ def modules() -> dict[str, Path]:
     return found
 
 
-def room_of(module: str, all_modules: dict[str, Path]) -> str:
-    """The package in which a module lies; modules at the root are rooms of their own."""
+def package_of(module: str, all_modules: dict[str, Path]) -> str:
+    """The package in which a module lies; modules at the root count as packages of their own."""
     is_package = all_modules[module].name == "__init__.py"
     return module if is_package or "." not in module else module.rpartition(".")[0]
 
@@ -64,10 +64,10 @@ def imported_modules(path: Path, all_modules: dict[str, Path]) -> Iterator[str]:
 
 @cache
 def arrows() -> frozenset[tuple[str, str]]:
-    """Pairs of rooms of which the first imports the second."""
+    """Pairs of packages of which the first imports the second."""
     known = modules()
     pairs = (
-        (room_of(name, known), room_of(other, known))
+        (package_of(name, known), package_of(other, known))
         for name, path in known.items()
         if name  # the package itself offers names from everywhere
         for other in imported_modules(path, known)
@@ -75,16 +75,16 @@ def arrows() -> frozenset[tuple[str, str]]:
     return frozenset((upper, lower) for upper, lower in pairs if upper != lower)
 
 
-def test_every_room_is_on_exactly_one_floor():
-    named = [room for floor in floors() for room in floor]
+def test_every_package_is_on_exactly_one_floor():
+    named = [package for floor in floors() for package in floor]
     known = modules()
-    rooms = {room_of(name, known) for name in known if name} - {"assets.types"}
+    packages = {package_of(name, known) for name in known if name} - {"assets.types"}
     assert sorted(named) == sorted(set(named))
-    assert set(named) == rooms
+    assert set(named) == packages
 
 
 def test_imports_point_down_the_floors():
-    level = {room: number for number, floor in enumerate(floors()) for room in floor}
+    level = {package: number for number, floor in enumerate(floors()) for package in floor}
     found = arrows()
     assert len(found) > 100
     assert sorted((upper, lower) for upper, lower in found if level[upper] > level[lower]) == []
@@ -105,8 +105,8 @@ def test_the_check_of_imports_sees_every_way_of_importing(tmp_path):
     assert list(imported_names(path, tmp_path)) == ["remqa_data.generators.cli"]
 
 
-def test_rooms_of_one_floor_do_not_import_each_other():
-    level = {room: number for number, floor in enumerate(floors()) for room in floor}
+def test_packages_of_one_floor_do_not_import_each_other():
+    level = {package: number for number, floor in enumerate(floors()) for package in floor}
     found = arrows()
     assert [(a, b) for a, b in found if level[a] == level[b] and (b, a) in found] == []
 

@@ -38,6 +38,9 @@ VOTING_IOU = 0.5
 VOTING_SHARPNESS = 4.0
 """What their scores are multiplied with before they are weighed by a softmax."""
 
+MARGIN = 1.0
+"""By how much the right pair of object and expression is to fit better than a wrong one."""
+
 UNLIKELY = -1e4
 """Logit of what cannot be: nothing is its own anchor, unless it is alone."""
 
@@ -284,8 +287,8 @@ def _unit(vectors: Tensor) -> Tensor:
     return functional.normalize(vectors, dim=-1)
 
 
-def ranking_loss(right: Tensor, wrong: Tensor, margin: float = 1.0) -> Tensor:
-    """Hinge loss of one expression with its object.
+def ranking_loss(right: Tensor, wrong: Tensor) -> Tensor:
+    """Hinge loss of one expression with its object, which is to fit better by `MARGIN`.
 
     Parameters
     ----------
@@ -293,8 +296,6 @@ def ranking_loss(right: Tensor, wrong: Tensor, margin: float = 1.0) -> Tensor:
         How well the object that is meant fits the expression.
     wrong : (k,)
         How well other objects of the picture fit it, and other expressions the object.
-    margin : float
-        By how much the right pair is to fit better.
 
     Returns
     -------
@@ -302,5 +303,5 @@ def ranking_loss(right: Tensor, wrong: Tensor, margin: float = 1.0) -> Tensor:
     """
     if not len(wrong):
         return right * 0
-    short = functional.relu(margin + wrong - right)
+    short = functional.relu(MARGIN + wrong - right)
     return short.mean() + short.amax()

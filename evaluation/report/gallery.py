@@ -13,7 +13,7 @@ from remqa_data.datasets.frames import Frames
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.evaluation.report.tables import failed_at, in_words, rounded
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
-from remqa_data.evaluation.scoring.replay import Attempt, Pose, Room, does, load_room, place_of, replay_jobs, walk
+from remqa_data.evaluation.scoring.replay import Attempt, Room, does, load_room, place_of, replay_jobs, walk
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.scoring.scoring import attempt_of
 from remqa_data.evaluation.submission.reader import Submission
@@ -22,6 +22,7 @@ from remqa_data.geometry.types import F64, I64, U8
 from remqa_data.opencv import cv2
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import visible_box
+from remqa_data.sim.navigation.viewpoints import Pose
 from remqa_data.sim.render.camera import TopDownCamera
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.images import decode_rgb

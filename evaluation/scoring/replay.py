@@ -18,12 +18,10 @@ from remqa_data.sim.agent.outcome import Wanted, is_manipulated, look_before
 from remqa_data.sim.agent.replay import Replay
 from remqa_data.sim.metadata import Box2D, visible_box
 from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
-from remqa_data.sim.navigation.viewpoints import AgentPose
+from remqa_data.sim.navigation.viewpoints import AgentPose, Pose
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.rows import EmbodimentRow, configuration_name
 
-Pose = tuple[float, float, float, float]
-"""x, y in metres, yaw_deg, horizon_deg."""
 Room = tuple[str, int]
 """A scene and its configuration."""
 

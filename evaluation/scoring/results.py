@@ -6,8 +6,6 @@
 from __future__ import annotations
 
 import json
-import platform
-from importlib import metadata
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -26,14 +24,13 @@ from remqa_data.geometry.types import F64
 from remqa_data.metrics import LOCALISED_IOU, SUCCESS_DISTANCE_M
 from remqa_data.sim.agent.outcome import OPEN_SHARE
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS
+from remqa_data.storage.manifest import versions_of
 from remqa_data.tables.rows import KINDS
-from remqa_data.version import __version__
 
 SAME_MEAN = 1e-9
 """Means of the same numbers differ by no more, in whatever order they are added up."""
 FORMAT: Final = "remqa-results"
 VERSION: Final = 1
-SCHEMA_PATH = Path(__file__).with_name("results.schema.json")
 VERSIONED = ("numpy", "scipy", "pyarrow", "pybullet", "numba")
 NOT_REPLAYED = "NOT REPLAYED: poses, path lengths and true boxes are what the submission claims."
 OVERALL = "overall"
@@ -146,7 +143,7 @@ def make_results(submission: Submission, truth: GroundTruth, scores: Scores, *, 
             seed=truth.manifest.seed,
             config_sha256=truth.manifest.config_sha256,
         ),
-        versions=_versions(),
+        versions=versions_of(VERSIONED),
         config={
             "success_distance_m": SUCCESS_DISTANCE_M,
             "min_pixels": MIN_PIXELS,
@@ -255,8 +252,3 @@ def _samples(truth: GroundTruth, scores: Scores) -> dict[str, list[Any]]:
             value if said else None for value, said in zip(details.tolist(), columns["answered"], strict=True)
         ]
     return columns
-
-
-def _versions() -> dict[str, str]:
-    own = {"remqa-data": __version__, "python": platform.python_version()}
-    return own | {package: metadata.version(package) for package in VERSIONED}

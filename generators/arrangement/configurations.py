@@ -57,7 +57,6 @@ def arrange(
     places: Sequence[HidingPlace],
     wishes: Sequence[Hidden],
     rng: np.random.Generator,
-    moved_share: float | None = None,
 ) -> Configuration:
     """One arrangement of a room that fulfils wishes.
 
@@ -71,8 +70,6 @@ def arrange(
         What to hide. A place can occur several times, with different types.
     rng : numpy.random.Generator
         Draws looks, places and turns; the same state gives the same arrangement.
-    moved_share : float, optional
-        Share of the other loose things that find a new place; by default that of `hiding.yaml`.
 
     Returns
     -------
@@ -85,14 +82,13 @@ def arrange(
     ArrangementError
         If this cannot be done: names the place and what went wrong in the last attempt.
     """
-    share = hiding_rules().moved_share if moved_share is None else moved_share
     things = WishedThings.made(scene, wishes, rng)
     hidden = things.hidden
     with World(things.scene) as world:
         puts = {key: things.pack(world, key, rng) for key in things.by_place}
         things.put_all(world, puts)
         view = WorldView(world)
-        lost = _move_loose_things(world, view, scene, places, hidden, share, rng)
+        lost = _move_loose_things(world, view, scene, places, hidden, rng)
         arranged = world.save()
         violations_found: list[Violation] = []
         tried: Counter[PlaceKey] = Counter()
@@ -123,7 +119,6 @@ def _move_loose_things(
     scene: Scene,
     places: Sequence[HidingPlace],
     hidden: Wished,
-    share: float,
     rng: np.random.Generator,
 ) -> set[str]:
     """Clear the asked places and the views of them, and move a share of the other things; ids that found no place."""
@@ -135,7 +130,7 @@ def _move_loose_things(
     must = {o for wish, _ in hidden for o in _inside(world, wish.place)} | blockers(world, view, hidden)
     must = {object_id for object_id in must if object_id not in mine and object_id in set(loose)}
     free = [object_id for object_id in loose if object_id not in must and not world.contents(object_id)]
-    count = round(share * len(free))
+    count = round(hiding_rules().moved_share * len(free))
     chosen = [free[i] for i in sorted(rng.choice(len(free), size=count, replace=False))] if count else []
     keep_out = _keep_out(world, [place for place in places if place.object_id in asked])
     surfaces = open_surfaces(world, set(asked))

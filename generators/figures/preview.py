@@ -69,12 +69,12 @@ def room_map(scene: Scene, view: WorldView, grid: ReachableGrid, size_px: int) -
     return image
 
 
-def spread_views(view: WorldView, grid: ReachableGrid, size_px: int, count: int = VIEWS) -> list[Camera]:
-    """Cameras spread over the reachable cells, each turned to where most objects are seen that no earlier one saw."""
+def spread_views(view: WorldView, grid: ReachableGrid, size_px: int) -> list[Camera]:
+    """`VIEWS` cameras spread over the reachable cells, each turned to where most objects are seen that no earlier one saw."""
     positions = grid.positions()
     x0, y0, x1, y1 = view.world.scene.bounds
     chosen = [int(np.argmax(np.linalg.norm(positions - [(x0 + x1) / 2, (y0 + y1) / 2], axis=1)))]
-    while len(chosen) < count:
+    while len(chosen) < VIEWS:
         gaps = np.min([np.linalg.norm(positions - positions[i], axis=1) for i in chosen], axis=0)
         chosen.append(int(np.argmax(gaps)))
     seen = np.zeros(len(view.world.ids), dtype=np.int64)

@@ -53,7 +53,7 @@ V = TypeVar("V")
 
 
 class Place(NamedTuple):
-    """Where a row is: in which split of its table, and the how manyeth there."""
+    """Where a row is: in which split of its table, and in which place there, from 0."""
 
     split: str
     row: int

@@ -50,8 +50,6 @@ DISCRETE = (
 """The actions of the discrete space, as text. They act on what is in the middle of the view."""
 PARAMETRISED = (*WALKING, *MANIPULATION, DONE, ANSWER)
 """The names of the actions of the parametrised space."""
-SCALES = {"metres": 1.0, "degrees": 180.0, "openness": 1.0, "metres above the floor": 2.0, "x": 2.0, "y": 2.0, "z": 2.0}
-"""What an amount of 1 in the parametrised space stands for: metres, or degrees."""
 
 
 @dataclass(frozen=True)
@@ -140,8 +138,8 @@ def command(action: Any, mode: ActionMode, agent: Agent) -> Command:
     ----------
     action : int, dict, str or Command
         A dictionary has "action", an index into `PARAMETRISED`; "point", the image point (shares of width and height)
-        of what it is done to; "amounts", its numbers in the order of `remqa_data.sim.agent.actions`, in units of `SCALES`;
-        "box", see `Command` (without area: none); "answer", an index into `ANSWERS`. An amount of 0 stands for the
+        of what it is done to; "amounts", its numbers in the order of `remqa_data.sim.agent.actions`, in units of their
+        `scale`; "box", see `Command` (without area: none); "answer", an index into `ANSWERS`. An amount of 0 stands for the
         default where there is one, an amount beyond what the action takes for the nearest that it takes, and a position
         is ahead, left and up of where the agent stands.
     mode : {"discrete", "parametrised"}
@@ -187,17 +185,18 @@ def _of_entries(entries: Mapping[str, Any], agent: Agent) -> Command:
     spec = action_spec(name)
     x, y = (float(share) for share in entries["point"])
     numbers = tuple(
-        _number(float(value), amount) for value, amount in zip(entries["amounts"], spec.amounts, strict=False)
+        _number(float(value), amount, agent) for value, amount in zip(entries["amounts"], spec.amounts, strict=False)
     )
     if spec.amounts == POSITION:
         numbers = _in_room(numbers, agent)
     return Command(Action(name, (x, y) if spec.has_target else None, numbers), box=box)
 
 
-def _number(value: float, amount: Amount) -> float:
-    if value == 0.0 and amount.default is not None:
-        return amount.default
-    return min(max(value * SCALES[amount.name], amount.low), amount.high)
+def _number(value: float, amount: Amount, agent: Agent) -> float:
+    default = amount.default_of(agent.embodiment)
+    if value == 0.0 and default is not None:
+        return default
+    return min(max(value * amount.scale, amount.low), amount.high)
 
 
 def _in_room(numbers: tuple[float, ...], agent: Agent) -> tuple[float, ...]:

@@ -28,7 +28,7 @@ from remqa_data.env.actions import ActionMode, Shares, action_space, command
 from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes, check_counts
 from remqa_data.env.loaded_scene import LoadedRoom
 from remqa_data.env.question import QuestionText
-from remqa_data.env.record import EpisodeRecord
+from remqa_data.env.record import EpisodeRecord, reward_of
 from remqa_data.errors import ActionError
 from remqa_data.limits import MOST_IMAGE_PX
 from remqa_data.scene import Scene
@@ -225,7 +225,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
                 info["answer"] = wanted.answer
                 self.record.look(self.agent, task, self._in_frame(wanted.box))
                 info |= self.record.measures(task, wanted.answer)
-                reward = float(info["S_N"] and info["answer_accuracy"])
+                reward = reward_of(info, terminated)
         return self._observe(info), reward, terminated, truncated, info
 
     def render(self) -> npt.NDArray[np.uint8] | None:

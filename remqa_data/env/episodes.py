@@ -17,13 +17,10 @@ from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import Action, parse_actions
 from remqa_data.sim.agent.outcome import Wanted
 from remqa_data.sim.navigation.embodiment import Embodiment
-from remqa_data.sim.navigation.viewpoints import FRAME_PX
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, Pose
 from remqa_data.sim.physics.world import World
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.rows import configuration_name
-
-Pose = tuple[float, float, float, float]
-"""x, y in metres, yaw_deg, horizon_deg."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ How the room is just after it decides whether it has manipulated: that is what t
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -68,7 +69,7 @@ class EpisodeRecord:
     def walked(self, action: Action, agent: Agent) -> None:
         """Note a navigation action, done or refused."""
         if self.manipulation is None:
-            self.walk.append(action.in_short())
+            self.walk.append(action.in_short(agent.embodiment))
             self.positions.append((agent.x, agent.y))
 
     def look(self, agent: Agent, task: Task, box: Shares | None) -> None:
@@ -87,7 +88,7 @@ class EpisodeRecord:
         if action.name in (PUSH, PULL):
             self.manipulation = Action(MOVE, object_id, agent.world.state(object_id).position)
         else:
-            self.manipulation = Action(action.name, object_id, action.numbers).in_short()
+            self.manipulation = Action(action.name, object_id, action.numbers).in_short(agent.embodiment)
         if self.before is not None:
             wanted = self.before.wanted
             is_meant = (KIND_OF[action.name], object_id) == (wanted.kind, wanted.object_id)
@@ -119,6 +120,14 @@ class EpisodeRecord:
             "path_length_m": float(walked_m[0]),
             "steps": len(self.walk),
         }
+
+
+def reward_of(measures: Mapping[str, Any], terminated: bool) -> float:
+    """Of an episode's last step: 1 if the agent has ended it, had navigated to the target and answered rightly, else 0.
+
+    Where nothing is answered, as in walks over cached views, to have navigated is enough.
+    """
+    return float(terminated and measures["S_N"] and measures.get("answer_accuracy", True))
 
 
 def _in_pixels(box: Shares) -> tuple[float, float, float, float]:

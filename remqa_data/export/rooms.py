@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.etree.ElementTree import ElementTree, indent
 
 from remqa_data.errors import ConfigError, DatasetError, OutputError, UnknownNameError
+from remqa_data.export import Format
 from remqa_data.export.glb import glb_bytes, room_scene
 from remqa_data.export.mjcf import mjcf
 from remqa_data.export.model import RoomModel, room_model
@@ -20,7 +21,14 @@ from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_rows, read_table
 from remqa_data.tables.rows import SceneRow, configuration_name
 
-FORMATS = {".glb": "glb", ".xml": "mjcf", ".urdf": "urdf", ".usd": "usd", ".usda": "usd", ".usdc": "usd"}
+FORMATS: dict[str, Format] = {
+    ".glb": "glb",
+    ".xml": "mjcf",
+    ".urdf": "urdf",
+    ".usd": "usd",
+    ".usda": "usd",
+    ".usdc": "usd",
+}
 """By the suffix of a file, in small letters."""
 BINARY_USD = ".usdc"
 MESH_SUFFIXES = (".obj", ".mtl", ".png")
@@ -63,7 +71,7 @@ def find_scene(name: str, data: Path | None = None, configuration: int = 0) -> S
     raise DatasetError(f"{data}: {name} has no configuration {configuration}; it has: {there}")
 
 
-def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterable[str] = ()) -> list[Path]:
+def write_room(scene: Scene, path: Path, form: Format | None = None, opened: Iterable[str] = ()) -> list[Path]:
     """Write a room; returns the files, the meshes and textures first, which lie beside it in the folder FILE-meshes.
 
     Parameters
@@ -88,8 +96,8 @@ def write_room(scene: Scene, path: Path, form: str | None = None, opened: Iterab
     UnknownNameError, ActionError
         If an object is not there, or does not open.
     """
-    form = form or FORMATS.get(path.suffix.lower(), "")
-    if form not in FORMATS.values():
+    form = form or FORMATS.get(path.suffix.lower())
+    if form is None or form not in FORMATS.values():
         raise OutputError(f"{path}: give a name that ends with {', '.join(FORMATS)}, or --format")
     if form == "usd":
         require("pxr", "usd")  # before a room is made
@@ -139,7 +147,7 @@ def _check_meshes(folder: Path) -> None:
             )
 
 
-def _write(room: RoomModel, form: str, path: Path) -> None:
+def _write(room: RoomModel, form: Format, path: Path) -> None:
     if form == "usd":
         from remqa_data.export.usd import write_usd
 

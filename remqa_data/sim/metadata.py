@@ -161,10 +161,9 @@ def frame_metadata(
     observation: Observation,
     agent: AgentState,
     camera: Camera,
-    min_pixels: int | None = None,
     known: Mapping[str, ObjectMetadata] | None = None,
 ) -> FrameMetadata:
-    """What one frame shows.
+    """What one frame shows: each object of which `scaled_min_pixels` pixels or more are seen.
 
     Parameters
     ----------
@@ -176,20 +175,16 @@ def frame_metadata(
         Where the agent was.
     camera : Camera
         What drew the frame.
-    min_pixels : int, optional
-        An object is listed when at least this many pixels are its own; by default `viewpoints.MIN_PIXELS`, which is
-        meant for a 300 x 300 frame, in proportion to the area of this frame.
     known : mapping, optional
         `object_metadata(world)`, if the caller has it already: for many frames of one unchanged world.
     """
     records = object_metadata(world) if known is None else known
     image = observation.objects
-    least = scaled_min_pixels(image.shape) if min_pixels is None else min_pixels
     counts = pixel_counts(image, len(world.ids))
     boxes = find_objects(image + 1)
     eye = np.asarray(camera.position)
     visible = []
-    for index in np.flatnonzero(counts >= max(least, 1)):
+    for index in np.flatnonzero(counts >= scaled_min_pixels(image.shape)):
         record = records[world.ids[index]]
         box = np.asarray(record.box)
         visible.append(

@@ -12,7 +12,7 @@ import os
 import platform
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from importlib import metadata
@@ -149,8 +149,13 @@ def make_manifest(
 
 def versions_here() -> dict[str, str]:
     """Of this package, Python and the packages that make the bytes, as they are in this environment."""
+    return versions_of(VERSIONED)
+
+
+def versions_of(packages: Iterable[str]) -> dict[str, str]:
+    """Of this package, Python and some others, as they are in this environment."""
     here = {"remqa-data": __version__, "python": platform.python_version()}
-    return here | {package: _version_of(package) for package in VERSIONED}
+    return here | {package: _version_of(package) for package in packages}
 
 
 def _version_of(package: str) -> str:

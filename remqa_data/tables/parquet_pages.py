@@ -57,13 +57,10 @@ class Unpacked:
     ----------
     bytes, values : int
         Of all pages.
-    dictionary_bytes : int
-        Of its dictionary; no text that rows repeat is longer.
     """
 
     bytes: int
     values: int
-    dictionary_bytes: int
 
 
 def row_groups(data: Any) -> list[list[Chunk]]:
@@ -104,8 +101,7 @@ def unpacked(data: Any, column: Any) -> Unpacked:
     found = list(pages(data, column))
     if any(page.encoding == DELTA_BYTE_ARRAY for page in found):
         raise PageError("the encoding DELTA_BYTE_ARRAY, which is not read; write the file with a dictionary")
-    dictionary = max((page.bytes for page in found if not page.values), default=0)
-    return Unpacked(sum(page.bytes for page in found), sum(page.values for page in found), dictionary)
+    return Unpacked(sum(page.bytes for page in found), sum(page.values for page in found))
 
 
 def pages(data: Any, column: Any) -> Iterator[Page]:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from remqa_data.errors import DamagedShardError, DatasetError
-from remqa_data.storage.manifest import MANIFEST, load_manifest, make_manifest
+from remqa_data.storage.manifest import MANIFEST, load_manifest, make_manifest, versions_of
 from remqa_data.storage.shards import read_table
 
 
@@ -94,3 +94,4 @@ def test_opencv_may_be_of_another_package(monkeypatch: pytest.MonkeyPatch) -> No
     versions = make_manifest(seed=0, config={}, files=(), questions={}, refused={}).versions
     assert known("opencv-python-headless").startswith(versions["opencv-python-headless"])
     assert versions["numpy"] == known("numpy")
+    assert versions_of(["opencv-python-headless"])["opencv-python-headless"] == versions["opencv-python-headless"]

@@ -1,11 +1,13 @@
 """What changes how things look, as AI2-THOR's pages on domain randomization say, and how allenact marks objects."""
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from remqa_data.thor import Controller
+from remqa_data.thor.actions.looks import randomize_materials
 
 pytestmark = pytest.mark.slow
 
@@ -133,6 +135,13 @@ def test_looks_that_are_refused_change_nothing(kitchen, action, arguments, words
     assert not event
     assert words in event.metadata["errorMessage"]
     assert np.array_equal(event.frame, before.frame)
+
+
+def test_a_type_of_room_that_is_none_of_ai2_thors_is_named_like_the_others() -> None:
+    world = SimpleNamespace(scene=SimpleNamespace(room_type="tool_shed"))
+    simulator = SimpleNamespace(room=SimpleNamespace(scene="FloorPlan301", world=world))
+    refused = randomize_materials(simulator, inRoomTypes=["Kitchen"])
+    assert refused.error == "inRoomTypes must include toolshed in FloorPlan301, which is one"
 
 
 def test_light_is_as_bright_and_as_coloured_as_asked_for(rooms) -> None:

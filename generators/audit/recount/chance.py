@@ -40,9 +40,9 @@ class CueScore:
     error: float
 
     @property
-    def tells(self) -> bool:
-        """Whether the cue does better than guessing does in 97.5 of 100 tries."""
-        return self.accuracy > self.chance + SURE * self.error
+    def luck(self) -> float:
+        """The accuracy that guessing does not exceed in 97.5 of 100 tries."""
+        return self.chance + SURE * self.error
 
 
 def cue_scores(views: pd.DataFrame) -> list[CueScore]:

@@ -54,8 +54,7 @@ def recount(root: str | os.PathLike[str]) -> pd.DataFrame:
     figures = [*_truths(views), _most("targets moved to where they cannot go or stand", len(misplaced(root)), 0)]
     figures += [*_sight(views), *_variety(questions), *_phrases(questions, expressions_in_frames(root))]
     for score in cue_scores(views):
-        limit = score.chance + 1.96 * score.error
-        figures.append(_most(f"{score.kind}: right by {score.cue}", score.accuracy, limit))
+        figures.append(_most(f"{score.kind}: right by {score.cue}", score.accuracy, score.luck))
     return pd.DataFrame([one for one in figures if not math.isnan(one.measured)], columns=list(Figure._fields))
 
 

@@ -24,6 +24,7 @@ from remqa_data.env.cached.tasks import CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
 from remqa_data.env.environment import pose_space, question_space, tokens_space, type_numbers, wanted_episode
 from remqa_data.env.episodes import check_counts
+from remqa_data.env.record import reward_of
 from remqa_data.errors import ActionError, DatasetError
 from remqa_data.tables.rows import configuration_name
 
@@ -131,7 +132,7 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         reward = 0.0
         if walk.is_over:
             info |= walk.measures(number)
-            reward = float(terminated and info["S_N"])
+            reward = reward_of(info, terminated)
         return self._observe(), reward, terminated, truncated, info
 
     def _observe(self) -> dict[str, Any]:

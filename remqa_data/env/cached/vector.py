@@ -19,6 +19,7 @@ from remqa_data.env.cached.tasks import CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
 from remqa_data.env.environment import type_numbers
 from remqa_data.env.episodes import check_counts
+from remqa_data.env.record import reward_of
 from remqa_data.errors import ActionError
 
 Batch = tuple[dict[str, Any], npt.NDArray[np.float64], npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]
@@ -111,7 +112,7 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
             terminated[i], truncated[i] = walk.ended(number)
             if walk.is_over:
                 measures = walk.measures(number)
-                rewards[i] = terminated[i] and measures["S_N"]
+                rewards[i] = reward_of(measures, bool(terminated[i]))
                 info = self._add_info(info, measures, i)
         if not acted.all():
             self._tell()

@@ -77,8 +77,13 @@ _DOOR = Material("wooden", "white", (0.90, 0.89, 0.86))
 _SKIRTING = Material("wooden", "white", (0.95, 0.95, 0.93))
 
 
+def paints_of(room: str) -> tuple[Vec3, ...]:
+    """What the walls of a type of room are painted in: as in bedrooms if nothing else is said of it."""
+    return PAINTS.get(room, PAINTS["bedroom"])
+
+
 def _wall_finish(room: str, rng: np.random.Generator) -> Material:
-    paints = PAINTS.get(room, PAINTS["bedroom"])
+    paints = paints_of(room)
     rgb = paints[int(rng.integers(len(paints)))]
     color = min(COLORS, key=lambda name: sum(abs(a - b) for a, b in zip(COLORS[name], rgb, strict=True)))
     if room == "bathroom" and rng.random() < 0.7:

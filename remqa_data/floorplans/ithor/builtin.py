@@ -38,6 +38,10 @@ DEEP_OVERHANG_M = 0.05
 FRONT_M = 0.03
 """A carcass ends this far behind the fronts of its doors and drawers, handles included."""
 WAY_OUT_M = 0.6
+GROUP_M = 0.75
+"""Burners nearer to each other than this belong to one hob."""
+SLIVER_M = 0.012
+"""Boxes thinner than this are left out."""
 
 BASE_TYPES = types_with("kitchen_base")
 PLACELESS = types_with("takes_no_place")
@@ -307,11 +311,11 @@ def _stove_front(burners: Sequence[RecordedObject], objects: Sequence[RecordedOb
     return SIDES[shell.nearest_side(low, high)[0]]
 
 
-def _groups(objects: Sequence[RecordedObject], reach: float = 0.75) -> list[list[RecordedObject]]:
-    """Objects grouped so that each is near another of its group."""
+def _groups(objects: Sequence[RecordedObject]) -> list[list[RecordedObject]]:
+    """Objects grouped so that each is nearer than `GROUP_M` to another of its group."""
     groups: list[list[RecordedObject]] = []
     for o in objects:
-        near = [g for g in groups if any(arithmetic.length(o.centre - other.centre) < reach for other in g)]
+        near = [g for g in groups if any(arithmetic.length(o.centre - other.centre) < GROUP_M for other in g)]
         groups = [g for g in groups if g not in near] + [[o, *(other for g in near for other in g)]]
     return groups
 
@@ -331,9 +335,9 @@ def _with_way_out(o: RecordedObject) -> Box:
     return box_of((*low, *high))
 
 
-def _usable(boxes: Sequence[Box], least: float = 0.012) -> list[Box]:
-    """Without slivers: they would only flicker."""
-    return [b for b in boxes if min(b[3] - b[0], b[4] - b[1], b[5] - b[2]) >= least]
+def _usable(boxes: Sequence[Box]) -> list[Box]:
+    """Without slivers, thinner than `SLIVER_M`: they would only flicker."""
+    return [b for b in boxes if min(b[3] - b[0], b[4] - b[1], b[5] - b[2]) >= SLIVER_M]
 
 
 def _meets(o: RecordedObject, box: Box, margin: float) -> bool:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from remqa_data.errors import ActionError, nearest_names
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent.results import ActionResult
-from remqa_data.sim.navigation.embodiment import AGENT
+from remqa_data.sim.navigation.embodiment import AGENT, Embodiment
 
 if TYPE_CHECKING:
     from remqa_data.sim.agent.agent import Agent
@@ -61,8 +61,8 @@ class Action:
                 raise ActionError(f"{_in_words(self)}: the target is an object's id or an image point (x, y)")
             object.__setattr__(self, "target", point)
 
-    def in_short(self) -> Action:
-        """The same action without the numbers at its end that are the defaults.
+    def in_short(self, body: Embodiment = AGENT) -> Action:
+        """The same action without the numbers at its end that are a body's defaults.
 
         >>> str(Action("MoveAhead", None, (0.25,)).in_short())
         'MoveAhead'
@@ -74,7 +74,7 @@ class Action:
         """
         amounts_of(self)
         amounts, numbers = action_spec(self.name).amounts, self.numbers
-        while numbers and numbers[-1] == amounts[len(numbers) - 1].default:
+        while numbers and numbers[-1] == amounts[len(numbers) - 1].default_of(body):
             numbers = numbers[:-1]
         return Action(self.name, self.target, numbers)
 
@@ -109,14 +109,21 @@ class Amount(NamedTuple):
         With its unit.
     low, high : float
         What it may be.
-    default : float or None
-        What it is if it is left out; None if it must be given.
+    default : float, function of an `Embodiment`, or None
+        What it is if it is left out, or which figure of the agent's body it is then; None if it must be given.
+    scale : float
+        What 1 stands for in the environment's parametrised space, in the amount's own unit.
     """
 
     name: str
     low: float
     high: float
-    default: float | None = None
+    default: float | Callable[[Embodiment], float] | None = None
+    scale: float = 1.0
+
+    def default_of(self, body: Embodiment) -> float | None:
+        """What it is if it is left out by an agent with this body."""
+        return self.default(body) if callable(self.default) else self.default
 
 
 class ActionSpec(NamedTuple):
@@ -206,7 +213,7 @@ def walk_and_rest(actions: Sequence[Action]) -> tuple[tuple[Action, ...], tuple[
 
 
 def perform(agent: Agent, action: Action) -> ActionResult:
-    """Let an agent do an action.
+    """Let an agent do an action; steps, turns and tilts without an amount are those of its own body.
 
     Raises
     ------
@@ -215,7 +222,7 @@ def perform(agent: Agent, action: Action) -> ActionResult:
     UnknownNameError
         If the target is no object of the room.
     """
-    spec, amounts = action_spec(action.name), amounts_of(action)
+    spec, amounts = action_spec(action.name), amounts_of(action, agent.embodiment)
     if not spec.has_target:
         return spec.run(agent, *amounts)
     target = object_of(agent, action)
@@ -256,12 +263,13 @@ def action_spec(name: str) -> ActionSpec:
 OPEN, CLOSE, PICK_UP, MOVE = "OpenObject", "CloseObject", "PickupObject", "MoveObject"
 PUSH, PULL, TELEPORT = "PushObject", "PullObject", "Teleport"
 
-_STEP = Amount("metres", 0.0, 5.0, AGENT.step_m)
-_TURN = Amount("degrees", 0.0, 360.0, AGENT.rotate_deg)
-_TILT = Amount("degrees", 0.0, 90.0, AGENT.look_deg)
+_STEP = Amount("metres", 0.0, 5.0, lambda body: body.step_m)
+_TURN = Amount("degrees", 0.0, 360.0, lambda body: body.rotate_deg, scale=180.0)
+_TILT = Amount("degrees", 0.0, 90.0, lambda body: body.look_deg, scale=180.0)
 _PUSH = Amount("metres", 0.001, AGENT.push_m, 0.25)
 _FAR = 1e4
-POSITION = (Amount("x", -_FAR, _FAR), Amount("y", -_FAR, _FAR), Amount("z", -_FAR, _FAR))
+_X, _Y, _Z = (Amount(axis, -_FAR, _FAR, scale=2.0) for axis in "xyz")
+POSITION = (_X, _Y, _Z)
 """Metres in the room."""
 
 _NAVIGATION: dict[str, ActionSpec] = {
@@ -277,7 +285,7 @@ _NAVIGATION: dict[str, ActionSpec] = {
     "Stand": ActionSpec(False, (), lambda agent: agent.stand()),
     TELEPORT: ActionSpec(
         False,
-        (POSITION[0], POSITION[1], Amount("yaw_deg", -360.0, 360.0), Amount("horizon_deg", -90.0, 90.0, 0.0)),
+        (_X, _Y, Amount("yaw_deg", -360.0, 360.0), Amount("horizon_deg", -90.0, 90.0, 0.0)),
         lambda agent, x, y, yaw_deg, horizon_deg: agent.teleport(x, y, yaw_deg, horizon_deg),
     ),
 }
@@ -294,7 +302,9 @@ _MANIPULATION: dict[str, ActionSpec] = {
     PULL: ActionSpec(True, (_PUSH,), lambda agent, target, metres: agent.pull(target, metres)),
     "MoveArm": ActionSpec(False, POSITION, lambda agent, x, y, z: agent.move_hand((x, y, z))),
     "MoveArmBase": ActionSpec(
-        False, (Amount("metres above the floor", 0.0, 3.0),), lambda agent, metres: agent.set_arm_base(metres)
+        False,
+        (Amount("metres above the floor", 0.0, 3.0, scale=2.0),),
+        lambda agent, metres: agent.set_arm_base(metres),
     ),
 }
 NAVIGATION, MANIPULATION = tuple(_NAVIGATION), tuple(_MANIPULATION)
@@ -312,8 +322,8 @@ ACTIONS: dict[str, ActionSpec] = {
 """All actions by name."""
 
 
-def amounts_of(action: Action) -> list[float]:
-    """The amounts of an action, with its defaults.
+def amounts_of(action: Action, body: Embodiment = AGENT) -> list[float]:
+    """The amounts of an action, with a body's defaults.
 
     Raises
     ------
@@ -325,7 +335,7 @@ def amounts_of(action: Action) -> list[float]:
         raise ActionError(f"{str(action)!r}: {_usage(action.name)}")
     amounts = []
     for place, amount in enumerate(spec.amounts):
-        value = action.numbers[place] if place < len(action.numbers) else amount.default
+        value = action.numbers[place] if place < len(action.numbers) else amount.default_of(body)
         if value is None:
             raise ActionError(f"{str(action)!r}: {_usage(action.name)}")
         if not (math.isfinite(value) and amount.low <= value <= amount.high):

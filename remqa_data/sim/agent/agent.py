@@ -19,7 +19,7 @@ from remqa_data.geometry.types import Vec2, Vec3
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.body import Body, direction
 from remqa_data.sim.agent.receptacles import put_into
-from remqa_data.sim.agent.results import DONE, ActionResult
+from remqa_data.sim.agent.results import SUCCEEDED, ActionResult
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
@@ -156,7 +156,7 @@ class Agent(Body):
             self.world.pick_up(object_id, self.number, load)
             if bears:
                 handling.settle(self.world)
-        return refusal or DONE
+        return refusal or SUCCEEDED
 
     def load(self, object_id: str) -> list[str]:
         """Ids of what comes along when an object is picked up."""

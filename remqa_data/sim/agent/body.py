@@ -10,7 +10,7 @@ import numpy as np
 from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
-from remqa_data.sim.agent.results import DONE, ActionResult
+from remqa_data.sim.agent.results import SUCCEEDED, ActionResult
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.grid import ReachableGrid, reach_distance
 from remqa_data.sim.navigation.ground import Ground
@@ -120,14 +120,14 @@ class Body:
         _check_finite(degrees)
         self._prepare_to_move()
         self._face(self.yaw_deg + degrees)
-        return DONE
+        return SUCCEEDED
 
     def look(self, degrees: float) -> ActionResult:
         """Tilt the camera; positive is down."""
         refusal = self.tilt_refusal(self.horizon_deg + degrees)
         if refusal is None:
             self.horizon_deg += degrees
-        return refusal or DONE
+        return refusal or SUCCEEDED
 
     def teleport(
         self,
@@ -190,7 +190,7 @@ class Body:
             return ActionResult(False, f"{blocker} is blocking Agent from moving", blocked_by=blocker)
         self._prepare_to_move()
         self.x, self.y = x, y
-        return DONE
+        return SUCCEEDED
 
     def _nearest_point(self, object_id: str) -> F64:
         """The point of an object's closed box that is nearest to the agent and to the heights of its shoulder."""
@@ -214,7 +214,7 @@ class Body:
         if self.is_standing == is_standing:
             return ActionResult(False, f"the agent is {'standing' if is_standing else 'crouching'} already")
         self.is_standing = is_standing
-        return DONE
+        return SUCCEEDED
 
 
 def direction(yaw_deg: float) -> tuple[float, float]:

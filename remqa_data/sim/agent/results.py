@@ -28,4 +28,4 @@ class ActionResult:
     blocked_by: str | None = None
 
 
-DONE = ActionResult(True)
+SUCCEEDED = ActionResult(True)

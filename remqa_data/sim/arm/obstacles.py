@@ -23,7 +23,7 @@ from remqa_data.sim.physics.world import World
 
 EXTENT_M = 1.3
 """No part of the arm is farther than this from the middle of the agent's base, seen from above."""
-STRUCTURE, AGENT = -1, -2
+OF_BUILDING, OF_AGENT = -1, -2
 """Owners of boxes that are no object's: the building, and the agent's own body."""
 AGENT_NAME = "Agent"
 _BODY = np.array(
@@ -74,7 +74,7 @@ class Obstacles:
         count = len(solid)
         self._first: dict[str, int] = {}
         self._local: dict[str, tuple[npt.NDArray[np.int64], F64, F64]] = {}
-        owner, halves = [STRUCTURE] * count, [(solid[:, 3:] - solid[:, :3]) / 2]
+        owner, halves = [OF_BUILDING] * count, [(solid[:, 3:] - solid[:, :3]) / 2]
         for index, object_id in enumerate(world.ids):
             links = world.assets[object_id].links
             boxes = [(i, box) for i, link in enumerate(links) for box in link.boxes]
@@ -98,7 +98,7 @@ class Obstacles:
 
         Returns
         -------
-        Boxes, and (n,) owners: index of the object in the scene, or `STRUCTURE`, or `AGENT`.
+        Boxes, and (n,) owners: index of the object in the scene, or `OF_BUILDING`, or `OF_AGENT`.
         """
         self._sync()
         around = arithmetic.turned_back(self._halves, np.abs(self._axes))
@@ -111,7 +111,7 @@ class Obstacles:
         centres = np.vstack([self._centres[near], (body[:, 3:] + body[:, :3]) / 2])
         axes = np.vstack([self._axes[near], np.tile(np.eye(3), (len(body), 1, 1))])
         around = np.vstack([around[near], halves[-len(body) :]])
-        owners = np.append(self._owner[near], np.full(len(body), AGENT))
+        owners = np.append(self._owner[near], np.full(len(body), OF_AGENT))
         return Boxes(centres, axes, halves, centres - around, centres + around), owners
 
     def gaps(self, point: Vec3) -> F64:
@@ -125,7 +125,7 @@ class Obstacles:
 
     def name(self, owner: int) -> str:
         """Id of the object that is an owner, or what the building or the agent's body is called."""
-        return {STRUCTURE: STRUCTURE_NAME, AGENT: AGENT_NAME}.get(owner) or self._world.ids[owner]
+        return {OF_BUILDING: STRUCTURE_NAME, OF_AGENT: AGENT_NAME}.get(owner) or self._world.ids[owner]
 
     def indices(self, object_ids: Collection[str]) -> npt.NDArray[np.int64]:
         """Indices of objects in the scene.

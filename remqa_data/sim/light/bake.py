@@ -10,12 +10,12 @@ from scipy.ndimage import binary_dilation
 from remqa_data.compiled import exact
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, U8, Flags, Vec3
+from remqa_data.sim.light.gather import gather
 from remqa_data.sim.light.volume import (
     BEYOND,
     IN_AIR,
     Volume,
     fill_beyond,
-    gather,
     light_at,
     mean_in_air,
     places_of,

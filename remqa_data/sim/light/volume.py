@@ -15,16 +15,13 @@ import numpy as np
 
 from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, F64, U8, Flags
-from remqa_data.sim.light.voxels import SIDES, Voxels, cast, sides_against
+from remqa_data.sim.light.voxels import SIDES, Voxels
 
 AHEAD_M = 0.06
 """A surface looks up its light so far before itself."""
-BACKS = 0.25
-"""A probe of which more rays meet backs lies inside something."""
 BEYOND, NEAR_SURFACE, IN_AIR = 0, 1, 2
 NEAR = 2.0
 """Surfaces take their light from probes that are at most so many steps of the lattice away."""
-_FAR = 1e6
 
 
 class Volume(NamedTuple):
@@ -40,74 +37,6 @@ class Volume(NamedTuple):
     """(nx, ny, nz) whether a probe lies in free space."""
     least: float
     """Nothing is darker, so that the insides of what is opened can be seen."""
-
-
-@exact
-def gather(voxels: Voxels, volume: Volume, directions: F64, in_air: F64, sky: float, places: U8) -> None:
-    """Fill a volume with the light that the cubes send out.
-
-    Parameters
-    ----------
-    directions : (sets, n, 3) array
-        Unit vectors, spread evenly; neighbouring probes use different sets, so that what interpolates them averages.
-    sky : float
-        What comes from outside of the room.
-    in_air : (sets, m, 3) array
-        Those of probes in free air, where light changes slowly.
-    places : (nx, ny, nz) array
-        Where each probe is, see `places_of`.
-    """
-    nx, ny, nz = volume.is_valid.shape
-    sets = directions.shape[0]
-    cover, sent = voxels.cover, voxels.sent
-    total = np.zeros((SIDES, 3))
-    weight = np.zeros(SIDES)
-    for i in range(nx):
-        for j in range(ny):
-            for m in range(nz):
-                px = (volume.origin[0] + i * volume.spacing_m - voxels.origin[0]) / voxels.size_m
-                py = (volume.origin[1] + j * volume.spacing_m - voxels.origin[1]) / voxels.size_m
-                pz = (volume.origin[2] + m * volume.spacing_m - voxels.origin[2]) / voxels.size_m
-                volume.is_valid[i, j, m] = False
-                if places[i, j, m] == BEYOND:
-                    continue
-                if voxels.number[math.floor(px), math.floor(py), math.floor(pz)] >= 0:
-                    continue
-                total[:] = 0.0
-                weight[:] = 0.0
-                backs = 0
-                one = (i % 2 + 2 * (j % 2) + 4 * (m % 2)) % sets
-                chosen = in_air[one] if places[i, j, m] == IN_AIR else directions[one]
-                for ray in range(len(chosen)):
-                    dx, dy, dz = chosen[ray, 0], chosen[ray, 1], chosen[ray, 2]
-                    cube, facing = cast(voxels, px, py, pz, dx, dy, dz, _FAR, 0.0)
-                    red = green = blue = 0.0
-                    if cube == -2:
-                        red = green = blue = sky
-                    elif facing > 0.0:
-                        side_x, side_y, side_z = sides_against(dx, dy, dz)
-                        a = abs(dx) * cover[cube, side_x] / facing
-                        b = abs(dy) * cover[cube, side_y] / facing
-                        c = abs(dz) * cover[cube, side_z] / facing
-                        red = a * sent[cube, side_x, 0] + b * sent[cube, side_y, 0] + c * sent[cube, side_z, 0]
-                        green = a * sent[cube, side_x, 1] + b * sent[cube, side_y, 1] + c * sent[cube, side_z, 1]
-                        blue = a * sent[cube, side_x, 2] + b * sent[cube, side_y, 2] + c * sent[cube, side_z, 2]
-                    else:
-                        backs += 1
-                    for axis in range(3):
-                        d = chosen[ray, axis]
-                        side = 2 * axis if d > 0 else 2 * axis + 1
-                        w = abs(d)
-                        weight[side] += w
-                        total[side, 0] += w * red
-                        total[side, 1] += w * green
-                        total[side, 2] += w * blue
-                if backs > BACKS * len(chosen):
-                    continue
-                volume.is_valid[i, j, m] = True
-                for side in range(SIDES):
-                    for channel in range(3):
-                        volume.light[i, j, m, side, channel] = total[side, channel] / max(weight[side], 1e-9)
 
 
 @exact

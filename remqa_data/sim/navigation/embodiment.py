@@ -25,18 +25,19 @@ class Embodiment:
     fov_deg : float
         Vertical field of view.
     step_m, rotate_deg, look_deg : float
-        How far an action goes that names no amount; grids have cells of one step.
+        How far an action goes that names no amount. Grids of rooms have cells of the default step, 0.25 m, whatever this is.
     least_horizon_deg, most_horizon_deg : float
         How far the camera tilts; positive is down.
     shoulder_low_m, shoulder_high_m, shoulder_ahead_m : float
         The shoulder slides up and down a column (metres above the floor) that stands this far ahead of the agent's middle,
-        so that the base does not eat up the arm's reach; the agent turns to face what it reaches for.
+        so that the base does not eat up the arm's reach; the agent turns to face what it reaches for. Every shoulder is where
+        the default's is: the simulated arm has these measures, and with hands "reach" distances are taken from there.
     reach_m : float
-        From the shoulder to the hand.
+        From the shoulder to the hand: how near a thing must be for hands "reach". The simulated arm has the default's length.
     visibility_m : float
-        How near, in plan, a thing must be to be acted on without the arm.
+        How near, in plan, a thing must be for hands "near".
     push_m : float
-        How far one action moves a thing.
+        How far one action moves a thing. As text, no action asks for more than the default's.
     """
 
     radius_m: float = 0.20
@@ -59,7 +60,10 @@ class Embodiment:
 
     @classmethod
     def of_dataset(cls, camera_height_m: float, fov_deg: float, step_m: float, reach_m: float) -> Embodiment:
-        """The body whose figures a dataset stores; to crouch lowers the camera as much as usual."""
+        """The body whose figures a dataset stores; to crouch lowers the camera as much as usual.
+
+        Datasets that `remqa-gen` makes store those of the default body.
+        """
         lower_m = cls.camera_height_m - cls.crouched_camera_height_m
         return cls(
             camera_height_m=camera_height_m,

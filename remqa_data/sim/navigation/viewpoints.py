@@ -26,6 +26,10 @@ HORIZONS_DEG = (-30, 0, 30, 60)
 MIN_PIXELS = 50
 """An object is visible in a 300 x 300 frame when at least this many pixels are its own."""
 FRAME_PX = 300
+FRONT_POINTS = 5
+"""Along each side of the lattice of points on an object's front."""
+Pose = tuple[float, float, float, float]
+"""x, y in metres, yaw_deg, horizon_deg."""
 
 
 @dataclass(frozen=True, order=True)
@@ -81,11 +85,11 @@ def facing_poses(
                 yield AgentPose(cell, heading, horizon, is_standing)
 
 
-def front_points(view: WorldView, object_id: str, count: int = 5) -> F64:
+def front_points(view: WorldView, object_id: str) -> F64:
     """(n, 3) points spread over the front of an object, and over its top where it opens upwards, in the room."""
     state = view.world.state(object_id)
     half = np.array(view.world.assets[object_id].spec.size) / 2
-    spread = np.linspace(-0.9, 0.9, count)
+    spread = np.linspace(-0.9, 0.9, FRONT_POINTS)
     a, b = (axis.ravel() for axis in np.meshgrid(spread, spread))
     front = np.column_stack([a, -np.ones_like(a), b])
     top = np.column_stack([a, b, np.ones_like(a)])

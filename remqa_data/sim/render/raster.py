@@ -41,8 +41,6 @@ class Geometry(NamedTuple):
     """(m, 3)."""
     face_surface: I32
     """(m,)."""
-    face_is_flat: Flags
-    """(m,) whether the three normals are equal."""
     face_of_solid: Flags
     """(m,) whether the back of the face cannot be seen from outside the part."""
     surface_start: I32

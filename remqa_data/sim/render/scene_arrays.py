@@ -55,7 +55,6 @@ def build_geometry(parts: Sequence[RenderPart]) -> Geometry:
         uv=_join([surface.uv for surface in surfaces], (0, 2), np.float32),
         faces=faces,
         face_surface=np.repeat(np.arange(len(surfaces)), [len(s.faces) for s in surfaces]).astype(np.int32),
-        face_is_flat=_join([flat_faces(surface) for surface in surfaces], (0,), np.bool_),
         face_of_solid=_join([solid_faces(surface) for surface in surfaces], (0,), np.bool_),
         surface_start=_offsets([len(surface.faces) for surface in surfaces]),
         part_vertex_start=_offsets([sum(len(s.vertices) for s in part.surfaces) for part in parts]),
@@ -98,13 +97,6 @@ def surface_instances(parts: Sequence[RenderPart]) -> I32:
 
 
 @lru_cache(maxsize=1 << 12)  # a room has some 300 surfaces and is loaded many times
-def flat_faces(surface: Surface) -> Flags:
-    """(m,) whether the three normals of each face are equal."""
-    a, b, c = (surface.normals[surface.faces[:, corner]] for corner in range(3))
-    return np.asarray((a == b).all(axis=1) & (a == c).all(axis=1))
-
-
-@lru_cache(maxsize=1 << 12)
 def solid_faces(surface: Surface) -> Flags:
     """(m,) whether each face bounds a solid, so that its back can never be seen from outside.
 

@@ -22,7 +22,7 @@ from remqa_data.thor.actions import navigation
 from remqa_data.thor.actions import objects as actions_objects
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.arm_metadata import hand_facing
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import SWAP, PartialVector, Vector, facing, to_room, turn_of_euler, whole
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -152,7 +152,7 @@ def rotate_elbow_relative(simulator: SimulatorState, degrees: float, returnToSta
     return _or_back(simulator, returnToStart, lambda: agent.turn_elbow(-math.radians(degrees)))
 
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "MoveAgent": move_agent,
     **navigation.ANY_WAY,
     "MoveArm": move_arm,

@@ -10,7 +10,7 @@ from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.object_states.conditions import BROKEN, CONDITIONS, FILLED, LIQUIDS
 from remqa_data.thor.object_states.pieces import pieces_of
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.simulator import SimulatorState
 
 
@@ -68,7 +68,7 @@ def cut(simulator: SimulatorState, targets: Sequence[str]) -> None:
     settle(room.world)
 
 
-def _putting(action: str, condition: str, is_so: bool) -> Action:
+def _putting(action: str, condition: str, is_so: bool) -> ActionFunction:
     """An action that brings an object that can be in it into a condition, or out of it."""
 
     def act(
@@ -115,7 +115,7 @@ _BROUGHT_ABOUT = {
     "UseUpObject": ("isUsedUp", True),
 }
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     **{action: _putting(action, condition, is_so) for action, (condition, is_so) in _BROUGHT_ABOUT.items()},
     "FillObjectWithLiquid": fill_object_with_liquid,
     "SliceObject": slice_object,

@@ -19,7 +19,7 @@ from remqa_data.sim.navigation.ground import Ground
 from remqa_data.sim.navigation.straight_ways import SAME_PLACE_M
 from remqa_data.thor.actions.search import nearest_cell, no_path, object_meant
 from remqa_data.thor.state.agent import ThorAgent
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import PartialVector, to_room, whole
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -69,7 +69,7 @@ def object_nav_expert_action(
     return no_path((agent.x, agent.y), tuple(((low + high) / 2).tolist()))
 
 
-ACTIONS: dict[str, Action] = {"ObjectNavExpertAction": object_nav_expert_action}
+ACTIONS: dict[str, ActionFunction] = {"ObjectNavExpertAction": object_nav_expert_action}
 
 
 _Stop = tuple[Cell, int]

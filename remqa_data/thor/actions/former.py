@@ -9,7 +9,7 @@ import numpy as np
 from remqa_data.geometry import arithmetic
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.actions import arm, hand, navigation, objects, search
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import PartialVector
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -128,7 +128,7 @@ def rotate_continuous(simulator: SimulatorState, degrees: float, **ignored: Any)
     return arm.rotate_agent(simulator, degrees)
 
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "Look": look,
     "Move": move,
     "MoveGlobal": move,
@@ -147,7 +147,7 @@ ACTIONS: dict[str, Action] = {
     "RotateHand": rotate_hand,
     "RotateHandRelative": rotate_hand_relative,
 }
-ARM_ACTIONS: dict[str, Action] = {
+ARM_ACTIONS: dict[str, ActionFunction] = {
     "DropMidLevelHand": drop_mid_level_hand,
     "MoveContinuous": move_continuous,
     "MoveMidLevelArm": move_mid_level_arm,

@@ -20,7 +20,7 @@ from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.objects import PUSH_S
 from remqa_data.thor.object_states.conditions import FILLED
 from remqa_data.thor.state.agent import ThorAgent
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, turn_of_euler, turn_of_look, whole
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -139,7 +139,7 @@ def throw_object(simulator: SimulatorState, moveMagnitude: float, forceAction: b
     return ActionResult(True, value=to_thor(simulator.room.records.position(released.object_id)))
 
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "MoveHeldObject": move_held_object,
     "MoveHeldObjectAhead": move_held_object_ahead,
     "MoveHeldObjectBack": move_held_object_back,

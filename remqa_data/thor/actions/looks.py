@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import colorsys
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 from remqa_data.assets.core.model import Material
 from remqa_data.assets.looks import materials
-from remqa_data.floorplans.ithor.building import PAINTS
+from remqa_data.catalog import Room
+from remqa_data.floorplans.ithor.building import paints_of
 from remqa_data.geometry.types import Vec3
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.actions.targets import not_there
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.looks import Lighting, Look
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -32,8 +33,6 @@ SPLIT_ENDS = {"train": 20, "val": 25, "test": 30}
 """The last floor plan of each split, of the thirty of a room type."""
 TILES = ("tile", "subway")
 """Textures of floors and walls, which are as pale as painted walls are."""
-ROOM_TYPES = {"kitchen": "kitchen", "livingroom": "living_room", "bedroom": "bedroom", "bathroom": "bathroom"}
-"""AI2-THOR's room types, and ours."""
 BRIGHTNESS, HUE, SATURATION = (0.5, 1.5), (0.0, 1.0), (0.5, 1.0)
 """Between these AI2-THOR draws how bright lamps are, and their colours."""
 
@@ -103,12 +102,13 @@ def randomize_materials(
         name = f"use{split.capitalize()}Materials"
         return ActionResult(False, f"{name} cannot be false in {room.scene}, which is a {split} scene")
     chosen = {name: name == split if flag is None else flag for name, flag in wanted.items()}
-    types = [*ROOM_TYPES, "robothor"] if inRoomTypes is None else [name.lower() for name in inRoomTypes]
+    types = _thor_room_types() if inRoomTypes is None else [name.lower() for name in inRoomTypes]
     problem = _problem_of_types(types, room.world.scene.room_type, room.scene)
     if problem:
         return ActionResult(False, problem)
     shades = [shade for name, is_used in chosen.items() if is_used for shade in SHADES[name]]
-    paints = [rgb for name in types if name in ROOM_TYPES for rgb in PAINTS[ROOM_TYPES[name]]]
+    ours = {_thor_room_type(room_type): room_type for room_type in get_args(Room)}
+    paints = [rgb for name in types if name in ours for rgb in paints_of(ours[name])]
     choices = {own: _choices(own, shades, paints) for own in room.looks.built_of}
     drawn = {own: some[int(simulator.rng.integers(len(some)))] for own, some in choices.items() if some}
     _show(simulator, replace(room.looks.look, materials=drawn))
@@ -176,7 +176,7 @@ def reset_lighting(simulator: SimulatorState) -> ActionResult:
     return _show(simulator, replace(simulator.room.looks.look, lighting=None))
 
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "ChangeColorOfMaterials": randomize_colors,
     "EmphasizeObject": emphasize_object,
     "HideObject": hide_object,
@@ -211,12 +211,20 @@ def _split(scene: str) -> str:
     return next(name for name, last in SPLIT_ENDS.items() if number <= last)
 
 
+def _thor_room_type(room_type: str) -> str:
+    """AI2-THOR's name of a room type: "livingroom" for "living_room"."""
+    return room_type.replace("_", "")
+
+
+def _thor_room_types() -> list[str]:
+    return [*map(_thor_room_type, get_args(Room)), "robothor"]
+
+
 def _problem_of_types(types: list[str], room_type: str, scene: str) -> str | None:
-    known = [*ROOM_TYPES, "robothor"]
+    known, own = _thor_room_types(), _thor_room_type(room_type)
     unknown = [name for name in types if name not in known]
     if unknown or not types:
         return f"inRoomTypes {unknown} must be some of {', '.join(known)}"
-    own = next(name for name, ours in ROOM_TYPES.items() if ours == room_type)
     return None if own in types else f"inRoomTypes must include {own} in {scene}, which is one"
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from remqa_data.errors import MisuseError
 from remqa_data.sim.agent.results import ActionResult
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import PartialVector, Vector, facing, to_room, to_thor, whole, yaw_to_room
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -86,7 +86,7 @@ def stand(simulator: SimulatorState) -> ActionResult:
     return simulator.agent.stand()
 
 
-def _walk(ahead: int = 0, right: int = 0, *, any_way: bool = False) -> Action:
+def _walk(ahead: int = 0, right: int = 0, *, any_way: bool = False) -> ActionFunction:
     """The action of walking one way, looking ahead; by default one cell of the grid, and also the other way if any will do."""
 
     def walk(
@@ -111,7 +111,7 @@ def _walk(ahead: int = 0, right: int = 0, *, any_way: bool = False) -> Action:
     return walk
 
 
-def _turn(counter_clockwise: int, *, any_way: bool = False) -> Action:
+def _turn(counter_clockwise: int, *, any_way: bool = False) -> ActionFunction:
     """The action of turning, by default as far as Initialize has set, and also by nothing if any angle will do."""
 
     def turn(
@@ -125,7 +125,7 @@ def _turn(counter_clockwise: int, *, any_way: bool = False) -> Action:
     return turn
 
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "Crouch": crouch,
     "LookDown": look_down,
     "LookUp": look_up,
@@ -140,7 +140,7 @@ ACTIONS: dict[str, Action] = {
     "Teleport": teleport,
     "TeleportFull": teleport,
 }
-ANY_WAY: dict[str, Action] = {
+ANY_WAY: dict[str, ActionFunction] = {
     "MoveAhead": _walk(ahead=1, any_way=True),
     "MoveBack": _walk(ahead=-1, any_way=True),
     "MoveLeft": _walk(right=-1, any_way=True),

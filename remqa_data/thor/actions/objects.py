@@ -16,7 +16,7 @@ from remqa_data.thor.actions.compatible import is_compatible, is_specific
 from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.object_states.conditions import BASINS, BROKEN
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import PartialVector, to_thor, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState, generator
 
@@ -251,7 +251,7 @@ def toggle_object_off(
     return _toggle(simulator, target_of(simulator, "ToggleObjectOff", objectId, x, y), False, forceAction)
 
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "CloseObject": close_object,
     "DirectionalPush": directional_push,
     "DropHandObject": drop_object,

@@ -25,7 +25,7 @@ from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.targets import copy_id_of, not_there, of_type
-from remqa_data.thor.state.dispatch import Action, missing_argument
+from remqa_data.thor.state.dispatch import ActionFunction, missing_argument
 from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.frames import PartialVector, to_room, to_thor, turn_of_euler, whole
 from remqa_data.thor.state.simulator import SimulatorState
@@ -311,7 +311,7 @@ def sunken(world: World, moved: Sequence[str], most_m: float = handling.OVERLAP_
     return next((other for name in moved for other in handling.sunk_into(world, name, most_m)), None)
 
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "GetSpawnCoordinatesAboveReceptacle": get_spawn_coordinates_above_receptacle,
     "PlaceObjectAtPoint": place_object_at_point,
     "SetObjectPoses": set_object_poses,

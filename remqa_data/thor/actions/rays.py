@@ -9,7 +9,7 @@ import numpy as np
 
 from remqa_data.geometry.types import F64
 from remqa_data.sim.agent.results import ActionResult
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole
 from remqa_data.thor.state.simulator import SimulatorState
 
@@ -100,7 +100,7 @@ def get_object_hit_from_raycast(
     return ActionResult(True, value=met.value["objectId"]) if met.success else met
 
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "GetCoordinateFromRaycast": get_coordinate_from_raycast,
     "GetObjectHitFromRaycast": get_object_hit_from_raycast,
     "PerformRaycast": perform_raycast,

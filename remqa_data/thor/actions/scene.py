@@ -16,7 +16,7 @@ from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.actions.placing import settle, sunken
 from remqa_data.thor.actions.targets import not_there, of_type
 from remqa_data.thor.state.cameras import ThirdPartyCamera
-from remqa_data.thor.state.dispatch import Action, missing_argument
+from remqa_data.thor.state.dispatch import ActionFunction, missing_argument
 from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, whole
 from remqa_data.thor.state.objects import box_metadata
@@ -295,7 +295,7 @@ def update_third_party_camera(
     return _keep(simulator, thirdPartyCameraId, camera)
 
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "AddThirdPartyCamera": add_third_party_camera,
     "AdvancePhysicsStep": advance_physics,
     "ChangeFOV": change_fov,

@@ -18,7 +18,7 @@ from remqa_data.sim.navigation.ground import Ground
 from remqa_data.sim.render.camera import AnyCamera
 from remqa_data.thor.actions.targets import not_there, of_type
 from remqa_data.thor.state.agent import ThorAgent
-from remqa_data.thor.state.dispatch import Action, missing_argument
+from remqa_data.thor.state.dispatch import ActionFunction, missing_argument
 from remqa_data.thor.state.events import object_records
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
@@ -28,7 +28,7 @@ from remqa_data.thor.state.simulator import SimulatorState
 HORIZONS_DEG, STANDINGS = (-30.0, 0.0, 30.0, 60.0), (False, True)
 MOST_STEPS = 10_000
 """By default no more cells of a grid of 1 m are walked on, and of another one as many as cover the same floor."""
-NORTH_DEG = 90.0
+NORTH_DEG = yaw_to_room(0.0)
 """Heading of who looks along AI2-THOR's z."""
 RIGHT_AND_AHEAD = ((1, 0), (0, 1), (-1, 0), (0, -1))
 """In which order AI2-THOR looks around."""
@@ -225,7 +225,7 @@ def no_path(start: Vec2, goal: Vec2) -> ActionResult:
     return ActionResult(False, f"no path from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g}) (x, z)")
 
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "DistanceToObject": distance_to_object,
     "Get2DSemanticHull": get_2d_semantic_hull,
     "Get2DSemanticHulls": get_2d_semantic_hulls,

@@ -20,7 +20,7 @@ from remqa_data.sim.physics.world import AWAY, World
 from remqa_data.thor.actions.compatible import is_compatible
 from remqa_data.thor.actions.placing import AT_REST_M, farthest, settle
 from remqa_data.thor.actions.targets import copy_id_of, of_type
-from remqa_data.thor.state.dispatch import Action
+from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.simulator import SimulatorState, generator
 
 MOST_SETTLING = 5
@@ -126,7 +126,7 @@ def _copies(simulator: SimulatorState, wishes: Sequence[ObjectTypeCount], rng: n
     return copies
 
 
-ACTIONS: dict[str, Action] = {"InitialRandomSpawn": initial_random_spawn}
+ACTIONS: dict[str, ActionFunction] = {"InitialRandomSpawn": initial_random_spawn}
 
 
 def _may_move(world: World, object_id: str, excluded: Collection[str]) -> bool:

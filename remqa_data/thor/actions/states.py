@@ -13,7 +13,7 @@ from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.conditions import cut
 from remqa_data.thor.object_states.conditions import BROKEN, CONDITIONS, FILLED
-from remqa_data.thor.state.dispatch import Action, missing_argument
+from remqa_data.thor.state.dispatch import ActionFunction, missing_argument
 from remqa_data.thor.state.simulator import SimulatorState
 
 
@@ -140,7 +140,7 @@ WITHOUT_EFFECT = (
     "Sleep",
 )
 
-ACTIONS: dict[str, Action] = {
+ACTIONS: dict[str, ActionFunction] = {
     "CloseVisibleObjects": close_visible_objects,
     "OpenVisibleObjects": open_visible_objects,
     "SetObjectStates": set_object_states,

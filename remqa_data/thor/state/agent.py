@@ -21,7 +21,7 @@ from remqa_data.scene import Quaternion
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import Agent, Hands
 from remqa_data.sim.agent.body import direction
-from remqa_data.sim.agent.results import DONE, ActionResult
+from remqa_data.sim.agent.results import SUCCEEDED, ActionResult
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
@@ -300,12 +300,12 @@ class ThorAgent(Agent):
         if not force or not is_openable or not self.world.most_open(object_id) < openness <= 1.0:
             return super().open(object_id, openness, force)
         if self.world.state(object_id).openness == openness:
-            return DONE
+            return SUCCEEDED
         return ActionResult(True, value=self.world.open(object_id, openness, force=True))
 
     def _leave_as_it_is(self, object_id: str, openness: float, force: bool) -> ActionResult:
         """See `Agent`; AI2-THOR minds only whether it could have been done."""
-        return (None if force else self.refusal(object_id)) or DONE
+        return (None if force else self.refusal(object_id)) or SUCCEEDED
 
     def drop_spots(self) -> list[Vec3]:
         """Where it lets go: where its hand is, if it has been moved, or where its arm holds the thing, or just above."""

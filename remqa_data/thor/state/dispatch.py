@@ -12,7 +12,7 @@ from pydantic import ConfigDict, ValidationError, validate_call
 from remqa_data.errors import MisuseError, nearest_names
 from remqa_data.sim.agent.results import ActionResult
 
-Action = Callable[..., ActionResult]
+ActionFunction = Callable[..., ActionResult]
 """Executes an action on a simulator state; its parameters are AI2-THOR's, by name."""
 
 WITH_EVERY_ACTION = frozenset(
@@ -119,11 +119,11 @@ HEEDS_NO_OTHERS = frozenset(
 class CheckedAction:
     """An action that checks the types of its arguments, and the names of its parameters."""
 
-    execute: Action
+    execute: ActionFunction
     parameters: frozenset[str]
 
 
-def checked(actions: Mapping[str, Action]) -> dict[str, CheckedAction]:
+def checked(actions: Mapping[str, ActionFunction]) -> dict[str, CheckedAction]:
     """Actions with a check of their arguments, by name.
 
     As in Unity's JSON, "100" is a number where one is asked for, and 1 and "true" are true.

@@ -151,7 +151,7 @@ def test_weights_say_what_made_them_and_do_the_same_when_read_again(trained: Pat
     detector, about = load_network(weights_path("detector", trained), two_rooms)
     assert about.network.network.kind == "detector"
     assert about.types == detector_types()
-    assert set(about.score) == {"val_ap50", "val_map"}
+    assert about.score == {}  # two rooms, none of them for val
     path = trained.parent / "again.safetensors"
     halved(detector)
     save_network(path, detector, about)

@@ -14,6 +14,7 @@ from remqa_data.generators.arrangement.areas import Area
 from remqa_data.generators.arrangement.configurations import Configuration, arrange
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import Hidden, Violation, goal_camera, manipulated
+from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.inner_packing import inner_fits
 from remqa_data.generators.arrangement.packing import packed
 from remqa_data.generators.arrangement.wished_things import WishedThings
@@ -147,12 +148,14 @@ def test_the_order_in_which_violated_places_are_packed_again_is_no_hash_order(mo
 
 
 @pytest.mark.slow
-def test_a_share_of_the_loose_things_moves() -> None:
+def test_a_share_of_the_loose_things_moves(monkeypatch: pytest.MonkeyPatch) -> None:
     scene, places = load_scene("FloorPlan318"), places_of("FloorPlan318")
     positions = {o.id: o.position for o in scene.objects}
 
     def moved(share: float) -> int:
-        made = arrange(scene, places, [], np.random.default_rng(3), moved_share=share)
+        rules = hiding_rules().model_copy(update={"moved_share": share})
+        monkeypatch.setattr(configurations, "hiding_rules", lambda: rules)
+        made = arrange(scene, places, [], np.random.default_rng(3))
         return sum(np.linalg.norm(np.subtract(o.position, positions[o.id])) > 0.1 for o in made.scene.objects)
 
     assert moved(0.0) == 0

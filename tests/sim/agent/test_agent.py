@@ -3,6 +3,7 @@
 import hashlib
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from itertools import product
 
@@ -330,3 +331,21 @@ def test_numbers_that_are_none_are_refused_and_the_agent_stays(agent: Agent, num
             act()
     assert not agent.look(number).success
     assert (agent.position, agent.yaw_deg, agent.horizon_deg) == before
+
+
+def test_an_action_without_an_amount_goes_as_far_as_the_agents_own_body_does(agent: Agent) -> None:
+    body = replace(AGENT, step_m=0.5, rotate_deg=45.0, look_deg=10.0)
+    other = Agent(agent.world, agent.view, (0.0, 0.0), 0.0, embodiment=body)
+    has_edge = agent.grid.graph.has_edge
+    start, end = next(
+        ((i, j), (i + 2, j))
+        for i, j in agent.grid.cells
+        if has_edge((i, j), (i + 1, j)) and has_edge((i + 1, j), (i + 2, j))
+    )
+    other.place(agent.grid.position(start), 0.0)
+    for text in ("MoveAhead", "RotateLeft", "LookDown"):
+        assert perform(other, parse_action(text)).success
+    assert (other.x, other.y) == agent.grid.position(end)
+    assert (other.yaw_deg, other.horizon_deg) == (45.0, 10.0)
+    assert str(parse_action("MoveAhead 0.5").in_short(body)) == "MoveAhead"
+    assert str(parse_action("MoveAhead 0.25").in_short(body)) == "MoveAhead 0.25"

@@ -7,8 +7,9 @@ import trimesh
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.sim.light import bake as bake_module
 from remqa_data.sim.light.bake import GLOW, SKY, VOXEL, Lamps, _directions, _empty, bake
+from remqa_data.sim.light.gather import gather
 from remqa_data.sim.light.patches import light_faces, patches, sample_of
-from remqa_data.sim.light.volume import BEYOND, IN_AIR, NEAR_SURFACE, Volume, gather, light_at, places_of
+from remqa_data.sim.light.volume import BEYOND, IN_AIR, NEAR_SURFACE, Volume, light_at, places_of
 from remqa_data.sim.light.voxels import Faces, surface_points, voxelise
 from remqa_data.sim.navigation.grid import reachable_grid
 from remqa_data.sim.physics.world import World
