@@ -26,7 +26,7 @@ def test_what_answerers_differ_in_is_what_they_see() -> None:
     [
         ("side_px: 192", "side_px: 8", "network.detector.side_px"),
         ("kind: detector", "kind: oracle", "network"),
-        ("epochs: ", "epoch: ", "schedule.epochs"),
+        ("epochs: ", "epoch: ", "schedule.epoch: there is no such key; did you mean 'epochs'"),
         ("title: detector", "title: detector\nextra: 1", "extra"),
     ],
 )
