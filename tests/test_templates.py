@@ -4,12 +4,15 @@ import pytest
 from pydantic import BaseModel
 
 from remqa_data import yaml_files
+from remqa_data.assets.core import sizes
 from remqa_data.catalog import read_catalog
 from remqa_data.errors import CatalogError, ConfigError
+from remqa_data.generators.arrangement.hiding_rules import HidingRules
 from remqa_data.generators.arrangement.plausible import PlausibleTypes
 from remqa_data.language.question_rules import QuestionRules
 from remqa_data.language.rules import ExpressionRules
 from remqa_data.scene_graph.relations import RelationRules
+from remqa_data.sim.physics.support import SupportRules
 from remqa_data.yaml_files import parsed, template_rules, template_text
 
 KINDS: dict[str, type[BaseModel]] = {
@@ -17,6 +20,9 @@ KINDS: dict[str, type[BaseModel]] = {
     "expressions.yaml": ExpressionRules,
     "questions.yaml": QuestionRules,
     "plausible.yaml": PlausibleTypes,
+    "hiding.yaml": HidingRules,
+    "support.yaml": SupportRules,
+    "sizes.yaml": sizes._Measured,
 }
 MISTAKES = [
     ("relations.yaml", "next_to:", "foo: 1\nnext_to:", "foo: there is no such key"),
@@ -58,6 +64,9 @@ MISTAKES = [
     ("questions.yaml", "COUNTING: 0.25", "COUNTING: 7.5", "bare_share.COUNTING: .*less than or equal to 1"),
     ("questions.yaml", "[0, 1, 2, 3]", "[0, -1, 2, 3]", r"counts: expected \[0, 1\] or \[0, 1, 2, 3\]"),
     ("questions.yaml", "[0, 1, 2, 3]", "[0, 0, 7]", r"counts: expected \[0, 1\] or \[0, 1, 2, 3\]"),
+    ("hiding.yaml", "  Towel: ", "  Towl: ", "folded_m.Towl: .*did you mean 'Towel'"),
+    ("support.yaml", "[HandTowel]", "[HandTowl]", r"hangs.HandTowelHolder.0: .*did you mean 'HandTowel'"),
+    ("sizes.yaml", "Apple: ", "Aple: ", "Aple: .*did you mean 'Apple'"),
     ("plausible.yaml", "[Apple, Bowl", "[Aple, Bowl", "unknown object type 'Aple'; did you mean 'Apple'"),
 ]
 

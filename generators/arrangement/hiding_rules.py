@@ -8,6 +8,7 @@ from functools import lru_cache
 from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.assets.core.sizes import typical_size
+from remqa_data.catalog import TypeName
 from remqa_data.geometry.types import Vec3
 from remqa_data.yaml_files import template_rules
 
@@ -19,7 +20,7 @@ class HidingRules(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    folded_m: Mapping[str, Vec3]
+    folded_m: Mapping[TypeName, Vec3]
     min_pickup_side_m: float = Field(gt=0)
     min_move_side_m: float = Field(gt=0)
     max_move_side_m: float = Field(gt=0)

@@ -8,7 +8,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from remqa_data.catalog import Room, object_type
+from remqa_data.catalog import Room, TypeName, object_type
 from remqa_data.yaml_files import template_rules
 
 SOURCE = "plausible.yaml"
@@ -23,7 +23,7 @@ class PlausibleTypes(BaseModel):
 
     inside: Mapping[str, ByRoom] = Field(alias="in")
     under: Mapping[str, ByRoom]
-    nothing_else_in: frozenset[str]
+    nothing_else_in: frozenset[TypeName]
 
     @field_validator("inside", "under")
     @classmethod

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from remqa_data.catalog import catalog
+from pydantic import PositiveFloat, RootModel
+
+from remqa_data.catalog import TypeName, catalog
 from remqa_data.errors import UnknownNameError
 from remqa_data.geometry.types import Vec3
-from remqa_data.yaml_files import template_values
+from remqa_data.yaml_files import template_rules
+
+
+class _Measured(RootModel[dict[TypeName, tuple[PositiveFloat, PositiveFloat, PositiveFloat]]]):
+    """All of `templates/sizes.yaml`."""
 
 
 def typical_size(type_: str) -> Vec3:
@@ -24,5 +30,5 @@ def typical_size(type_: str) -> Vec3:
 
 @lru_cache(maxsize=1)
 def _sizes() -> dict[str, Vec3]:
-    measured: dict[str, Vec3] = {name: (w, d, h) for name, (w, d, h) in template_values("sizes.yaml").items()}
+    measured: dict[str, Vec3] = template_rules(_Measured, "sizes.yaml").root
     return measured | {name: kind.size_m for name, kind in catalog().items() if kind.size_m is not None}

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field
 
-from remqa_data.catalog import object_type
+from remqa_data.catalog import TypeName, object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.yaml_files import template_rules
@@ -48,8 +48,8 @@ class SupportRules(BaseModel):
     overhang_m: float = Field(ge=0)
     contact_m: float = Field(ge=0)
     pile_m: float = Field(ge=0)
-    vessels: dict[str, tuple[str, ...]]
-    hangs: dict[str, tuple[str, ...]]
+    vessels: dict[TypeName, tuple[str, ...]]
+    hangs: dict[TypeName, tuple[TypeName, ...]]
 
 
 @lru_cache(maxsize=1)
