@@ -13,7 +13,7 @@ from remqa_data.datasets.frames import Frames
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.evaluation.report.tables import failed_at, in_words, rounded
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
-from remqa_data.evaluation.scoring.replay import Attempt, Room, does, load_room, place_of, replay_jobs, walk
+from remqa_data.evaluation.scoring.replay import Attempt, RoomKey, does, load_room, place_of, replay_jobs, walk
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.scoring.scoring import attempt_of
 from remqa_data.evaluation.submission.reader import Submission
@@ -147,7 +147,7 @@ def _facts(results: Results, truth: GroundTruth, place: int, row: dict[str, obje
 
 def _walked(truth: GroundTruth, rows: dict[int, dict[str, object]]) -> dict[int, tuple[Picture, ...]]:
     """By place, the agent's final view, its way on a map, and what its manipulation shows it."""
-    by_room: dict[Room, list[Attempt]] = {}
+    by_room: dict[RoomKey, list[Attempt]] = {}
     for place, row in rows.items():
         if row:
             attempt, room = attempt_of(truth, place, row["actions"], row.get("manipulation"))  # type: ignore[arg-type]

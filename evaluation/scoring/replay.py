@@ -22,7 +22,7 @@ from remqa_data.sim.navigation.viewpoints import AgentPose, Pose
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.rows import EmbodimentRow, configuration_name
 
-Room = tuple[str, int]
+RoomKey = tuple[str, int]
 """A scene and its configuration."""
 
 
@@ -89,7 +89,7 @@ class ReplayJob:
 def replay_all(
     root: Path,
     split: str,
-    attempts: dict[Room, list[Attempt]],
+    attempts: dict[RoomKey, list[Attempt]],
     workers: int,
     progress: Callable[[int], None] | None = None,
 ) -> Iterator[Replayed]:
@@ -174,7 +174,7 @@ def place_of(replay: Replay, object_id: str) -> int:
     return replay.world.ids.index(object_id)
 
 
-def replay_jobs(root: Path, split: str, attempts: dict[Room, list[Attempt]]) -> list[ReplayJob]:
+def replay_jobs(root: Path, split: str, attempts: dict[RoomKey, list[Attempt]]) -> list[ReplayJob]:
     """The rooms in which something is attempted, in the order in which they are stored; errors as of `replay_all`."""
     columns = ["scene", "configuration", "scene_json", "embodiment"]
     jobs = []

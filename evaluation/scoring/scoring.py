@@ -15,7 +15,7 @@ import pyarrow as pa
 from remqa_data.errors import SubmissionError, nearest_names
 from remqa_data.evaluation.scoring.ground_truth import GroundTruth
 from remqa_data.evaluation.scoring.measures import Answers, measures_of
-from remqa_data.evaluation.scoring.replay import Attempt, Replayed, Room, replay_all
+from remqa_data.evaluation.scoring.replay import Attempt, Replayed, RoomKey, replay_all
 from remqa_data.evaluation.submission.reader import Batch, Submission
 from remqa_data.evaluation.submission.tracks import TRACKS
 from remqa_data.geometry.types import F64, I64, Flags
@@ -90,7 +90,7 @@ def score(
     walks = TRACKS[truth.track].walks
     replay = replay or not walks
     filled = _Filled(len(truth.ids), points=truth.track in ("remqa", "rec"))
-    attempts: dict[Room, list[Attempt]] = {}
+    attempts: dict[RoomKey, list[Attempt]] = {}
     for batch in submission.batches(replay=replay, max_rows=len(truth.ids)):
         places = places_of(submission, truth, batch, filled.answered)
         filled.add_predictions(places, batch.rows)
@@ -110,7 +110,7 @@ def score(
 
 def attempt_of(
     truth: GroundTruth, place: int, actions: Sequence[str], manipulation: str | None
-) -> tuple[Attempt, Room]:
+) -> tuple[Attempt, RoomKey]:
     """What is to be replayed of a submitted row, and in which room; `place` is that of the question in the truth."""
     question = {name: truth.table[name][place].as_py() for name in _ASKED}
     x, y, yaw, horizon = truth.initial_poses[place].tolist()

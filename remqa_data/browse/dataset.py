@@ -72,7 +72,7 @@ class RoomKey(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Room:
+class Arrangement:
     """One arrangement of a room, and what its walk has found.
 
     Attributes
@@ -199,7 +199,7 @@ class BrowsedDataset:
         place = self._place(row)
         return [bytes(image) for image in self._reader("questions", place.split).images(place.row, names)]
 
-    def room(self, key: RoomKey) -> Room | None:
+    def room(self, key: RoomKey) -> Arrangement | None:
         """An arrangement of a room; None if the dataset has not got it."""
         return self._room(key) if key in self.room_places else None
 
@@ -219,14 +219,14 @@ class BrowsedDataset:
         """Encoded pictures of a frame of a walk."""
         return [bytes(image) for image in self._reader("frames", place.split).images(place.row, names)]
 
-    def _read_room(self, key: RoomKey) -> Room:
+    def _read_room(self, key: RoomKey) -> Arrangement:
         place = self.room_places[key]
         reader = self._reader("scenes", place.split)
         (row,) = reader.rows([place.row], ROOM)
         (map_2d,) = reader.images(place.row, ["map_2d"])
         stored = row["semantic_map"]
         labels = plan_labels(StoredImage(bytes(map_2d)))
-        return Room(
+        return Arrangement(
             key,
             row["room_type"],
             row["split"],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from remqa_data.browse.dataset import Room
+from remqa_data.browse.dataset import Arrangement
 
 MOST = 12
 """On either side."""
@@ -37,7 +37,7 @@ class Neighbourhood:
     left_out: int
 
 
-def neighbourhood(room: Room, target: str) -> Neighbourhood:
+def neighbourhood(room: Arrangement, target: str) -> Neighbourhood:
     """The graph around a thing: the walk's edges, and what is in or on it that no walk shows; each pair once."""
     known = set(room.nodes)
     right = [Neighbour(edge.target, edge.relation, False) for edge in room.edges if edge.source == target]

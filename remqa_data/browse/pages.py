@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from remqa_data.browse.answers import AgentAnswers, given_answers
-from remqa_data.browse.dataset import BrowsedDataset, Room, RoomKey, slug
+from remqa_data.browse.dataset import Arrangement, BrowsedDataset, RoomKey, slug
 from remqa_data.browse.filters import CHOICES, PAGE, Filters, searched_text
 from remqa_data.browse.models import carried
 from remqa_data.browse.neighbours import neighbourhood
@@ -262,7 +262,7 @@ class Pages:
         shown = [number for number in objects_shown(instances) if number <= len(ids)]
         return [(ids[number - 1], object_color(number)) for number in shown]
 
-    def _question_map(self, room: Room, asked: dict[str, Any]) -> dict[str, Any]:
+    def _question_map(self, room: Arrangement, asked: dict[str, Any]) -> dict[str, Any]:
         frame = RoomMap.of(room)
         boxes = {thing.id: thing.box for thing in room.objects}
         target = boxes.get(asked["target_id"])

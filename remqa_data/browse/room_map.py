@@ -8,7 +8,7 @@ from typing import Any
 
 import networkx as nx
 
-from remqa_data.browse.dataset import Room
+from remqa_data.browse.dataset import Arrangement
 from remqa_data.errors import RemqaError
 from remqa_data.geometry.types import Box, Vec2
 from remqa_data.sim.agent.actions import parse_actions, walk_and_rest
@@ -54,7 +54,7 @@ class RoomMap:
     height: float
 
     @classmethod
-    def of(cls, room: Room) -> RoomMap:
+    def of(cls, room: Arrangement) -> RoomMap:
         """The frame of a room's stored map."""
         columns, rows = room.plan_labels.shape
         (i, j), size = room.corner, room.voxel_m
@@ -79,7 +79,7 @@ class RoomMap:
         return self.point((box[0] + box[3]) / 2, (box[1] + box[4]) / 2)
 
 
-def way(room: Room, frame: RoomMap, start: dict[str, Any], actions: Sequence[str]) -> list[Vec2]:
+def way(room: Arrangement, frame: RoomMap, start: dict[str, Any], actions: Sequence[str]) -> list[Vec2]:
     """The places that an oracle's actions lead through on the map; only the start if they cannot be followed."""
     state = AgentState((start["position"][0], start["position"][1], start["position"][2]), start["yaw_deg"], 0.0)
     first = frame.point(*state.position[:2])
@@ -93,7 +93,7 @@ def way(room: Room, frame: RoomMap, start: dict[str, Any], actions: Sequence[str
     return [point for place, point in enumerate(points) if place == 0 or point != points[place - 1]]
 
 
-def _grid(room: Room) -> ReachableGrid:
+def _grid(room: Arrangement) -> ReachableGrid:
     """The stored cells; that a step from one to its neighbour is free, the dataset has proved."""
     cells = set(room.cells)
     graph: nx.Graph[tuple[int, int]] = nx.Graph()

@@ -16,11 +16,11 @@ from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 from remqa_data.views import LEAST_PX, MOST_PX, SIZE_PX
 from remqa_data.views.features import load_function
-from remqa_data.views.manifest import Origin, Room, ViewsManifest, finished_rooms, is_plain, load_views_manifest
+from remqa_data.views.manifest import CachedRoom, Origin, ViewsManifest, finished_rooms, is_plain, load_views_manifest
 from remqa_data.views.room import Configuration, RoomJob, make_room
 from remqa_data.views.tasks import NavigationTask, navigation_tasks
 
-Progress = Callable[[int, int, Room], None]
+Progress = Callable[[int, int, CachedRoom], None]
 """Called with how many rooms are done, of how many, and the one that is."""
 
 
@@ -102,7 +102,7 @@ def cache_views(
             raise ConfigError(f"{root}: nothing is asked about these rooms in these configurations; name others")
         others = tuple(room for scene, room in kept.items() if scene not in {job.scene for job in jobs})
         ViewsManifest(origin, others).save(folder)
-        made: list[Room] = []
+        made: list[CachedRoom] = []
         for _, room in (executor or LocalExecutor()).run(make_room, jobs):
             made.append(room)
             if progress is not None:
@@ -151,7 +151,7 @@ def _rooms(root: str | os.PathLike[str], wanted: Wanted) -> dict[str, list[Confi
     return {name: rooms[name] for name in wanted.scenes}
 
 
-def _features(folder: Path, known: Iterable[Room], wanted: str | None) -> str | None:
+def _features(folder: Path, known: Iterable[CachedRoom], wanted: str | None) -> str | None:
     """The function whose features the cache has from now on: one, or none."""
     before = next((room.features for room in known if room.features is not None), None)
     if before is not None and wanted not in (None, before):
@@ -163,7 +163,7 @@ def _job(
     folder: Path,
     scene: str,
     configurations: list[Configuration],
-    known: Room | None,
+    known: CachedRoom | None,
     wanted: Wanted,
     features: str | None,
 ) -> RoomJob:

@@ -10,7 +10,7 @@ from remqa_data.command_line import announce_compiling, output
 from remqa_data.processes.cores import worker_count
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.views.build import Wanted, cache_views
-from remqa_data.views.manifest import Room
+from remqa_data.views.manifest import CachedRoom
 
 
 def cache_and_report(root: Path, out: Path, wanted: Wanted, workers: int | None) -> None:
@@ -28,7 +28,7 @@ def cache_and_report(root: Path, out: Path, wanted: Wanted, workers: int | None)
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("drawing", total=None)
 
-        def on_room(done: int, total: int, room: Room) -> None:
+        def on_room(done: int, total: int, room: CachedRoom) -> None:
             bar.update(task, completed=done, total=total, description=room.scene)
             if not console.is_terminal:
                 output().note(f"{done}/{total} {room.scene}: {room.frames} frames")

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from remqa_data.errors import ConfigError, MissingExtraError, RemqaError, one_line
 from remqa_data.geometry.types import U8
 from remqa_data.views.arrays import features_name, new_array
-from remqa_data.views.manifest import Room, ViewFile
+from remqa_data.views.manifest import CachedRoom, ViewFile
 from remqa_data.views.reader import RoomViews, read_room
 
 BATCH = 64
@@ -51,7 +51,7 @@ def load_function(name: str) -> Features:
     return features
 
 
-def add_features(folder: Path, room: Room, name: str) -> tuple[ViewFile, ...]:
+def add_features(folder: Path, room: CachedRoom, name: str) -> tuple[ViewFile, ...]:
     """Write the features of a finished room, float16; states that a configuration does not have are zeros.
 
     Raises

@@ -98,7 +98,7 @@ class ViewFile:
 
 
 @dataclass(frozen=True)
-class Room:
+class CachedRoom:
     """A finished room.
 
     Attributes
@@ -139,7 +139,7 @@ class ViewsManifest:
     """What a cache is."""
 
     origin: Origin
-    rooms: tuple[Room, ...] = ()
+    rooms: tuple[CachedRoom, ...] = ()
     is_finished: bool = False
 
     @property
@@ -175,7 +175,7 @@ def load_views_manifest(folder: str | os.PathLike[str]) -> ViewsManifest | None:
     return manifest
 
 
-def finished_rooms(folder: Path, scenes: Sequence[str]) -> dict[str, Room]:
+def finished_rooms(folder: Path, scenes: Sequence[str]) -> dict[str, CachedRoom]:
     """Those of some rooms whose note says that they are finished; whether their files are whole is not looked at."""
     rooms = {}
     for scene in scenes:
@@ -189,7 +189,7 @@ def finished_rooms(folder: Path, scenes: Sequence[str]) -> dict[str, Room]:
     return rooms
 
 
-def _check_names(where: Path, room: Room) -> None:
+def _check_names(where: Path, room: CachedRoom) -> None:
     """A manifest may come from anywhere: what it names lies in the room's own folder."""
     for file in room.files:
         if not (_NAME.fullmatch(room.scene) and file.path == f"{room.scene}/{_last(file.path)}"):
@@ -216,4 +216,4 @@ def _unreadable(path: Path, error: ValidationError) -> DatasetError:
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", re.ASCII)
 _MANIFEST = TypeAdapter(ViewsManifest)
-_ROOM = TypeAdapter(Room)
+_ROOM = TypeAdapter(CachedRoom)

@@ -15,7 +15,7 @@ from remqa_data.errors import DatasetError, UnknownNameError
 from remqa_data.geometry.types import F32, F64, U8, Flags
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.views.arrays import COLORS, FRAMES, PIXELS, features_name, load_table, mapped, table_name
-from remqa_data.views.manifest import Origin, Room, ViewsManifest, load_views_manifest
+from remqa_data.views.manifest import CachedRoom, Origin, ViewsManifest, load_views_manifest
 from remqa_data.views.states import States
 from remqa_data.views.transitions import Transitions
 
@@ -150,7 +150,7 @@ def _loaded(folder: Path) -> ViewsManifest:
     return manifest
 
 
-def read_room(folder: Path, room: Room, configuration: int) -> RoomViews:
+def read_room(folder: Path, room: CachedRoom, configuration: int) -> RoomViews:
     """A configuration of a finished room of a cache, which need not be finished; errors as in `Views.room`."""
     folder = folder / room.scene
     table = load_table(folder / table_name(configuration))
@@ -171,7 +171,7 @@ def read_room(folder: Path, room: Room, configuration: int) -> RoomViews:
     return views
 
 
-def _check_shapes(folder: Path, room: Room, views: RoomViews) -> None:
+def _check_shapes(folder: Path, room: CachedRoom, views: RoomViews) -> None:
     """Files of different runs do not fit together."""
     count: dict[str, Any] = {
         "states": len(views.states),

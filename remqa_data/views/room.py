@@ -23,7 +23,7 @@ from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.tables.rows import configuration_name
 from remqa_data.views.arrays import COLORS, FRAMES, PIXELS, new_array, save_table, table_name
 from remqa_data.views.features import add_features
-from remqa_data.views.manifest import NOTE, Room, ViewFile, finished_rooms
+from remqa_data.views.manifest import NOTE, CachedRoom, ViewFile, finished_rooms
 from remqa_data.views.states import TURNS, States
 from remqa_data.views.tasks import NavigationTask
 from remqa_data.views.transitions import transitions
@@ -58,7 +58,7 @@ class RoomJob:
     features: str | None = None
 
 
-def make_room(job: RoomJob) -> Room:
+def make_room(job: RoomJob) -> CachedRoom:
     """Make the room, or what is missing of it: files that are as they were written are kept.
 
     Raises
@@ -87,7 +87,7 @@ def _tidy(folder: Path) -> None:
             path.unlink()
 
 
-def _drawn(job: RoomJob) -> Room:
+def _drawn(job: RoomJob) -> CachedRoom:
     folder = job.folder / job.scene
     with ExitStack() as stack:
         loaded = [_loaded(job, configuration, stack) for configuration in job.configurations]
@@ -105,7 +105,7 @@ def _drawn(job: RoomJob) -> Room:
     numbers = tuple(configuration.number for configuration in job.configurations)
     names = (FRAMES, PIXELS, COLORS, *map(table_name, numbers))
     files = tuple(ViewFile.of(job.folder, f"{job.scene}/{name}") for name in names)
-    return Room(job.scene, numbers, len(states), count, files)
+    return CachedRoom(job.scene, numbers, len(states), count, files)
 
 
 def _loaded(job: RoomJob, configuration: Configuration, stack: ExitStack) -> LoadedRoom:

@@ -17,7 +17,7 @@ from remqa_data.sim.physics.bodies import Bodies, Part
 from remqa_data.sim.physics.state import ObjectState
 
 
-class Room(Protocol):
+class WorldLike(Protocol):
     """What must be known of a `World`; see there."""
 
     @property
@@ -41,12 +41,14 @@ NEAR_M = 0.01
 """Who rests on a thing has a box that comes so near to the thing's own."""
 
 
-def riders(world: Room, bodies: Bodies, object_id: str, link: int | None = None, *, or_lean: bool = False) -> set[str]:
+def riders(
+    world: WorldLike, bodies: Bodies, object_id: str, link: int | None = None, *, or_lean: bool = False
+) -> set[str]:
     """Ids of the things that go along with an object, or with one link of it.
 
     Parameters
     ----------
-    world : Room
+    world : WorldLike
         The room.
     bodies : Bodies
         Its side of PyBullet.
@@ -77,7 +79,7 @@ def riders(world: Room, bodies: Bodies, object_id: str, link: int | None = None,
     return found
 
 
-def _can_ride(world: Room, object_id: str) -> bool:
+def _can_ride(world: WorldLike, object_id: str) -> bool:
     return object_type(world.type_of(object_id)).is_loose or not world.state(object_id).is_fixed
 
 
@@ -85,7 +87,7 @@ def _moves(part: Part, object_id: str, link: int | None, found: set[str]) -> boo
     return part.object_id in found or (part.object_id == object_id and link in (None, part.link))
 
 
-def _is_enclosed(world: Room, other: str, object_id: str, link: int | None) -> bool:
+def _is_enclosed(world: WorldLike, other: str, object_id: str, link: int | None) -> bool:
     """Whether the middle of a thing that touches nothing below it is inside something closed all around."""
     poses, middle = world.link_poses(object_id), world.state(other).position
     for space in world.assets[object_id].spaces:
