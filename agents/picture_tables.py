@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from remqa_data.agents.paper import PAPER, paper_results
@@ -41,7 +41,7 @@ def rec_grid(results: Sequence[Results]) -> Grid:
     """prec@0.5 on both splits of the paper, and where it was measured on rooms that networks have learnt in."""
     seen = tuple({SEEN_SPLIT for found in results if found.split == SEEN_SPLIT})
     rows = [
-        (name + PAPER, *(rounded(figures[f"{PRECISION} {split}"] / PERCENT) for split in SPLITS), *("" for _ in seen))
+        (name + PAPER, *(_published(figures, split) for split in SPLITS), *("" for _ in seen))
         for name, figures in paper_results()["REC"].items()
     ]
     by_key = {(found.submission.agent, found.split): cell(found.metric(PRECISION)) for found in results}
@@ -49,6 +49,12 @@ def rec_grid(results: Sequence[Results]) -> Grid:
         rows.append((title, *(by_key.get((title, split), "") for split in (*SPLITS, *seen))))
     headings = ("System", *(f"{PRECISION} {split}" for split in SPLITS), *(f"{PRECISION} seen rooms" for _ in seen))
     return Grid("Referring expressions", headings, tuple(rows))
+
+
+def _published(figures: Mapping[str, float], split: str) -> str:
+    """A row's figure in the paper; nothing for a split that it has not."""
+    figure = figures.get(f"{PRECISION} {split}")
+    return "" if figure is None else rounded(figure / PERCENT)
 
 
 def qa_grid(results: Sequence[Results]) -> Grid:

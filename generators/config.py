@@ -182,7 +182,7 @@ class Config(_Section):
     @property
     def totals(self) -> dict[QuestionSplit, dict[QuestionKind, int]]:
         """Questions by split and kind."""
-        return {"train": self.questions.train.by_kind(), "test": self.questions.test.by_kind()}
+        return {split: getattr(self.questions, split).by_kind() for split in SPLITS}
 
     @property
     def sha256(self) -> str:

@@ -33,14 +33,15 @@ from remqa_data.storage.manifest import (
     make_manifest,
     versions_here,
 )
-from remqa_data.storage.ownership import clear, look, mark, remove_parts
+from remqa_data.storage.ownership import SPLITS, clear, look, mark, remove_parts
 from remqa_data.storage.parts import Part, Parts, assemble, count_questions, finish
 from remqa_data.storage.protocol import Storage
 from remqa_data.storage.shards import check_files, check_sizes
 from remqa_data.tables.rows import Row
 from remqa_data.version import __version__
 
-FEWEST_SHARDS = {"train": 5, "val": 1, "test": 1}
+FEWEST_SHARDS = {"train": 5}
+"""Of a table in a split; in the others one."""
 ROOMS_PER_SHARD = 20
 
 DEAL = "deal.json"
@@ -229,10 +230,8 @@ def shards_per_split(rooms: Iterable[tuple[str, str]]) -> dict[str, int]:
         For each room, the tables and splits in which it has rows.
     """
     counts = Counter(rooms)
-    return {
-        split: max(fewest, *(math.ceil(count / ROOMS_PER_SHARD) for (_, s), count in counts.items() if s == split), 0)
-        for split, fewest in FEWEST_SHARDS.items()
-    }
+    most = {split: max((count for (_, s), count in counts.items() if s == split), default=0) for split in SPLITS}
+    return {split: max(FEWEST_SHARDS.get(split, 1), math.ceil(n / ROOMS_PER_SHARD)) for split, n in most.items()}
 
 
 def _manifest(

@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
+from typing import Literal, get_args
 
 from remqa_data.errors import QuotaError, UnknownNameError, counted
 from remqa_data.floorplans.ithor.table import scene_names
@@ -26,7 +26,7 @@ from remqa_data.yaml_files import template_text
 SOURCE = "capacities.csv"
 SAMPLED_SOURCE = "sampled_capacities.csv"
 QuestionSplit = Literal["train", "test"]
-SPLITS: tuple[QuestionSplit, ...] = ("train", "test")
+SPLITS: tuple[QuestionSplit, ...] = get_args(QuestionSplit)
 Totals = Mapping[QuestionKind, int]
 Lots = dict[QuestionKind, dict[str, int]]
 """By kind and room."""

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import PurePosixPath
+from typing import get_args
 
 from remqa_data.errors import DatasetError
 from remqa_data.files import name_of_leftover
@@ -18,10 +19,11 @@ from remqa_data.storage.card import CARD, CROISSANT
 from remqa_data.storage.locks import is_lock
 from remqa_data.storage.manifest import MANIFEST
 from remqa_data.storage.protocol import Storage
+from remqa_data.tables.rows import Split
 from remqa_data.tables.schema import TABLES
 
 PARTS = ".parts"
-SPLITS = ("train", "val", "test")
+SPLITS: tuple[Split, ...] = get_args(Split)
 MARKER = f"{PARTS}/UNFINISHED"
 _MARKER_TEXT = b"An unfinished dataset of remqa-gen, which goes on with --resume. It owns what it has written here.\n"
 _SIGNS = {CARD: b"# REMQA dataset", CROISSANT: b'"name": "remqa"'}

@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 
 import pytest
@@ -5,6 +6,7 @@ import pytest
 from remqa_data.agents.config import load_system, systems
 from remqa_data.errors import ConfigError
 
+ROOT = Path(__file__).parents[2]
 TEXT = """\
 title: mine
 seed: 0
@@ -24,6 +26,15 @@ def test_the_systems_that_come_with_the_package_are_read_and_say_what_they_are()
     assert "majority answer" in titles[0]
     assert "true labels" in titles[1]
     assert "majority answer" in titles[1]  # nobody takes it for the paper's whole method
+
+
+def test_the_systems_that_come_with_the_package_are_described_and_play() -> None:
+    page = (ROOT / "docs" / "AGENTS.md").read_text(encoding="utf-8")
+    table = page.split("## The systems\n")[1].split("\n\n**")[0]
+    cells = re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)
+    assert sorted(name for cell in cells for name in re.findall(r"`(\w+)`", cell)) == sorted(systems())
+    (played,) = re.findall(r"^SYSTEMS := (.*)$", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(played.split()) == sorted(systems())
 
 
 def test_a_file_is_read_like_a_preset(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from remqa_data.agents import picture_tables
 from remqa_data.agents.leaderboard import leaderboard
 from remqa_data.agents.paper import paper_results
 from remqa_data.agents.table import failures_grid, navigation_grid, remqa_grid, score_systems, write_tables
@@ -30,6 +31,13 @@ def test_the_figures_of_the_paper_are_those_that_were_published() -> None:
     }
     assert paper_results()["REMQA"]["Ours"]["SPATIAL S_QA"] == 0.284
     assert [len(paper_results()[name]) for name in ("VSN", "REC", "REMQA")] == [5, 5, 3]
+
+
+def test_of_a_split_that_the_paper_has_not_it_has_no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(picture_tables, "SPLITS", ("val", "own"))
+    rows = picture_tables.rec_grid([]).rows
+    assert len(rows) == 5
+    assert all(float(known) > 0 and unknown == "" for _, known, unknown in rows)
 
 
 def test_a_folder_without_submissions_is_an_error(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """The environment over cached views: beside the live one, in batches, and misused."""
 
 import pickle
+import re
 import shutil
 from collections.abc import Iterator
 from functools import partial
@@ -70,6 +71,12 @@ def test_walking_has_the_numbers_and_words_of_the_live_environment() -> None:
         *("MoveAhead", "MoveBack", "MoveLeft", "MoveRight", "RotateLeft", "RotateRight", "LookUp", "LookDown"),
         *("Crouch", "Stand", "Done"),
     }
+
+
+def test_the_page_names_every_observation(env: CachedRemqaEnv) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "AGENTS.md").read_text(encoding="utf-8")
+    (told,) = re.findall(r"^- \*\*Observations\*\*:(.*?)^- ", page, re.MULTILINE | re.DOTALL)
+    assert set(env.observation_space.spaces) <= set(re.findall(r"`(\w+)`", told))  # type: ignore[attr-defined]
 
 
 def test_the_same_seed_draws_the_episodes_of_the_live_environment(small_rooms: Path, env: CachedRemqaEnv) -> None:

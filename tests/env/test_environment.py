@@ -4,6 +4,7 @@ import copy
 import gc
 import math
 import pickle
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -37,6 +38,13 @@ def env() -> Iterator[RemqaEnv]:
     made = RemqaEnv(**SMALL, max_steps=5)
     yield made
     made.close()
+
+
+def test_the_page_names_every_observation() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "ENVIRONMENT.md").read_text(encoding="utf-8")
+    table = page.split("## What the agent gets\n")[1].split("\n## ")[0]
+    env = RemqaEnv(**SMALL, privileged=True)
+    assert set(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)) == set(env.observation_space.spaces)  # type: ignore[attr-defined]
 
 
 @pytest.mark.slow

@@ -100,7 +100,7 @@ def servers() -> Iterator[tuple[FaultyS3, str]]:
             monkeypatch.setenv("AWS_ENDPOINT_URL", url)
             monkeypatch.setattr(backend, "Bucket", Impatient)
             monkeypatch.setattr(pipeline, "make_part", made_up_part)
-            monkeypatch.setattr(pipeline, "FEWEST_SHARDS", {"train": 1, "val": 1, "test": 1})
+            monkeypatch.setattr(pipeline, "FEWEST_SHARDS", {})
             monkeypatch.setattr(locks, "SETTLE_S", 0.0)
             monkeypatch.setenv("CRASH_ROOM_S", "0")
             yield proxy, behind

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from remqa_data.errors import DamagedPartError, DatasetError, SchemaError
 from remqa_data.storage.manifest import FileInfo, load_manifest
+from remqa_data.storage.ownership import SPLITS
 from remqa_data.storage.parts import Part, Parts, assemble, tidy
 from tests.helpers.damaged_files import files_of, flip
 from tests.helpers.dataset_rows import frame_row, question_row, write_dataset
@@ -22,7 +23,7 @@ def test_a_split_is_divided_evenly_and_never_into_empty_files(tmp_path) -> None:
     parts = Parts(tmp_path, {})
     rows = [frame_row("A", "train", i) for i in range(7)]
     part = parts.write("A", {"frames": rows, "questions": [question_row("A", "train", 0)]})
-    files = assemble(parts, [part], {"train": 3, "val": 1, "test": 1})
+    files = assemble(parts, [part], {**dict.fromkeys(SPLITS, 1), "train": 3})
     assert [(f.path, f.rows) for f in files] == [
         ("frames/train-00000-of-00003.parquet", 2),
         ("frames/train-00001-of-00003.parquet", 2),
