@@ -6,12 +6,14 @@ all go along; what lies on the desk above rests on the desk and stays. What rest
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Protocol
+
+import numpy as np
 
 from remqa_data.assets.core.model import Asset
 from remqa_data.catalog import object_type
-from remqa_data.geometry import arithmetic
+from remqa_data.geometry import arithmetic, boxes
 from remqa_data.geometry.types import F64
 from remqa_data.sim.physics.bodies import Bodies, Part
 from remqa_data.sim.physics.state import ObjectState
@@ -77,6 +79,24 @@ def riders(
     while held_back := {o for o in found if any(not _moves(part, object_id, link, found) for part in carriers[o])}:
         found -= held_back
     return found
+
+
+def met_nothing(paths: Mapping[str, tuple[F64, F64]], awake: Collection[str]) -> list[str]:
+    """Who of those that have moved has come near nothing that was awake, nor near anything that had.
+
+    Parameters
+    ----------
+    paths : mapping of str to pair of (2, 3) array
+        By id, the box of each before and after.
+    awake : collection of str
+        Who moved by itself.
+    """
+    swept = [[*np.minimum(was[0], box[0]), *np.maximum(was[1], box[1])] for was, box in paths.values()]
+    is_near = boxes.gap(swept, swept) <= NEAR_M if swept else np.zeros((0, 0), dtype=np.bool_)
+    met = np.array([name in awake for name in paths], dtype=np.bool_)
+    while (more := is_near[met].any(axis=0) & ~met).any():
+        met |= more
+    return [name for name, has_met in zip(paths, met.tolist(), strict=True) if not has_met]
 
 
 def _can_ride(world: WorldLike, object_id: str) -> bool:

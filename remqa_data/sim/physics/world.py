@@ -24,7 +24,7 @@ from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Quaternion, Scene, SceneObject
 from remqa_data.sim.physics.bodies import Bodies
 from remqa_data.sim.physics.bullet import BulletClient
-from remqa_data.sim.physics.carrying import riders
+from remqa_data.sim.physics.carrying import met_nothing, riders
 from remqa_data.sim.physics.state import ObjectState
 
 SETTLE_STEPS = 240
@@ -169,7 +169,8 @@ class World:
         velocities : mapping of str to tuple of float, optional
             Of what is in motion at first, m/s by object id.
         awake : iterable of str, optional
-            All else sleeps until something hits it: a third of the time, and nothing far away creeps.
+            All else sleeps until something hits it: a third of the time. PyBullet wakes what lies in a drawer, or has moving
+            parts, all the same; where nothing that was awake has come near, it stays as it was.
         """
         awake = None if awake is None else tuple(awake)
         for object_id in (*(velocities or ()), *(awake or ())):
@@ -178,10 +179,14 @@ class World:
         for object_id, velocity in (velocities or {}).items():
             self._bodies.set_velocity(object_id, velocity)
         free = [i for i, state in self._states.items() if not state.is_fixed and i not in self.held]
-        for object_id in self._bodies.settle(free, steps, free if awake is None else awake):
-            state = self._states[object_id]
+        moved = self._bodies.settle(free, steps, free if awake is None else awake)
+        before = {} if awake is None else {name: (self._states[name], self.box(name)) for name in moved}
+        for object_id in moved:
             position, quaternion = self._bodies.pose(object_id)
-            self._put_at(object_id, replace(state, position=position, quaternion=quaternion))
+            self._put_at(object_id, replace(self._states[object_id], position=position, quaternion=quaternion))
+        if awake is not None:
+            for object_id in met_nothing({name: (box, self.box(name)) for name, (_, box) in before.items()}, awake):
+                self._put_at(object_id, before[object_id][0])
 
     def open(self, object_id: str, openness: float = 1.0, *, force: bool = False) -> list[str]:
         """Open or close an object; what lies in its moving parts is carried along, exactly.

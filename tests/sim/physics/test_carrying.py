@@ -9,6 +9,7 @@ from remqa_data.assets.core.model import AssetSpec
 from remqa_data.assets.looks.materials import OAK
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.scene import Scene, SceneObject, StructureBox
+from remqa_data.sim.physics.carrying import met_nothing
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
 from tests.sim.physics.test_world import mug, room
@@ -104,3 +105,30 @@ def test_in_recorded_rooms_drawers_take_along_what_metadata_says_is_in_them(name
             inside = {o for o, support in held_by.items() if support.id == drawer}
             inside |= {o for o, support in held_by.items() if support.id in inside}
             assert set(world.contents(drawer)) == inside
+
+
+@pytest.mark.slow
+def test_what_nothing_comes_near_does_not_creep_when_something_is_put_down_elsewhere() -> None:
+    """A knife in a drawer that is 1.5 cm elsewhere each time all come to rest: PyBullet lets nothing sleep there."""
+    knife, plate = "Knife|+00.74|+00.76|-00.19", "Plate|-01.99|+00.85|-01.59"
+    with World(load_scene("FloorPlan21")) as world:
+        world.settle()
+        before, x, y, z = world.save(), *world.state(plate).position
+        world.settle()
+        assert world.state(knife) != before.states[knife]
+        world.restore(before)
+        world.move_alone(plate, (x, y, z + 0.1))
+        world.settle(awake=[plate])
+        assert world.state(plate).position[2] == pytest.approx(z, abs=0.02)
+        assert world.state(knife) == before.states[knife]
+
+
+def test_who_is_near_what_moves_has_met_it_and_so_has_who_is_near_him() -> None:
+    def path(x: float, moved_m: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+        box = np.array([(x, 0.0, 0.0), (x + 0.1, 0.1, 0.1)])
+        return box, box + np.array((moved_m, 0.0, 0.0))
+
+    row = {"thrown": path(0.0, 0.5), "hit": path(0.605, 0.1), "pushed": path(0.81, 0.01), "far": path(1.0, 0.01)}
+    assert met_nothing(row, ["thrown"]) == ["far"]
+    assert met_nothing(row, []) == [*row]
+    assert met_nothing({}, ["thrown"]) == []
