@@ -84,7 +84,7 @@ def _grouped(voxels: Voxels, volume: Volume, places: U8, near: tuple[int, ...], 
     cubes = [np.floor(along).astype(np.int64) for along in at]
     number = np.argwhere((places != BEYOND) & (voxels.number[np.ix_(*cubes)] < 0))
     is_in_air = places[tuple(number.T)] == IN_AIR
-    one = (number % 2 @ np.array([1, 2, 4])) % near[0]
+    one = (number % 2 * np.array([1, 2, 4])).sum(axis=1) % near[0]
     alike = one * 2 + is_in_air
     for axis in range(3):
         which, of_each = np.unique(np.round(at[axis] - cubes[axis], _SAME), return_inverse=True)
