@@ -8,7 +8,7 @@ from math import prod
 from pathlib import Path
 from typing import NamedTuple
 
-from remqa_data.agents.runner import read_pace
+from remqa_data.agents.runner import read_pace, read_told
 from remqa_data.agents.training.config import DURATION, networks, weights_file
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.report.tables import Grid
@@ -70,10 +70,8 @@ def cost_of(path: Path) -> Cost:
 
 def _minutes_beside(path: Path) -> float | None:
     """What the training of a network has written beside its weights."""
-    try:
-        return float(json.loads((path.with_suffix("") / DURATION).read_bytes())[MINUTES])
-    except (OSError, KeyError, TypeError, ValueError):
-        return None
+    minutes = read_told(path.with_suffix("") / DURATION).get(MINUTES)
+    return minutes if isinstance(minutes, float) else None
 
 
 def costs_grid(costs: Iterable[Cost]) -> Grid:

@@ -237,7 +237,7 @@ def pace_path(submission: Path) -> Path:
 
 def read_pace(submission: Path) -> dict[str, Any]:
     """What is written there: `steps`, `seconds` and `run`; nothing if nobody has."""
-    return _read(pace_path(submission))
+    return read_told(pace_path(submission))
 
 
 @lru_cache(maxsize=1)
@@ -254,7 +254,7 @@ def _prepare(parts: Path, about: dict[str, Any], resume: bool) -> None:
     """A folder for finished rooms, which says what run they are of; empty unless that is the same run."""
     note = parts / NOTE
     if resume and note.is_file():
-        if _read(note) != about:
+        if read_told(note) != about:
             raise ConfigError(f"{parts}: holds rooms of another run; leave --resume out to begin anew")
         return
     if parts.exists() and not note.is_file():
@@ -273,8 +273,8 @@ def _is_finished(submission: Path, run: dict[str, Any]) -> bool:
     return submission.is_file() and read_pace(submission).get("run") == run
 
 
-def _read(path: Path) -> dict[str, Any]:
-    """What a file of JSON holds; nothing if there is none, or it is damaged."""
+def read_told(path: Path) -> dict[str, Any]:
+    """What a run has told in a file of JSON; nothing if there is none, or it is damaged."""
     try:
         told = json.loads(path.read_bytes())
     except (OSError, ValueError, RecursionError):

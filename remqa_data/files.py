@@ -24,7 +24,7 @@ _LEFTOVER = re.compile(r"\.(.+)\.[0-9a-f]{12}(\.[^.]*)?")
 
 
 def cache_folder() -> Path:
-    """Where fetched shards and baked light are kept: $REMQA_CACHE, or ~/.cache/remqa-data. It can be removed at any time.
+    """Where fetched shards, baked light and scores are kept: $REMQA_CACHE, or ~/.cache/remqa-data. It may be removed.
 
     Raises
     ------

@@ -111,12 +111,12 @@ def learn(
         _, about = load_network(path)
         if (about.network, about.datasets, about.needs, about.began_with) == (config, datasets, needs, began_with):
             return about
+    fingerprint = json.dumps([config.sha256, datasets, needs, began_with])
+    schedule = Schedule(**config.schedule.model_dump())
     with deterministic(device):
         task = _task(
             network, config.schedule.seed, roots, folder, views, device, {} if looks is None else looks, on_look
         )
-        fingerprint = json.dumps([config.sha256, datasets, needs, began_with])
-        schedule = Schedule(**config.schedule.model_dump())
         progress = on_learn(schedule.samples(len(task))) if on_learn else None
         score = train(
             task,

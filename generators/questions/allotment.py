@@ -216,10 +216,9 @@ def _lots_of(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, tot
             f"{split}: {kind}: {total} samples cannot have different answers; ask for none or for at least 2"
         )
     count = -(-total // LOT_SIZE)
-    room_for = {room.scene: room.most[kind] for room in rooms}
     if count and not rooms:
         raise QuotaError(f"{split}: {kind}: none of the rooms is for {split}; add one, or ask for no {split} questions")
-    if count > sum(room_for.values()):
+    if count > sum(room.most[kind] for room in rooms):
         raise QuotaError(f"{split}: {kind}: {_too_many(rooms, split, kind, total)}")
     return count
 

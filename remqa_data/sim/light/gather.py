@@ -15,12 +15,10 @@ import numpy as np
 from remqa_data.compiled import exact
 from remqa_data.geometry.types import F32, F64, I32, I64, U8, U64, Flags
 from remqa_data.sim.light.volume import BEYOND, IN_AIR, Volume
-from remqa_data.sim.light.voxels import RIM, SIDES, WALL, Voxels, sides_against
+from remqa_data.sim.light.voxels import OUTSIDE, RIM, SIDES, WALL, Voxels, crossings, marked, sides_against, with_rim
 
 BACKS = 0.25
 """A probe of which more rays meet backs lies inside something."""
-OUTSIDE = -2
-"""Number of what lies around the room."""
 _SAME = 9
 """Places within cubes are the same if so many decimals are."""
 _EDGE = 1e-6
@@ -107,11 +105,10 @@ def _grouped(voxels: Voxels, volume: Volume, places: U8, near: tuple[int, ...], 
 def _ends(voxels: Voxels, rays: F64) -> Ends:
     """What ends rays, and what they find there."""
     signs, pattern = np.unique(np.sign(rays), axis=0, return_inverse=True)
-    cube = np.full(np.array(voxels.number.shape) + 2 * RIM, OUTSIDE, dtype=np.int32)
-    cube[RIM:-RIM, RIM:-RIM, RIM:-RIM] = voxels.number
-    bits = np.stack([_marked(cube.ravel(), _is_end(voxels, sign)) for sign in signs])
+    cube = with_rim(voxels.number).ravel()
+    bits = np.stack([marked(cube, _is_end(voxels, sign)) for sign in signs])
     sides = np.concatenate([voxels.cover.T[..., None], voxels.sent.transpose(1, 0, 2)], axis=2)
-    return Ends(bits, pattern.ravel(), cube.ravel(), np.ascontiguousarray(sides))
+    return Ends(bits, pattern.ravel(), cube, np.ascontiguousarray(sides))
 
 
 def _is_end(voxels: Voxels, sign: F64) -> Flags:
@@ -119,16 +116,6 @@ def _is_end(voxels: Voxels, sign: F64) -> Flags:
     sides = [2 * axis + int(along > 0) for axis, along in enumerate(sign) if along != 0]
     is_met: Flags = (voxels.kind == WALL) | ((voxels.kind > 0) & (voxels.cover[:, sides] > 0).any(axis=1))
     return is_met
-
-
-@exact
-def _marked(cube: I32, is_end: Flags) -> U64:
-    """A bit for each cube that ends a ray, and those outside."""
-    bits = np.zeros(len(cube) // 64 + 1, dtype=np.uint64)
-    for at in range(len(cube)):
-        if cube[at] == OUTSIDE or (cube[at] >= 0 and is_end[cube[at]]):
-            bits[at >> 6] |= np.uint64(1) << np.uint64(at & 63)
-    return bits
 
 
 @exact
@@ -172,13 +159,9 @@ def _follow(ray: F64, inside: F64, cubes: I64, bits: U64, shape: I64, way: I64, 
     dx, dy, dz = ray[0], ray[1], ray[2]
     row, plane = shape[2] + 2 * RIM, (shape[2] + 2 * RIM) * (shape[1] + 2 * RIM)
     along_x, along_y, along_z = (plane if dx > 0 else -plane), (row if dy > 0 else -row), (1 if dz > 0 else -1)
-    big = 1e30
-    step_x, step_y, step_z = abs(1.0 / dx) if dx != 0 else big, abs(1.0 / dy) if dy != 0 else big, big
-    if dz != 0:
-        step_z = abs(1.0 / dz)
-    tx = ((1.0 - inside[0]) if dx > 0 else inside[0]) * step_x if dx != 0 else big
-    ty = ((1.0 - inside[1]) if dy > 0 else inside[1]) * step_y if dy != 0 else big
-    tz = ((1.0 - inside[2]) if dz > 0 else inside[2]) * step_z if dz != 0 else big
+    step_x, tx = crossings(dx, inside[0])
+    step_y, ty = crossings(dy, inside[1])
+    step_z, tz = crossings(dz, inside[2])
     known = gone = 0
     for n in range(len(cubes)):
         k = 0
@@ -223,7 +206,8 @@ def _look_up(ray: F64, met: I64, ends: Ends, found: F32) -> None:
 def _add(ray: F64, met: I64, found: F32, sky: float, total: F64, weight: F64, backs: I64) -> None:
     """Add the light that comes along a ray to what each probe receives on the sides that look towards it."""
     ax, ay, az = abs(ray[0]), abs(ray[1]), abs(ray[2])
-    side_x, side_y, side_z = (0 if ray[0] > 0 else 1), (2 if ray[1] > 0 else 3), (4 if ray[2] > 0 else 5)
+    against_x, against_y, against_z = sides_against(ray[0], ray[1], ray[2])
+    side_x, side_y, side_z = against_x ^ 1, against_y ^ 1, against_z ^ 1
     weight[side_x] += ax
     weight[side_y] += ay
     weight[side_z] += az

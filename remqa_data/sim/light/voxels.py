@@ -24,6 +24,9 @@ GATE, WALL = 1, 2
 """A cube that lets light pass from behind, and one that does not."""
 RIM = 2
 """So many cubes lie around a room on every side, and rays end there: those of lamps may begin in the first of them."""
+OUTSIDE = -2
+"""Number of the cubes of the rim."""
+_NEVER = 1e30
 _STARTS = 1.5
 """A ray leaves the surface that it starts from for so many cubes before anything stops it."""
 
@@ -120,11 +123,10 @@ def voxelise(faces: Faces, points: Points, low: npt.ArrayLike, high: npt.ArrayLi
         np.zeros(count, dtype=np.uint8),
         np.zeros((count, SIDES), dtype=np.float32),
         np.zeros((count, SIDES, 3), dtype=np.float32),
-        np.zeros(int(np.prod(shape + 2 * RIM)) // 64 + 1, dtype=np.uint64),
+        np.zeros(0, dtype=np.uint64),
     )
     _cover(faces, points, voxels)
-    _mark_stops(voxels)
-    return voxels
+    return voxels._replace(stops=marked(with_rim(number).ravel(), voxels.kind > 0))
 
 
 @exact
@@ -177,18 +179,21 @@ def _cover(faces: Faces, points: Points, voxels: Voxels) -> None:
                 voxels.cover[cube, 2 * axis + 1] += abs(n) * points.area[k]
 
 
+def with_rim(number: I32) -> I32:
+    """(nx + 4, ny + 4, nz + 4) numbers of a room's cubes, and of those of its rim, which are `OUTSIDE`."""
+    whole = np.full(np.array(number.shape) + 2 * RIM, OUTSIDE, dtype=np.int32)
+    whole[RIM:-RIM, RIM:-RIM, RIM:-RIM] = number
+    return whole
+
+
 @exact
-def _mark_stops(voxels: Voxels) -> None:
-    """Mark the cubes that stop light from some side, and those of the rim."""
-    nx, ny, nz = voxels.number.shape
-    at = 0
-    for i in range(-RIM, nx + RIM):
-        for j in range(-RIM, ny + RIM):
-            for m in range(-RIM, nz + RIM):
-                is_inside = 0 <= i < nx and 0 <= j < ny and 0 <= m < nz
-                if not is_inside or (voxels.number[i, j, m] >= 0 and voxels.kind[voxels.number[i, j, m]] > 0):
-                    voxels.stops[at >> 6] |= np.uint64(1) << np.uint64(at & 63)
-                at += 1
+def marked(cube: I32, is_end: Flags) -> U64:
+    """A bit for each of the cubes of `with_rim`, one after the other: set for those that end rays, and those outside."""
+    bits = np.zeros(len(cube) // 64 + 1, dtype=np.uint64)
+    for at in range(len(cube)):
+        if cube[at] == OUTSIDE or (cube[at] >= 0 and is_end[cube[at]]):
+            bits[at >> 6] |= np.uint64(1) << np.uint64(at & 63)
+    return bits
 
 
 @exact
@@ -223,13 +228,9 @@ def cast(
     nx, ny, nz = number.shape
     i, j, m = math.floor(px), math.floor(py), math.floor(pz)
     si, sj, sl = (1 if dx > 0 else -1), (1 if dy > 0 else -1), (1 if dz > 0 else -1)
-    big = 1e30
-    step_x, step_y, step_z = abs(1.0 / dx) if dx != 0 else big, abs(1.0 / dy) if dy != 0 else big, big
-    if dz != 0:
-        step_z = abs(1.0 / dz)
-    tx = ((i + 1 - px) if dx > 0 else (px - i)) * step_x if dx != 0 else big
-    ty = ((j + 1 - py) if dy > 0 else (py - j)) * step_y if dy != 0 else big
-    tz = ((m + 1 - pz) if dz > 0 else (pz - m)) * step_z if dz != 0 else big
+    step_x, tx = crossings(dx, px - i)
+    step_y, ty = crossings(dy, py - j)
+    step_z, tz = crossings(dz, pz - m)
     side_x, side_y, side_z = sides_against(dx, dy, dz)
     # From farther out than beside the room, the first step leads into no cube of it.
     if i < -1 or j < -1 or m < -1 or i > nx or j > ny or m > nz:
@@ -259,6 +260,15 @@ def cast(
             )
             if facing > 0.0 or voxels.kind[cube] == WALL:
                 return cube, facing
+
+
+@exact
+def crossings(along: float, inside: float) -> tuple[float, float]:
+    """How far a ray goes from one side of a cube to the next along an axis, and at first from a place inside, in cubes."""
+    if along == 0:
+        return _NEVER, _NEVER
+    step = abs(1.0 / along)
+    return step, ((1.0 - inside) if along > 0 else inside) * step
 
 
 @exact
