@@ -116,18 +116,24 @@ clean:  ## remove .venv, caches and build files (out/ stays)
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # Installed again when a pin changes, so that `git pull && make test` is enough.
-$(INSTALLED): $(PINS) | $(BIN)/python
+$(INSTALLED): $(PINS) | $(BIN)/python $(LINKS)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
 	@touch $@
 
-$(INSTALLED_LINT): $(PINS) | $(BIN)/python
+$(INSTALLED_LINT): $(PINS) | $(BIN)/python $(LINKS)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[lint]'
 	@touch $(INSTALLED) $@
 
-$(INSTALLED_DEV): $(PINS) | $(BIN)/python
+$(INSTALLED_DEV): $(PINS) | $(BIN)/python $(LINKS)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
 	$(call without_screen,$(BIN)/python,--constraint constraints.txt)
 	@touch $(INSTALLED) $(INSTALLED_LINT) $@
+
+# In a clone these are there; an archive of the sources may have come without links, which checkers and editors need.
+LINKS := $(addprefix remqa_data/,agents configs evaluation generators templates)
+
+$(LINKS):
+	ln -s ../$(notdir $@) $@
 
 # ai2thor brings the OpenCV that opens windows and needs libGL; the one without takes its place again.
 define without_screen

@@ -3,6 +3,7 @@
 import difflib
 import reprlib
 from collections.abc import Iterable
+from typing import Any
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = 120
@@ -28,7 +29,16 @@ def one_line(error: object) -> str:
     return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in " ".join(str(error).split()))
 
 
-class RemqaError(Exception):
+class _RaisedAnew(type):
+    """Of errors: `type(error)(error)` is that error, as Gymnasium's AsyncVectorEnv raises what a process of its own met."""
+
+    def __call__(cls, *arguments: Any, **named: Any) -> Any:
+        if len(arguments) == 1 and type(arguments[0]) is cls:
+            return arguments[0]
+        return super().__call__(*arguments, **named)
+
+
+class RemqaError(Exception, metaclass=_RaisedAnew):
     """Base of every error this package raises on purpose; its text is meant for the person who reads it."""
 
 
@@ -86,7 +96,7 @@ class ProgramError(RemqaError, ValueError):
 
 
 class ActionError(RemqaError):
-    """An action that the simulated world refuses, with the reason."""
+    """What no agent or environment can be told: says what is wrong and what to do; what a room refuses is no error."""
 
 
 class MisuseError(RemqaError, ValueError):

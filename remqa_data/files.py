@@ -24,14 +24,17 @@ _LEFTOVER = re.compile(r"\.(.+)\.[0-9a-f]{12}(\.[^.]*)?")
 
 
 def cache_folder() -> Path:
-    """Where fetched shards, baked light and scores are kept: $REMQA_CACHE, or ~/.cache/remqa-data. It may be removed.
+    """Where fetched shards, baked light and scores are kept; it may be removed.
+
+    $REMQA_CACHE, else `remqa-data` in $XDG_CACHE_HOME, else in ~/.cache.
 
     Raises
     ------
     RuntimeError
-        If the variable is not set, and the user has no home.
+        If neither variable is set, and the user has no home.
     """
-    return Path(os.environ.get(CACHE_VARIABLE) or Path.home() / ".cache" / "remqa-data")
+    own = os.environ.get(CACHE_VARIABLE)
+    return Path(own) if own else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "remqa-data"
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from remqa_data.errors import OutputError
-from remqa_data.files import atomic_folder, atomic_path, beside, check_empty
+from remqa_data.files import atomic_folder, atomic_path, beside, cache_folder, check_empty
 
 
 def test_a_file_gets_its_name_only_when_it_is_whole(tmp_path):
@@ -19,6 +19,17 @@ def test_a_file_gets_its_name_only_when_it_is_whole(tmp_path):
         assert not target.exists()
     assert target.read_bytes() == b"12"
     assert list(target.parent.iterdir()) == [target]
+
+
+def test_what_is_kept_lies_where_the_user_wants_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.delenv("REMQA_CACHE", raising=False)
+    found = [cache_folder()]
+    for name in ("XDG_CACHE_HOME", "REMQA_CACHE"):
+        monkeypatch.setenv(name, str(tmp_path / name))
+        found.append(cache_folder())
+    assert found == [tmp_path / name for name in (".cache/remqa-data", "XDG_CACHE_HOME/remqa-data", "REMQA_CACHE")]
 
 
 def test_an_error_leaves_the_old_file_and_nothing_else(tmp_path):

@@ -95,9 +95,22 @@ def test_an_error_inside_an_installed_package_is_passed_on(tmp_path, monkeypatch
 
 
 def test_every_error_belongs_to_the_family():
-    own = [kind for kind in vars(errors).values() if isinstance(kind, type) and kind.__module__ == errors.__name__]
+    own = [kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, BaseException)]
+    own = [kind for kind in own if kind.__module__ == errors.__name__]
     assert own
     assert all(issubclass(kind, errors.RemqaError) for kind in own)
+
+
+def test_an_error_is_raised_anew_from_itself():
+    error = errors.StorageError("s3://bucket", "it is gone")
+    assert type(error)(error) is error
+
+
+def test_every_file_that_the_notice_names_is_there():
+    named = re.findall(r"\b(?:\w+/)+[\w-]+\.(?:\w+)", (ROOT / "NOTICE").read_text(encoding="utf-8"))
+    own = [name for name in named if name.split("/")[0] in {"remqa_data", "docs", *FOLDERS}]
+    assert len(own) > 5
+    assert [name for name in own if not (ROOT / name).is_file()] == []
 
 
 def test_every_pinned_version_runs_on_the_python_of_debian_12() -> None:

@@ -196,7 +196,8 @@ def _number(value: float, amount: Amount, agent: Agent) -> float:
     default = amount.default_of(agent.embodiment)
     if value == 0.0 and default is not None:
         return default
-    return min(max(value * amount.scale, amount.low), amount.high)
+    # Of float32, which the space has: a sixth of 180 degrees is 30, and not 30.00000089.
+    return min(max(float(f"{value * amount.scale:.6g}"), amount.low), amount.high)
 
 
 def _in_room(numbers: tuple[float, ...], agent: Agent) -> tuple[float, ...]:

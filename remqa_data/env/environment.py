@@ -25,7 +25,8 @@ from gymnasium import spaces
 from remqa_data.catalog import catalog
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env.actions import ActionMode, Shares, action_space, command
-from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes, check_counts
+from remqa_data.env.arguments import check_counts, check_flags, check_vocabulary
+from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes
 from remqa_data.env.loaded_scene import LoadedRoom
 from remqa_data.env.question import QuestionText
 from remqa_data.env.record import EpisodeRecord, reward_of
@@ -65,7 +66,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
     split : str
         Of the dataset.
     question_ids : sequence of str, optional
-        Only these questions.
+        Only these questions, which `reset` then draws from in this order.
     scenes : sequence of str or Scene, optional
         Instead of a dataset: bare rooms, by the name of a floor plan, in which nothing is asked.
     action_mode : {"discrete", "parametrised"}
@@ -117,21 +118,18 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
     ) -> None:
         if (root is None) == (scenes is None):
             raise ActionError("give either the root of a dataset or scenes: one of them, not both")
+        if scenes is not None and (question_ids is not None or split != "train"):
+            raise ActionError("in bare rooms nothing is asked: give split and question_ids with the root of a dataset")
         if render_mode not in (None, "rgb_array"):
             raise ActionError(f"render_mode {render_mode!r} is neither None nor 'rgb_array'")
         if hands not in get_args(Hands):
             raise ActionError(f"hands {hands!r} is none of {', '.join(get_args(Hands))}")
         check_counts(width=width, height=height, max_steps=max_steps)
         check_counts(0, views_kept=views_kept)
-        if not isinstance(privileged, bool | np.bool_):
-            raise ActionError(f"privileged is {privileged!r}: give True or False")
-        if vocabulary is not None and not isinstance(vocabulary, Vocabulary):
-            raise ActionError(f"vocabulary is {vocabulary!r:.80}: give a Vocabulary")
+        check_flags(privileged=privileged)
+        check_vocabulary(vocabulary)
         if max(width, height) > MOST_IMAGE_PX:
             raise ActionError(f"a view of {width} x {height} pixels: give at most {MOST_IMAGE_PX} x {MOST_IMAGE_PX}")
-        if isinstance(scenes, str | Scene):
-            what = "a text" if isinstance(scenes, str) else "a room"
-            raise ActionError(f"scenes is {what}: give a list, such as ['FloorPlan1']")
         self.episodes: Episodes
         self.split = None if root is None else split
         if root is not None:
@@ -247,7 +245,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         result = perform(self.agent, action)
         if action.name in NAVIGATION:
             self.record.walked(action, self.agent)
-        return result
+        return result if self.privileged else result.without_name()
 
     def _manipulate(self, action: Action, box: Shares | None) -> ActionResult:
         """Act on a thing. Names, be they right or wrong, tell who is not privileged nothing of what it does not see."""
@@ -268,9 +266,9 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         return result if result.success or self.privileged else self._without_names(result, target)
 
     def _without_names(self, refusal: ActionResult, target: str | None) -> ActionResult:
-        """A refusal that names nothing but the target and what the agent sees."""
+        """A refusal that names nothing but the target, what the agent holds and what it sees."""
         words = refusal.error.split(" ")
-        named = {word.rstrip(":,") for word in words} & {*self.agent.world.ids} - {target}
+        named = {word.rstrip(":,") for word in words} & {*self.agent.world.ids} - {target, self.agent.held}
         if not named:  # so nothing is drawn
             return refusal
         unseen = named.difference(self.agent.visible_objects())

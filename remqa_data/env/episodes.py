@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from remqa_data.env.actions import Shares
+from remqa_data.env.arguments import chosen_questions, folder, listed
 from remqa_data.errors import ActionError, DatasetError, UnknownNameError, one_line
 from remqa_data.floorplans.load import check_scene_name, load_scene
 from remqa_data.geometry.types import F64
@@ -109,21 +110,21 @@ class DatasetEpisodes:
     UnknownNameError
         If it has no such question.
     ActionError
-        As of `check_question_ids`.
+        As of `remqa_data.env.arguments`.
     """
 
     def __init__(self, root: str | Path, split: str, question_ids: Sequence[str] | None = None) -> None:
-        check_question_ids(question_ids)
-        self.root, self.split = Path(root), split
+        chosen = chosen_questions(question_ids)
+        self.root, self.split = folder(root), split
         self._questions = read_table(self.root, "questions", split, list(_QUESTION_COLUMNS))
         scenes = read_table(self.root, "scenes", split, ["scene", "configuration", "scene_json", "embodiment"])
         self._scenes = scenes.combine_chunks()
         keys = scenes.select(["scene", "configuration"]).to_pylist()
         self._scene_rows = {(key["scene"], key["configuration"]): row for row, key in enumerate(keys)}
         self._rows = {name: row for row, name in enumerate(self._questions["question_id"].to_pylist())}
-        self.ids = tuple(self._rows if question_ids is None else question_ids)
-        for name in self.ids if question_ids is not None else ():
-            self._row(name)
+        if chosen is not None:
+            self._rows = {name: self._row(name) for name in chosen}
+        self.ids = tuple(self._rows)
 
     def episode(self, name: str) -> Episode:
         """The episode of a question.
@@ -131,7 +132,7 @@ class DatasetEpisodes:
         Raises
         ------
         UnknownNameError
-            If the split has no such question.
+            If the split has no such question, or it is none of the chosen ones.
         DatasetError
             If the dataset lacks its room, or what is asked for is not in it.
         """
@@ -187,9 +188,9 @@ class SceneEpisodes:
 
     def __init__(self, scenes: Sequence[str | Scene]) -> None:
         self._scenes: dict[str, str | Scene] = {}
-        for scene in scenes:
+        for scene in listed("scenes", scenes, "FloorPlan1"):
             if isinstance(scene, str):
-                name = str(scene)  # NumPy has texts of its own
+                scene = name = str(scene)  # NumPy has texts of its own
                 check_scene_name(name)
             elif isinstance(scene, Scene):
                 name = scene.name
@@ -216,34 +217,6 @@ class SceneEpisodes:
         if isinstance(scene, str):
             scene = self._scenes[name] = _floor_plan(scene)
         return Episode(name, scene, None, Embodiment(), None)
-
-
-def check_counts(least: int = 1, /, **counts: object) -> None:
-    """ActionError for what is no whole number, or a smaller one than the least, 1 or 0."""
-    for name, value in counts.items():
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-            raise ActionError(
-                f"{name} is {value!r}: give a {'positive whole number' if least else 'whole number, 0 for none'}"
-            )
-
-
-def check_question_ids(question_ids: Sequence[str] | None) -> None:
-    """Refuse what is no choice of questions.
-
-    Raises
-    ------
-    ActionError
-        If it is one text, or empty, or holds something else than texts.
-    """
-    if question_ids is None:
-        return
-    if isinstance(question_ids, str):
-        raise ActionError(f"question_ids is a text: give a list, [{question_ids!r}]")
-    if not len(question_ids):
-        raise ActionError("question_ids is empty: leave it out, or name at least one")
-    for name in question_ids:
-        if not isinstance(name, str):
-            raise ActionError(f"question_ids has {name!r:.80}: give ids of questions")
 
 
 _QUESTION_COLUMNS = (

@@ -8,10 +8,10 @@ from typing import Any
 import gymnasium
 
 from remqa_data.env import RemqaEnv
+from remqa_data.env.episodes import Task
 from remqa_data.errors import ActionError, one_line
 from remqa_data.evaluation.submission.reader import Header, write_submission
 from remqa_data.limits import MAX_ACTIONS, MAX_NAME
-from remqa_data.sim.agent.actions import NAVIGATION
 
 
 class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
@@ -34,7 +34,7 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
     Notes
     -----
     A question that is played again replaces what was recorded of it. A submission holds whole steps (`MoveAhead`, not
-    `MoveAhead 0.1`), and at most 500 before the manipulation; anything else is an `ActionError` when the episode ends.
+    `MoveAhead 0.1`), and at most 500 before the manipulation; another step is an `ActionError` once it is done.
     """
 
     def __init__(self, env: gymnasium.Env[dict[str, Any], Any], path: str | Path, agent: str = "unnamed") -> None:
@@ -58,8 +58,15 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
         self._last = self._stored()
 
     def step(self, action: Any) -> tuple[dict[str, Any], Any, bool, bool, dict[str, Any]]:
-        """Do one action; the end of an episode makes it a row."""
+        """Do one action; the end of an episode makes it a row.
+
+        Raises
+        ------
+        ActionError
+            If no submission holds the episode any more; also as of `RemqaEnv.step`.
+        """
         observation, reward, terminated, truncated, info = self.env.step(action)
+        self._check_walk()
         if terminated or truncated:
             row = self._row(info.get("answer"))
             self.rows[row["question_id"]] = row
@@ -97,16 +104,25 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
             return None
         return found.st_ino, found.st_mtime_ns
 
-    def _row(self, answer: str | None) -> dict[str, Any]:
-        record, task = self._remqa.record, self._remqa.episode.task
+    @property
+    def _task(self) -> Task:
+        task = self._remqa.episode.task
         assert task is not None, "episodes of a dataset have a question"
-        if len(record.walk) > MAX_ACTIONS:
+        return task
+
+    def _check_walk(self) -> None:
+        """Refuse a walk that no submission holds."""
+        walk = self._remqa.record.walk
+        if len(walk) > MAX_ACTIONS:
             raise ActionError(
-                f"{task.question_id}: a submission holds at most {MAX_ACTIONS} steps, not {len(record.walk)}"
+                f"{self._task.question_id}: a submission holds at most {MAX_ACTIONS} steps, not {len(walk)}"
             )
-        for action in record.walk:
-            if action.numbers or action.name not in NAVIGATION:
-                raise ActionError(f"{task.question_id}: a submission holds whole steps, not {str(action)!r}")
+        for action in walk:
+            if action.numbers:
+                raise ActionError(f"{self._task.question_id}: a submission holds whole steps, not {str(action)!r}")
+
+    def _row(self, answer: str | None) -> dict[str, Any]:
+        record, task = self._remqa.record, self._task
         return {
             "question_id": task.question_id,
             "actions": [str(action) for action in record.walk],

@@ -12,6 +12,8 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
+from remqa_data.files import cache_folder
+
 logger = logging.getLogger(__name__)
 
 
@@ -42,7 +44,7 @@ def _lasting(wanted: str, beside: Path) -> Iterator[Path]:
         yield Path(wanted)
     yield beside
     try:
-        yield Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "remqa-data"
+        yield cache_folder()
     except RuntimeError:  # a user without a home
         return
 

@@ -80,4 +80,4 @@ def _done(agent: Agent, states: States, state: int, name: str) -> tuple[int, str
     after = states.state_of(agent)
     if after is None or result.success == (after == state):
         raise ActionError(f"{name} from {states.pose(state)} leads off the grid, to {(agent.x, agent.y)}")
-    return after, result.error
+    return after, result.without_name().error

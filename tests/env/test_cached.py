@@ -122,6 +122,13 @@ def test_an_episode_ends_with_done_or_after_the_last_step(env: CachedRemqaEnv) -
     assert [env.step("RotateLeft")[2:4] for _ in range(5)] == [(False, False)] * 4 + [(False, True)]
 
 
+def test_after_it_was_closed_an_episode_must_begin(env: CachedRemqaEnv) -> None:
+    env.reset(seed=0)
+    env.close()
+    with pytest.raises(ActionError, match="call reset"):
+        env.step(AHEAD)
+
+
 @pytest.mark.parametrize("action", [len(ACTIONS), -1, 1.5, None, "OpenObject Fridge|1", "Answer yes", "MoveAhead 0.1"])
 def test_what_only_the_live_environment_can_do_is_misuse_and_the_episode_goes_on(
     env: CachedRemqaEnv, action: Any
@@ -164,6 +171,14 @@ def test_only_questions_whose_room_is_cached_are_played(small_rooms: Path, tmp_p
         CachedRemqaEnv(small_rooms, out, "train", question_ids=["Small1-q0"])
     with pytest.raises(DatasetError, match="has no room that split test asks about"):
         CachedRemqaEnv(small_rooms, out, "test")
+    env.reset(options={"episode": "Small1-q2"})
+    many = CachedRemqaVectorEnv(2, small_rooms, out, "train")
+    many.reset(seed=0)
+    for asked, action in ((env, LEFT), (many, [LEFT, LEFT])):
+        with pytest.raises(DatasetError, match="Small1"):
+            asked.reset(options={"episode": "Small1-q0"})
+        with pytest.raises(ActionError, match="call reset"):
+            asked.step(action)
     with pytest.raises(DatasetError, match="has no features; add some"):
         CachedRemqaEnv(small_rooms, out, "train", features=True)
 
@@ -261,6 +276,12 @@ def test_a_batch_refuses_what_does_not_fit_it(small_rooms: Path, small_views: Pa
     envs.close()
     with pytest.raises(ActionError, match="call reset"):
         envs.step([LEFT, LEFT])
+    with pytest.raises(ActionError, match=r"seed is 1\.5"):
+        envs.reset(seed=1.5)
+    for wrong in ({"features": "x"}, {"vocabulary": 3}):
+        for make in (CachedRemqaEnv, partial(CachedRemqaVectorEnv, 2)):
+            with pytest.raises(ActionError, match=f"{next(iter(wrong))} is "):
+                make(small_rooms, small_views, **wrong)
     for count in (0, 2.5, True, "2"):
         with pytest.raises(ActionError, match=f"num_envs is {count!r}"):
             CachedRemqaVectorEnv(count, small_rooms, small_views)

@@ -23,10 +23,11 @@ def test_a_walk_that_no_submission_holds_is_no_row(small_rooms: Path, tmp_path: 
     path = tmp_path / "long.jsonl"
     env = Recorder(gymnasium.make(ENV_ID, root=small_rooms, split="test", width=8, height=8, max_steps=600), path)
     env.reset(seed=0)
-    for _ in range(501):
+    for _ in range(500):
         env.step("RotateLeft")
-    with pytest.raises(ActionError, match="at most 500 steps, not 501"):
-        env.step("Answer yes")
+    for step in ("RotateLeft", "Answer yes"):
+        with pytest.raises(ActionError, match="at most 500 steps, not 501"):
+            env.step(step)
     assert env.rows == {}
     env.close()
 
@@ -173,9 +174,10 @@ def test_only_honest_episodes_of_a_dataset_are_recorded(two_rooms: Path, tmp_pat
         Recorder(RemqaEnv(two_rooms, "test", privileged=True), tmp_path / "a.jsonl")
     env = Recorder(RemqaEnv(two_rooms, "test", action_mode="parametrised"), tmp_path / "a.jsonl")
     env.reset(seed=0)
-    env.step("MoveAhead 0.1")
-    with pytest.raises(ActionError, match="whole steps"):
-        env.step("Answer yes")
+    for step in ("MoveAhead 0.1", "Answer yes"):
+        with pytest.raises(ActionError, match=r"whole steps, not 'MoveAhead 0\.1'"):
+            env.step(step)
+    assert env.rows == {}
 
 
 def test_numbers_of_numpy_are_recorded_as_numbers(small_rooms: Path, tmp_path: Path) -> None:

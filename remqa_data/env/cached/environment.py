@@ -20,10 +20,10 @@ import numpy as np
 from gymnasium import spaces
 
 from remqa_data.datasets.vocabulary import Vocabulary
+from remqa_data.env.arguments import check_counts, check_flags
 from remqa_data.env.cached.tasks import CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
 from remqa_data.env.environment import pose_space, question_space, tokens_space, type_numbers, wanted_episode
-from remqa_data.env.episodes import check_counts
 from remqa_data.env.record import reward_of
 from remqa_data.errors import ActionError, DatasetError
 from remqa_data.tables.rows import configuration_name
@@ -79,6 +79,7 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         vocabulary: Vocabulary | None = None,
     ) -> None:
         check_counts(max_steps=max_steps)
+        check_flags(features=features, copy=copy)
         self.tasks = CachedTasks(root, views, split, question_ids, vocabulary)
         self.walk = Walk(self.tasks, max_steps)
         self._has_features, self._copies = features, copy
@@ -93,7 +94,9 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin an episode; `options={"episode": id}` chooses which. The same seed draws the same as in `RemqaEnv`.
+        """Begin an episode; `options={"episode": id}` chooses which.
+
+        The same seed draws the same as in `RemqaEnv`, if all rooms that the split asks about are cached.
 
         Raises
         ------
@@ -134,6 +137,10 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
             info |= walk.measures(number)
             reward = reward_of(info, terminated)
         return self._observe(), reward, terminated, truncated, info
+
+    def close(self) -> None:
+        """There are no steps any more until `reset`."""
+        self.walk.is_over = True
 
     def _observe(self) -> dict[str, Any]:
         room, state = self.walk.room, self.walk.state

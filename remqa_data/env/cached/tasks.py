@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.datasets.vocabulary import Vocabulary
+from remqa_data.env.arguments import check_vocabulary, chosen_questions, folder
 from remqa_data.env.environment import question_tokens, shown_question
-from remqa_data.env.episodes import check_question_ids
 from remqa_data.errors import DatasetError, UnknownNameError
 from remqa_data.tables.rows import configuration_name
 from remqa_data.views.reader import RoomViews, Views
@@ -41,7 +41,7 @@ class CachedTasks:
     UnknownNameError
         If the split has no such question.
     ActionError
-        As of `check_question_ids`.
+        As of `remqa_data.env.arguments`.
     """
 
     def __init__(
@@ -52,18 +52,20 @@ class CachedTasks:
         question_ids: Sequence[str] | None = None,
         vocabulary: Vocabulary | None = None,
     ) -> None:
-        check_question_ids(question_ids)
-        self.views = Views(views, root)
+        chosen = chosen_questions(question_ids)
+        check_vocabulary(vocabulary)
+        self.views = Views(views, folder(root))
         self.vocabulary = vocabulary or Vocabulary.from_dataset(Path(root))
         self._tasks = {task.question_id: task for task in navigation_tasks(root, split)}
-        for name in () if question_ids is None else question_ids:
+        if chosen is not None:
+            self._tasks = {name: self.task(name) for name in chosen}
+        for name in chosen or ():
             task = self.task(name)
             if not self.views.has(task.scene, task.configuration):
                 raise DatasetError(
                     f"{views} has no {_place(task)}, which {name} is about; add it with remqa-data cache"
                 )
-        cached = (n for n, task in self._tasks.items() if self.views.has(task.scene, task.configuration))
-        self.ids = tuple(cached if question_ids is None else question_ids)
+        self.ids = tuple(n for n, task in self._tasks.items() if self.views.has(task.scene, task.configuration))
         if not self.ids:
             raise DatasetError(f"{views} has no room that split {split} asks about; add some with remqa-data cache")
         self._tokens: dict[str, npt.NDArray[np.int64]] = {}
@@ -74,7 +76,7 @@ class CachedTasks:
         Raises
         ------
         UnknownNameError
-            If the split has no such question.
+            If the split has no such question, or it is none of the chosen ones.
         """
         if name not in self._tasks:
             raise UnknownNameError("question", name, self._tasks)

@@ -14,11 +14,11 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from remqa_data.datasets.vocabulary import Vocabulary
+from remqa_data.env.arguments import check_counts, check_flags
 from remqa_data.env.cached.environment import begin, observation_space
 from remqa_data.env.cached.tasks import CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
 from remqa_data.env.environment import type_numbers
-from remqa_data.env.episodes import check_counts
 from remqa_data.env.record import reward_of
 from remqa_data.errors import ActionError
 
@@ -54,6 +54,7 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         vocabulary: Vocabulary | None = None,
     ) -> None:
         check_counts(num_envs=num_envs, max_steps=max_steps)
+        check_flags(features=features)
         self.num_envs, self.autoreset_mode = num_envs, AutoresetMode.NEXT_STEP
         self.tasks = CachedTasks(root, views, split, question_ids, vocabulary)
         self.walks = [Walk(self.tasks, max_steps) for _ in range(num_envs)]
@@ -63,6 +64,11 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.single_observation_space = observation_space(self.tasks, features)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
+
+    @property
+    def episode_ids(self) -> tuple[str, ...]:
+        """What `reset` can choose from: ids of questions."""
+        return self.tasks.ids
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -75,12 +81,15 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         mask = self._mask(wanted.pop("reset_mask", None))
         seeds = [int(seed) + i for i in range(self.num_envs)] if isinstance(seed, int | np.integer) else seed
         if seeds is not None:
+            if not isinstance(seeds, Sequence | np.ndarray):
+                raise ActionError(f"seed is {seed!r:.80}: give a whole number, or one for each environment")
             if len(seeds) != self.num_envs:
                 raise ActionError(f"there are {len(seeds)} seeds for {self.num_envs} environments")
             for number, one in enumerate(seeds):
                 if one is not None and mask[number]:
                     self._draws[number] = seeding.np_random(one)
         info: dict[str, Any] = {}
+        self._has_begun = False  # until all have
         for number in np.flatnonzero(mask).tolist():
             info = self._begin(number, info, wanted)
         self._tell()

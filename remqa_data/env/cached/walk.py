@@ -47,19 +47,21 @@ class Walk:
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         if "task" in state:
-            self._enter()
+            self._enter(self._tasks.room(self.task))
 
     def begin(self, name: str) -> None:
-        """Begin the episode of a question."""
-        self.task = self._tasks.task(name)
-        self._enter()
-        self.state = self._tasks.start(self.task, self.room)
+        """Begin the episode of a question; until there is all that it takes, there is none."""
+        self.is_over = True
+        task = self._tasks.task(name)
+        room = self._tasks.room(task)
+        self.state = self._tasks.start(task, room)
+        self.task = task
+        self._enter(room)
         self.steps = self._moved = 0
         self.is_over = False
 
-    def _enter(self) -> None:
-        """Open the room of the task."""
-        self.room = self._tasks.room(self.task)
+    def _enter(self, room: RoomViews) -> None:
+        self.room = room
         self._table, self._refusals = self.room.transitions.table, self.room.transitions.refusals
 
     def act(self, action: int) -> str:

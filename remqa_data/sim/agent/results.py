@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 
@@ -26,6 +26,11 @@ class ActionResult:
     error: str = ""
     value: Any = None
     blocked_by: str | None = None
+
+    def without_name(self) -> ActionResult:
+        """The same for an agent that may not see what it met."""
+        met = self.blocked_by
+        return self if met is None else replace(self, error=self.error.replace(met, "something"), blocked_by=None)
 
 
 SUCCEEDED = ActionResult(True)
