@@ -162,16 +162,19 @@ class Agent(Body):
         """Ids of what comes along when an object is picked up."""
         return []
 
-    def put(self, receptacle_id: str, force: bool = False, near: Vec2 | None = None) -> ActionResult:
+    def put(
+        self, receptacle_id: str, force: bool = False, near: Vec2 | None = None, whole: str | None = None
+    ) -> ActionResult:
         """Put what is held into or onto a receptacle: at the nearest free place that the agent sees, or else at any.
 
-        That is the nearest one to the agent, or to another x and y, metres.
+        That is the nearest one to the agent, or to another x and y, metres. What the agent has to get to is the receptacle,
+        or the `whole` that it is a part of, such as the sink around a basin.
         """
         if self.held is None:
             return ActionResult(False, "nothing is held")
         if not object_type(self.world.type_of(receptacle_id)).receptacle:
             return ActionResult(False, f"{receptacle_id} is not a receptacle")
-        refusal = self.access_refusal(receptacle_id, force)
+        refusal = self.access_refusal(whole or receptacle_id, force)
         if refusal is not None:
             return refusal
         near = near or (self.x, self.y)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import NamedTuple
 
@@ -16,25 +16,35 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.scene import Quaternion
-from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, sunk_into, support_of
+from remqa_data.sim.agent.handling import GAP_M, OVERLAP_M, Release, is_free, settle, sunk_into, support_of
 from remqa_data.sim.navigation.grid import collision_corners
 from remqa_data.sim.physics.support import support_rules, surrounds
 from remqa_data.sim.physics.world import World
 
 LATTICE_M = 0.05
+FINE_PITCHES_M, FINE_STEPS = (0.01, 0.025), 20
+"""Where no place of that lattice is free, points are nearer to each other: so many steps, as AI2-THOR's, but not nearer or
+farther than so."""
 TRIES, MOST_TRIES = 3, 12
-"""How many free places of a receptacle are tried with a thing turned one way, and all ways: from some, things roll off."""
+"""How many free places of a lattice are tried with a thing turned one way, and all ways: from some, things roll off."""
 NEAR_SPOTS, FAR_STRIDE = 800, 40
 """So many of the nearest places are looked at, and of the others, which a floor has by ten thousands, one of so many."""
 CLOSED = "closed"
-OPEN_ENOUGH = 0.3
+OPEN_ENOUGH = 0.15
 """A thing can be put into a closed space that is open at least this much, or as far as it opens at all."""
 HANGS_M = 0.006
 """So far below the top of a holder's space is the top of what hangs on it."""
 TURNS_DEG = (0.0, 90.0, 45.0, 135.0)
+QUARTER_TURNS_DEG = TURNS_DEG[:2]
 RISE_M, MOST_RISE_M = 0.01, 0.3
 """What is in the way a little is passed by letting go so much higher; what is too large for an open space, by so many
 steps of it as it takes: it lies across the rim."""
+HEAPS_M = (0.0, 0.02, 0.04, 0.06)
+"""What fits nowhere else may lie on what is so low, such as a knife in a drawer or a television's foot."""
+BEARS = 0.6
+"""The middle of what is larger than its place is within this part of the place, so that it is borne."""
+NEAR_M = 0.02
+"""PyBullet, asked what an object touches, leaves out some of what it is in, but not of what is so near to it."""
 UP_TO_TOP = np.array([0.0, 0.0, 0.4])
 """From the middle of a thing's box, in parts of its size, to where its top is looked for."""
 LONG, DEEP = 3.0, 0.35
@@ -54,6 +64,8 @@ class _Way(NamedTuple):
         Whether it is stood up, which only walls around it hold.
     lies_across : bool
         Whether it may lie on the rim of what it is too large for.
+    is_last : bool
+        Whether it may lie anywhere that bears it, also on what lies there or beyond an edge.
     """
 
     quaternion: Quaternion
@@ -61,6 +73,7 @@ class _Way(NamedTuple):
     high: F64
     is_upright: bool = False
     lies_across: bool = False
+    is_last: bool = False
 
 
 def put_into(
@@ -73,8 +86,9 @@ def put_into(
 ) -> Release:
     """Put what is held into or onto a receptacle, where it is free; it must stay there.
 
-    It lies as it is held, or else turned on the spot, or stands in what has walls around it if it is long, or lies across;
-    towels and rolls hang on their holders, and nothing else does.
+    It lies as it is held, or else turned on the spot, or stands in what has walls around it if it is long, or lies across,
+    or on something low, or, if nothing is in or on it, on its side; towels and rolls hang on their holders, and nothing else
+    does. What is in or on it stays there, if that can be.
 
     Parameters
     ----------
@@ -102,7 +116,7 @@ def put_into(
             return Release(held)
         world.restore(before)
         return refused
-    tries = MOST_TRIES
+    load, tries = world.load_of(held), [MOST_TRIES, MOST_TRIES]
     for way in _ways(world, held):
         spots = _spots(world, receptacle_id, spaces, way)
         if not spots:
@@ -113,17 +127,23 @@ def put_into(
         spots = [spots[i] for i in np.argsort(-1 * is_top_seen - 1 * is_seen, kind="stable").tolist()]
         world.move_alone(held, world.state(held).position, way.quaternion)
         looked_at = spots[:NEAR_SPOTS] + spots[NEAR_SPOTS::FAR_STRIDE]
-        free = (spot for spot in _free(world, held, looked_at, way.lies_across) if is_clear(held))
-        for spot in islice(free, min(TRIES, tries)):
-            tries -= 1
+        free = (spot for spot in _free(world, held, looked_at, way) if is_clear(held))
+        for spot in islice(free, min(TRIES, tries[way.is_last])):
+            tries[way.is_last] -= 1
             world.put(held, spot)
             settle(world, awake=[held, *world.contents(held)])
-            if support_of(world, held) == receptacle_id and is_clear(held):
+            stays = support_of(world, held) == receptacle_id and is_clear(held) and not _is_sunk(world, held)
+            if stays and (way.is_last or set(load) <= set(world.contents(held))):
                 return Release(held)
             world.restore(before)
             world.move_alone(held, world.state(held).position, way.quaternion)
         world.restore(before)
     return refused
+
+
+def _is_sunk(world: World, object_id: str) -> bool:
+    """Whether an object is in another; some such pairs are found only by who looks a little farther than they are apart."""
+    return any(gap < -OVERLAP_M for _, gap in world.overlapping(object_id, NEAR_M))
 
 
 def open_spaces(world: World, receptacle_id: str) -> list[Space]:
@@ -135,19 +155,30 @@ def open_spaces(world: World, receptacle_id: str) -> list[Space]:
     return [space for space in asset.spaces if (is_open if space.enclosed else not takes_in)]
 
 
-def lattice(link: F64, space: Space, half: ArrayLike = (0.0, 0.0)) -> Iterator[Vec3]:
+def lattice(link: F64, space: Space, half: ArrayLike = (0.0, 0.0), is_fine: bool = False) -> Iterator[Vec3]:
     """Points of the floor of a space at which the middle of a thing, (2,) half as large, can be; at least one.
 
-    The link to which the space belongs is at a (4, 4) pose; all in metres, the points in the room.
+    The link to which the space belongs is at a (4, 4) pose; all in metres, the points in the room. What is larger than its
+    place lies in its middle; on a fine lattice also beyond an edge, where that is open.
     """
     low, high = np.array(space.box).reshape(2, 3)
     room, middle = (high - low)[:2] / 2, (low + high) / 2
-    within = np.minimum(half, room)  # what is larger than its place lies in its middle
+    within = np.minimum(half, room)
     axes = [np.arange(-(r - h), r - h + 1e-9, LATTICE_M) for r, h in zip(room, within, strict=True)]
+    if is_fine:
+        beyond = np.zeros(2) if space.enclosed else np.minimum(half - within, BEARS * room)
+        axes = [_fine(far) for far in (room - within + beyond).tolist()]
     for dx in axes[0]:
         for dy in axes[1]:
             x, y, z = arithmetic.moved([middle[0] + dx, middle[1] + dy, low[2]], link).tolist()
             yield x, y, z
+
+
+def _fine(far: float) -> F64:
+    """Points from so far on one side of the middle to as far on the other, the middle among them."""
+    pitch = float(np.clip(2 * far / FINE_STEPS, *FINE_PITCHES_M))
+    steps = math.ceil(far / pitch - 1e-9)
+    return np.linspace(-far, far, 2 * steps + 1)
 
 
 def _hang(world: World, held: str, receptacle_id: str, space: Space) -> bool:
@@ -166,13 +197,24 @@ def _ways(world: World, held: str) -> Iterator[_Way]:
     flat = [_way(world, held, arithmetic.product(about_z(degrees), lying)) for degrees in TURNS_DEG]
     yield from flat
     sides = np.ptp(world.assets[held].bounds(), axis=0)
-    if sides.max() >= LONG * np.median(sides):
-        long_side = np.eye(3)[int(sides.argmax())]
-        across = np.eye(3)[(int(sides.argmax()) + 1) % 3]
-        upright = np.array([across, arithmetic.cross(long_side, across), long_side])
-        for degrees in TURNS_DEG:
-            yield _way(world, held, arithmetic.product(about_z(degrees), upright))._replace(is_upright=True)
+    tall = int(sides.argmax())
+    if sides[tall] >= LONG * np.median(sides):
+        yield from (way._replace(is_upright=True) for way in _stood_on(world, held, tall, TURNS_DEG))
     yield from (way._replace(lies_across=True) for way in flat)
+    yield from (way._replace(is_last=True) for way in flat[: len(QUARTER_TURNS_DEG)])
+    if world.load_of(held):
+        return
+    upright = int(np.abs(lying[2]).argmax())
+    for axis in sorted({0, 1, 2} - {upright}, key=lambda axis: (float(sides[axis]), axis)):  # lying before on edge
+        yield from (way._replace(is_last=True) for way in _stood_on(world, held, axis, QUARTER_TURNS_DEG))
+
+
+def _stood_on(world: World, held: str, axis: int, turns_deg: Iterable[float]) -> Iterator[_Way]:
+    """How a thing is turned that has one of its own axes upright."""
+    up, across = np.eye(3)[axis], np.eye(3)[(axis + 1) % 3]
+    upright = np.array([across, arithmetic.cross(up, across), up])
+    for degrees in turns_deg:
+        yield _way(world, held, arithmetic.product(about_z(degrees), upright))
 
 
 def _way(world: World, held: str, rotation: F64) -> _Way:
@@ -203,7 +245,8 @@ def _spots(world: World, receptacle_id: str, spaces: list[Space], way: _Way) -> 
             continue
         if way.lies_across and (space.enclosed or not is_too_large):
             continue
-        spots += [(x, y, z + GAP_M - float(way.low[2])) for x, y, z in lattice(link, space, along)]
+        points = lattice(link, space, along, way.is_last)
+        spots += [(x, y, z + GAP_M - float(way.low[2])) for x, y, z in points]
     return spots
 
 
@@ -213,10 +256,20 @@ def _holds_upright(type_name: str, space: Space, way: _Way) -> bool:
     return surrounds(type_name, space) and not space.enclosed and deep >= DEEP * tall
 
 
-def _free(world: World, held: str, spots: list[Vec3], rises: bool) -> Iterator[Vec3]:
+def _free(world: World, held: str, spots: list[Vec3], way: _Way) -> Iterator[Vec3]:
     """Those of some spots where a thing touches nothing; it may have to rise above them."""
     for x, y, z in spots:
-        for rise in np.arange(0.0, MOST_RISE_M if rises else 1.5 * RISE_M, RISE_M).tolist():
+        for rise in _rises(world, held, (x, y, z), way):
             if is_free(world, held, (x, y, z + rise)):
                 yield x, y, z + rise
                 break
+
+
+def _rises(world: World, held: str, spot: Vec3, way: _Way) -> list[float]:
+    """How far above a spot a thing may be let go, metres, the least first."""
+    if not way.is_last:
+        return np.arange(0.0, MOST_RISE_M if way.lies_across else 1.5 * RISE_M, RISE_M).tolist()
+    world.move_alone(held, spot)
+    load = world.load_of(held)
+    deepest = max((-gap for other, gap in world.overlapping(held) if other not in load), default=0.0)
+    return [rise for rise in HEAPS_M if rise >= deepest]  # a thing comes out of another no sooner

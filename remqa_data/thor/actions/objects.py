@@ -118,15 +118,11 @@ def put_object(
     target = basins.pop() if basins else target
     if is_specific(world.type_of(target)) and not _may_be_put(simulator, held, {target}):
         return ActionResult(False, f"{held} is not a valid Object Type to be placed in {named}")
-    if (
-        not forceAction
-        and not _may_be_put(simulator, held, {named, target})
-        and simulator.agent.refusal(target) is None
-    ):
+    if not forceAction and not _may_be_put(simulator, held, {named, target}) and simulator.agent.refusal(named) is None:
         return ActionResult(False, f"{held} cannot be placed in {named}")
     turned = world.state(held).quaternion
     _stand_up(simulator)
-    result = simulator.agent.put(target, forceAction, near)
+    result = simulator.agent.put(target, forceAction, near, named)
     if not result.success:
         world.move_alone(held, world.state(held).position, turned)
     if result.error == f"{target} is {CLOSED}":

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from remqa_data.floorplans.ithor.scenes import load_scene
-from remqa_data.sim.agent.agent import Agent
-from remqa_data.sim.agent.handling import support_of
-from remqa_data.sim.agent.receptacles import open_spaces
+from remqa_data.sim.agent.agent import LEAST_OPEN, Agent
+from remqa_data.sim.agent.handling import sunk_into, support_of
+from remqa_data.sim.agent.receptacles import lattice, open_spaces
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.view import WorldView
 
 pytestmark = pytest.mark.slow
 
+NARROW = "Drawer|-02.11|+00.75|-01.39"
 CUTLERY = ("Fork", "Spoon", "ButterKnife", "Knife")
 
 
@@ -70,6 +71,7 @@ def test_cutlery_stands_in_cups_and_lies_in_bowls(agent: Agent, cutlery: str, ve
     put = agent.put(into, force=True)
     assert put.success, put.error
     assert support_of(agent.world, thing) == into
+    assert not sunk_into(agent.world, thing)
     (x0, y0, z0), (x1, y1, _) = agent.world.box(into)
     low, high = agent.world.box(thing)
     x, y, _ = (low + high) / 2
@@ -132,6 +134,47 @@ def test_what_does_not_fit_changes_nothing(agent: Agent) -> None:
     before = agent.world.save()
     assert agent.put(cup, force=True).error == f"no free place for {pot} in {cup}"
     assert agent.world.is_as(before)
+
+
+@pytest.mark.parametrize("type_name", ["Bottle", "SaltShaker", "Plate"])
+def test_what_is_too_tall_or_broad_for_a_drawer_lies_in_it_another_way(agent: Agent, type_name: str) -> None:
+    world, thing = agent.world, hold(agent, type_name)
+    world.open(NARROW)
+    put = agent.put(NARROW, force=True)
+    assert put.success, put.error
+    assert support_of(world, thing) == NARROW
+    assert not sunk_into(world, thing)
+    (low, high), drawer = world.box(thing)[:, :2], world.box(NARROW)[:, :2]
+    assert (low > drawer[0] - 0.01).all()
+    assert (high < drawer[1] + 0.01).all()
+
+
+def test_what_fits_only_just_between_others_is_fitted_in(agent: Agent) -> None:
+    world, spatula = agent.world, hold(agent, "Spatula")
+    flat = np.ptp(world.box(spatula), axis=0)[2]
+    world.open(NARROW)
+    assert agent.put(NARROW, force=True).success
+    assert np.ptp(world.box(spatula), axis=0)[2] < 2 * flat
+    assert not sunk_into(world, spatula)
+
+
+def test_points_that_are_near_to_each_other_have_the_middle_among_them_and_reach_beyond_open_edges(
+    agent: Agent,
+) -> None:
+    world = agent.world
+    world.open(NARROW)
+    drawer, counter = ((name, open_spaces(world, name)[0]) for name in (NARROW, first_of(agent, "CounterTop")))
+    for (name, space), half in ((drawer, 0.02), (counter, 0.02), (counter, 2.0)):
+        link, half_size = world.link_poses(name)[space.link], (half, half)
+        coarse, fine = (np.array(list(lattice(link, space, half_size, is_fine))) for is_fine in (False, True))
+        assert len(fine) > len(coarse)
+        middle = (fine.min(axis=0) + fine.max(axis=0)) / 2
+        assert np.abs(fine - middle).max(axis=1).min() < 1e-5
+
+
+def test_a_drawer_takes_things_in_as_soon_as_an_agent_would_leave_it_open(agent: Agent) -> None:
+    agent.world.open(NARROW, LEAST_OPEN)
+    assert open_spaces(agent.world, NARROW)
 
 
 def top_area(agent: Agent, name: str) -> float:

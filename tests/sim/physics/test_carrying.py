@@ -121,6 +121,9 @@ def test_what_nothing_comes_near_does_not_creep_when_something_is_put_down_elsew
         world.settle(awake=[plate])
         assert world.state(plate).position[2] == pytest.approx(z, abs=0.02)
         assert world.state(knife) == before.states[knife]
+        # So that who asks PyBullet what is near is told the same as in a world that was never settled.
+        lying = [world.client.getBasePositionAndOrientation(world._bodies._of[name])[0] for name in world.ids]
+        assert np.array_equal(lying, [world.state(name).position for name in world.ids])
 
 
 def test_who_is_near_what_moves_has_met_it_and_so_has_who_is_near_him() -> None:

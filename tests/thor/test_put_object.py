@@ -1,0 +1,58 @@
+"""PutObject finds a place where AI2-THOR would, and what was put lies there without being in anything else."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from remqa_data.sim.agent.handling import OVERLAP_M
+from remqa_data.thor import Controller
+
+pytestmark = pytest.mark.slow
+
+KITCHEN, BATHROOM = "FloorPlan10", "FloorPlan401"
+CUP, CABINET = "Cup|+01.08|+00.90|-00.77", "Cabinet|+00.95|+02.16|-02.38"
+CUPBOARD_POSE = {"x": 0.0, "z": -1.25, "rotation": 90.0, "horizon": 0.0}
+BATHTUB, SOAP_BOTTLE = "Bathtub|-00.21|+00.36|+00.92", "SoapBottle|-03.41|+01.02|+01.29"
+
+
+@pytest.fixture(scope="module")
+def controller() -> Iterator[Controller]:
+    with Controller(scene=KITCHEN, width=300, height=300) as controller:
+        yield controller
+
+
+def put(controller: Controller, scene: str, thing: str, receptacle: str, pose: dict[str, Any]) -> Any:
+    """The event after an expert has put a thing somewhere from a pose."""
+    controller.reset(scene)
+    for action in (
+        {"action": "PickupObject", "objectId": thing, "forceAction": True},
+        {"action": "TeleportFull", "y": controller.last_event.metadata["agent"]["position"]["y"], "standing": True}
+        | pose,
+    ):
+        assert controller.step(action, renderImage=False), controller.last_event
+    if controller.last_event.get_object(receptacle)["openable"]:
+        assert controller.step("OpenObject", objectId=receptacle, renderImage=False)
+    event = controller.step("PutObject", objectId=receptacle, renderImage=False)
+    assert event, event.metadata["errorMessage"]
+    near = controller.server.session._simulator.room.world.overlapping(thing, 0.02)
+    assert all(gap >= -OVERLAP_M for _, gap in near), near
+    return event.get_object(thing)
+
+
+def test_who_sees_the_rim_of_a_bathtub_puts_things_into_it(controller) -> None:
+    bathing = {"x": -2.25, "z": 0.75, "rotation": 0.0, "horizon": 30.0}
+    bottle = put(controller, BATHROOM, SOAP_BOTTLE, BATHTUB, bathing)
+    assert not controller.last_event.get_object(f"{BATHTUB}|BathtubBasin")["visible"]
+    assert bottle["parentReceptacles"] == [f"{BATHTUB}|BathtubBasin"]
+
+
+def test_a_salt_shaker_lies_on_a_knife_that_covers_the_floor_of_a_drawer(controller) -> None:
+    drawer, pose = "Drawer|+00.64|+00.76|-00.65", {"x": 0.0, "z": -0.5, "rotation": 90.0, "horizon": 30.0}
+    assert put(controller, KITCHEN, "SaltShaker|+01.19|+00.90|-01.80", drawer, pose)["parentReceptacles"] == [drawer]
+
+
+def test_what_was_put_before_does_not_let_a_knife_sink_into_a_bowl(controller) -> None:
+    put(controller, KITCHEN, CUP, CABINET, CUPBOARD_POSE)  # moves the bowl a micrometre, for PyBullet
+    bowl, pose = "Bowl|+00.79|+00.90|-00.12", {"x": 0.0, "z": -1.5, "rotation": 0.0, "horizon": 30.0}
+    assert put(controller, KITCHEN, "ButterKnife|-01.33|+00.92|-00.88", bowl, pose)["parentReceptacles"] == [bowl]
