@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Protocol, Self, TypeVar
 
 import typer
 
-from remqa_data.command_line import Counting, announce_compiling, command_group, output
+from remqa_data.command_line import Counting, announce_compiling, command_group, out_option, output
 from remqa_data.errors import ConfigError
 from remqa_data.files import check_beside
 from remqa_data.limits import MOST_SEED
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 app = command_group("remqa-agent")
 
 Data = Annotated[Path, typer.Option("--data", metavar="DIR", help="A dataset.")]
-Folder = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where submissions and tables are.")]
+Folder = Annotated[Path, out_option("DIR", "Where submissions and tables are.")]
 Workers = Annotated[int | None, typer.Option(min=1, help="Processes; nothing depends on it but the time.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with an interrupted run.")]
 Weights = Annotated[
@@ -84,6 +84,7 @@ def run(
     out: Folder = OUT,
     workers: Workers = None,
     resume: Resume = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace submissions that are there.")] = False,
     weights: Weights = None,
     force: Force = False,
     seeds: Seeds = None,
@@ -91,17 +92,22 @@ def run(
 ) -> None:
     """Let systems play all questions of a split; write a submission of each, which remqa-eval replays."""
     from remqa_data.agents.config import load_system
-    from remqa_data.agents.runner import Player, play_all
+    from remqa_data.agents.runner import Player, check_places, play_all
     from remqa_data.agents.seen import SEEN, SEEN_SPLIT, seen_questions
     from remqa_data.agents.systems import fingerprint, make_agent
     from remqa_data.storage.manifest import load_manifest
 
     if split is not None and seen is not None:
         raise ConfigError("--seen plays train questions: leave --split out")
+    if overwrite and resume:
+        raise ConfigError("--resume goes on with what is there, and --overwrite replaces it: give one of them")
     check_beside(out, data)
     configs = _named(systems, load_system, seeds or ())
     only = None if seen is None else seen_questions(data, seen)
     split, out = (split or "test", out) if only is None else (SEEN_SPLIT, out / SEEN)
+    check_places([out / f"{name}.jsonl" for name, _ in configs], overwrite=overwrite, resume=resume)
+    if seen is not None and only is not None and len(only) < seen:
+        output().note(f"--seen {seen}: there are {len(only)} such questions, and all of them are played")
     asked = sum(load_manifest(data).questions.get(split, {}).values()) if only is None else len(only)
     count = worker_count(workers)
     announce_compiling(count)
@@ -133,7 +139,7 @@ def train(
     more: Annotated[
         list[Path] | None, typer.Option("--more", metavar="DIR", help="Another dataset to learn from; several times.")
     ] = None,
-    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where weights and curves go.")] = WEIGHTS,
+    out: Annotated[Path, out_option("DIR", "Where weights and curves go.")] = WEIGHTS,
     views: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Cached views with features, by default DIR-views; for walkers.")
     ] = None,
@@ -154,6 +160,8 @@ def train(
     from remqa_data.agents.training.matching import Looks
 
     check_beside(out, data)
+    roots = [data, *(more or ())]
+    _check_datasets_differ(roots)
     configs = _named(networks, load_network_config, () if seed is None else (seed,))
     _check_files_differ([name for name, _ in configs], out)
     check_device(device)
@@ -164,7 +172,7 @@ def train(
             about = learn(
                 name,
                 config,
-                [data, *(more or ())],
+                roots,
                 out,
                 views=views,
                 device=device,
@@ -219,9 +227,7 @@ def predict(
 def attend(
     expressions: Annotated[list[str], typer.Argument(metavar="EXPRESSION...", help="Ids of referring expressions.")],
     data: Data,
-    out: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="The picture, .png.")] = Path(
-        "out/attention.png"
-    ),
+    out: Annotated[Path, out_option("FILE", "The picture, .png.")] = Path("out/attention.png"),
     network: Annotated[str, typer.Option(help="A language attention network.")] = "language_attention",
     weights: Weights = None,
     force: Force = False,
@@ -246,9 +252,7 @@ def curves(
     weights: Annotated[
         Path, typer.Option("--weights", metavar="DIR", help="Where training has put weights.")
     ] = WEIGHTS,
-    out: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="The picture, .png.")] = Path(
-        "out/curves.png"
-    ),
+    out: Annotated[Path, out_option("FILE", "The picture, .png.")] = Path("out/curves.png"),
 ) -> None:
     """Draw how networks became better while they learnt, all seeds of each."""
     from remqa_data.agents.figures.curves import write_curves_picture
@@ -342,6 +346,13 @@ def _check_files_differ(names: Sequence[str], folder: Path) -> None:
             raise ConfigError(
                 f"{count} networks would write {folder / name}.safetensors: train them to folders of their own"
             )
+
+
+def _check_datasets_differ(roots: Sequence[Path]) -> None:
+    """Refuse to learn from a dataset twice."""
+    for root, count in Counter(root.resolve() for root in roots).items():
+        if count > 1:
+            raise ConfigError(f"{root} is named {count} times with --data and --more: name each dataset once")
 
 
 @contextmanager

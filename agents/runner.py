@@ -73,7 +73,7 @@ class Player:
     @property
     def parts(self) -> Path:
         """Where finished rooms lie."""
-        return self.path.with_name(f"{self.path.name}.parts")
+        return parts_path(self.path)
 
     def part(self, room: tuple[str, int]) -> Path:
         """Where the rows about a scene and a configuration go."""
@@ -100,6 +100,26 @@ class PlayJob:
     room: tuple[str, int]
     question_ids: tuple[str, ...]
     players: tuple[Player, ...]
+
+
+def check_places(paths: Iterable[Path], *, overwrite: bool, resume: bool) -> None:
+    """Refuse to write over what agents have played, be it finished or not.
+
+    Raises
+    ------
+    ConfigError
+        If there is any, and neither overwriting nor resuming was asked for.
+    """
+    for path in paths:
+        if not (overwrite or resume) and any(place.exists() for place in (path, parts_path(path))):
+            raise ConfigError(
+                f"{path} has been played already; use --resume to go on with it, --overwrite to replace it, or another folder"
+            )
+
+
+def parts_path(submission: Path) -> Path:
+    """Where finished rooms lie until the submission is whole."""
+    return submission.with_name(f"{submission.name}.parts")
 
 
 def play_split(
@@ -255,7 +275,9 @@ def _prepare(parts: Path, about: dict[str, Any], resume: bool) -> None:
     note = parts / NOTE
     if resume and note.is_file():
         if read_told(note) != about:
-            raise ConfigError(f"{parts}: holds rooms of another run; leave --resume out to begin anew")
+            raise ConfigError(
+                f"{parts}: holds rooms of another run; use --overwrite in place of --resume to begin anew"
+            )
         return
     if parts.exists() and not note.is_file():
         raise ConfigError(f"{parts} is not of remqa-agent: move it elsewhere, or write to another folder")

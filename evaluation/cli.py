@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, command_group, output
+from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, command_group, out_option, output
 from remqa_data.errors import nearest_names
 from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.limits import MOST_SEED
@@ -43,7 +43,7 @@ class ScoreByDefault(OneLineErrors):
 app = command_group("remqa-eval", ScoreByDefault)
 
 Data = Annotated[Path, typer.Option("--data", metavar="DIR", help="A dataset.")]
-Out = Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="A .jsonl or .parquet file to write.")]
+Out = Annotated[Path, out_option("FILE", "A .jsonl or .parquet file to write.")]
 Split = Annotated[str, typer.Option(help="Which questions.")]
 OfTrack = Annotated[Track, typer.Option(help="What to submit to.")]
 
@@ -69,7 +69,7 @@ def score(
     track: Annotated[
         Track | None, typer.Option(help="Refuse a file for another track; by default its own is scored.")
     ] = None,
-    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for results and report.")] = Path(
+    out: Annotated[Path, out_option("DIR", "Folder for results and report, in place of earlier ones.")] = Path(
         "out/eval"
     ),
     no_replay: Annotated[
@@ -171,9 +171,7 @@ def compare(
 @app.command()
 def rank(
     paths: Annotated[list[Path], typer.Argument(metavar="RESULTS.json...", help="Of the same questions.")],
-    out: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write it as Markdown too.")
-    ] = None,
+    out: Annotated[Path | None, out_option("FILE", "Write it as Markdown too.")] = None,
 ) -> None:
     """Order submissions, the best first: those to the track remqa by S_MQA."""
     from rich.console import Console

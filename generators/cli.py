@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from remqa_data.command_line import OneLineErrors, announce_compiling, command_group, output
+from remqa_data.command_line import OneLineErrors, announce_compiling, command_group, out_option, output
 from remqa_data.errors import ConfigError
 from remqa_data.processes.interrupts import ends_the_process
 from remqa_data.published import MEAN_WORDS
@@ -22,9 +22,13 @@ class Resumable(OneLineErrors):
 
     when_stopped = "stopped; the rooms that are finished are kept, go on with --resume"
 
+    def collect_usage_pieces(self, ctx: Any) -> list[str]:
+        """What its usage shows, which is no command."""
+        return [str(self.options_metavar)]
+
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Say that there are no commands."""
-        raise ConfigError(f"there is no command {args[0]!r}; give options only, such as --config {args[0]}")
+        ctx.fail(f"unexpected argument {args[0]!r}; give options only, such as --config tiny")
 
 
 app = command_group("remqa-gen", Resumable, no_args_is_help=False)
@@ -42,7 +46,7 @@ def generate(
         int | None, typer.Option(help="How many rooms; by default as many as the configuration says.")
     ] = None,
     out: Annotated[
-        str, typer.Option(metavar="DIR", help="Folder of the dataset, or a place such as s3://bucket/prefix.")
+        str, out_option("DIR", "Folder of the dataset, or a place such as s3://bucket/prefix.")
     ] = "out/remqa",
     config: Annotated[
         str, typer.Option(metavar="NAME", help="A preset, paper or tiny, or a YAML file like those in configs/.")

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from remqa_data.command_line import command_group, output
+from remqa_data.command_line import command_group, listed, out_option, output
 from remqa_data.errors import ConfigError
 from remqa_data.export import Format
 from remqa_data.files import beside, check_beside
@@ -19,6 +19,7 @@ from remqa_data.views import LEAST_PX, MOST_PX, SIZE_PX, views_beside
 
 SAMPLE_QUESTIONS, SAMPLE_ROOMS = 500, 15
 """What `verify` looks into by default: five minutes of a core for the published benchmark."""
+ROOM = "A floor plan such as FloorPlan1, a sampled room, or a .json that Scene.save wrote."
 
 app = command_group("remqa-data")
 
@@ -43,7 +44,9 @@ def assets(
     glb: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for meshes, one glTF file for each variant.")
     ] = None,
-    columns: Annotated[int, typer.Option(min=1, help="Variants side by side on a sheet; the rest lie below.")] = 4,
+    columns: Annotated[
+        int | None, typer.Option(min=1, help="Variants side by side on a sheet, by default 4; the rest lie below.")
+    ] = None,
 ) -> None:
     """Write contact sheets of object types, their variants closed and open, or their meshes."""
     from rich.progress import Progress
@@ -52,6 +55,8 @@ def assets(
 
     if sheet is None and glb is None:
         raise typer.BadParameter("name a folder with --sheet DIR or --glb DIR")
+    if sheet is None and columns is not None:
+        raise ConfigError("--columns is for --sheet: meshes are files of their own")
     console = output().console()
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("assets", total=len(types or TYPES) * ((sheet is not None) + (glb is not None)))
@@ -64,7 +69,7 @@ def assets(
         if sheet is not None:
             from remqa_data.generators.figures.asset_sheets import write_sheets
 
-            sheets = write_sheets(sheet, types or (), columns, progress=on_type)
+            sheets = write_sheets(sheet, types or (), columns or 4, progress=on_type)
         if glb is not None:
             from remqa_data.generators.figures.asset_meshes import write_meshes
 
@@ -80,9 +85,9 @@ def assets(
 def play(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
     question_id: Annotated[str, typer.Argument(help="A question of it, such as FloorPlan1-COUNTING-00-c2.")],
-    film: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="The film to write: .mp4, .webm, or .webp for pages.")
-    ] = Path("episode.mp4"),
+    film: Annotated[Path, out_option("FILE", "The film to write: .mp4, .webm, or .webp for pages.")] = Path(
+        "episode.mp4"
+    ),
     submission: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Film what was submitted there; by default what the oracle does."),
@@ -102,9 +107,7 @@ def play(
 @app.command()
 def cache(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
-    out: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder of the cache; by default DIR-views.")
-    ] = None,
+    out: Annotated[Path | None, out_option("DIR", "Folder of the cache; by default DIR-views.")] = None,
     scenes: Annotated[
         str | None, typer.Option(metavar="NAME,...", help="Rooms, such as FloorPlan1,FloorPlan201; by default all.")
     ] = None,
@@ -134,7 +137,7 @@ def cache(
     from remqa_data.views.cache_command import cache_and_report
 
     wanted = Wanted(
-        scenes=None if scenes is None else tuple(scenes.split(",")),
+        scenes=None if scenes is None else listed(scenes),
         split=split,
         configurations=None if configurations is None else _numbers(configurations),
         size_px=size,
@@ -147,18 +150,10 @@ def cache(
 
 @app.command()
 def export(
-    scene: Annotated[
-        str,
-        typer.Argument(help="A floor plan such as FloorPlan1, a sampled room, or a .json that Scene.save wrote."),
-    ],
+    scene: Annotated[str, typer.Argument(help=ROOM)],
     file: Annotated[
         Path,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE",
-            help="The file to write: .glb, .xml (MJCF, MuJoCo), .urdf, or .usd, .usda, .usdc (extra: usd).",
-        ),
+        out_option("FILE", "The file to write: .glb, .xml (MJCF, MuJoCo), .urdf, or .usd, .usda, .usdc (extra: usd)."),
     ] = Path("scene.glb"),
     data: Annotated[Path | None, typer.Option(metavar="DIR", help="A dataset whose room is meant.")] = None,
     configuration: Annotated[int, typer.Option(min=0, metavar="N", help="Which arrangement of that room.")] = 0,
@@ -181,9 +176,7 @@ def export(
 @app.command()
 def coco(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
-    out: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder to write; by default DIR-coco.")
-    ] = None,
+    out: Annotated[Path | None, out_option("DIR", "Folder to write; by default DIR-coco.")] = None,
     images: Annotated[bool, typer.Option("--images/--no-images", help="Write the pictures, too.")] = True,
 ) -> None:
     """Write frames as COCO JSON with masks, and referring expressions as RefCOCO's."""
@@ -204,9 +197,7 @@ def coco(
 def rerun(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
     scene: Annotated[str, typer.Argument(help="A room of it, such as FloorPlan1.")],
-    recording: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="Recording to write.")] = Path(
-        "walk.rrd"
-    ),
+    recording: Annotated[Path, out_option("FILE", "Recording to write.")] = Path("walk.rrd"),
     configuration: Annotated[int, typer.Option(help="Which arrangement of the room's things.")] = 0,
 ) -> None:
     """Write the walk through a room as a recording for the viewer Rerun (extra: rerun)."""
@@ -234,23 +225,25 @@ def browse(
     limit: Annotated[
         int | None, typer.Option(min=1, metavar="N", help="Export only so many questions, spread evenly.")
     ] = None,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="0 for any that is free.")] = 8017,
+    port: Annotated[int | None, typer.Option(min=0, max=65535, help="0 for any that is free; by default 8017.")] = None,
     host: Annotated[
-        str, typer.Option(help="What to listen on; by default only this machine can open the pages.")
-    ] = "127.0.0.1",
+        str | None,
+        typer.Option(help="What to listen on; by default 127.0.0.1: only this machine can open the pages."),
+    ] = None,
 ) -> None:
     """Look about in a dataset with a browser: questions, pictures, maps, graphs, walks and statistics."""
     from remqa_data.browse.command import browse_dataset
 
-    browse_dataset(root, submission or (), audit, export, limit, (host, port))
+    if export is not None and not (host is None and port is None):
+        raise ConfigError("--host and --port are for pages that are served: leave them out, or --export")
+    address = (host or "127.0.0.1", 8017 if port is None else port)
+    browse_dataset(root, submission or (), audit, export, limit, address)
 
 
 @app.command()
 def preview(
-    scene: Annotated[str, typer.Argument(help="A floor plan such as FloorPlan1, or a sampled room.")],
-    picture: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")
-    ] = Path("preview.png"),
+    scene: Annotated[str, typer.Argument(help=ROOM)],
+    picture: Annotated[Path, out_option("FILE", "The picture to write, a PNG.")] = Path("preview.png"),
     size: Annotated[int, typer.Option(min=32, max=2048, help="Width and height of each view in pixels.")] = 300,
     light: Annotated[Literal["baked", "direct"], typer.Option(help="How the room is lit.")] = "baked",
 ) -> None:
@@ -266,9 +259,7 @@ def preview(
 def show(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
     question_id: Annotated[str, typer.Argument(help="A question of it, such as FloorPlan1-COUNTING-00-c2.")],
-    picture: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="The picture to write, a PNG.")
-    ] = Path("sample.png"),
+    picture: Annotated[Path, out_option("FILE", "The picture to write, a PNG.")] = Path("sample.png"),
 ) -> None:
     """Draw a question: the views before and after the manipulation, and the way there on a map."""
     from remqa_data.generators.figures.sample_picture import write_sample_picture
@@ -327,24 +318,36 @@ def recount(
 def verify(
     root: Annotated[Path, typer.Argument(metavar="DIR", help="A dataset.")],
     everything: Annotated[bool, typer.Option("--all", help="Check every row of every table.")] = False,
-    sample: Annotated[int, typer.Option(min=1, help="Replay so many questions, drawn at random.")] = SAMPLE_QUESTIONS,
+    sample: Annotated[
+        int | None,
+        typer.Option(min=1, help=f"Replay so many questions, drawn at random; by default {SAMPLE_QUESTIONS}."),
+    ] = None,
     rooms: Annotated[
-        int, typer.Option(min=0, help="Make so many rooms again, drawn at random, and compare all their rows.")
-    ] = SAMPLE_ROOMS,
-    seed: Annotated[int, typer.Option(min=0, max=MOST_SEED, help="Of the draws.")] = 0,
+        int | None,
+        typer.Option(
+            min=0,
+            help=f"Make so many rooms again, drawn at random, and compare all their rows; by default {SAMPLE_ROOMS}.",
+        ),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, max=MOST_SEED, help="Of the draws; by default 0.")] = None,
     workers: Annotated[int, typer.Option(min=1, help="Processes; what is found does not depend on it.")] = 1,
 ) -> None:
     """Check a dataset from its files: what it says of itself, answers, actions, pictures and words, all worked out anew."""
     from remqa_data.generators.audit.verify_command import verify_and_report
 
-    if not verify_and_report(root, None if everything else sample, None if everything else rooms, seed, workers):
+    draws = {"--sample": sample, "--rooms": rooms, "--seed": seed}
+    if everything and (given := [option for option, value in draws.items() if value is not None]):
+        raise ConfigError(f"--all checks everything, and draws nothing: leave {' and '.join(given)} out")
+    questions = None if everything else SAMPLE_QUESTIONS if sample is None else sample
+    whole_rooms = None if everything else SAMPLE_ROOMS if rooms is None else rooms
+    if not verify_and_report(root, questions, whole_rooms, seed or 0, workers):
         raise typer.Exit(1)
 
 
 def _numbers(text: str) -> tuple[int, ...]:
-    if not re.fullmatch(r"\d{1,9}(,\d{1,9})*", text, re.ASCII):
+    if not all(re.fullmatch(r"\d{1,9}", item, re.ASCII) for item in listed(text)):
         raise ConfigError(f"--configurations {text!r:.80}: give numbers, such as 0,1")
-    return tuple(map(int, text.split(",")))
+    return tuple(map(int, listed(text)))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What the commands share: --version, --quiet and --json, errors in one line, and word of what takes long.
+"""What the commands share: --version, --quiet, --json and --out, errors in one line, and word of what takes long.
 
 An error on purpose (`RemqaError`), an option that cannot be, or a file that cannot be read or written becomes one line on
 stderr and exit code 2. Where nobody reads on, as after `| head -1`, a command ends without a word and with exit code 141.
@@ -15,10 +15,10 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from remqa_data.errors import RemqaError, one_line
 from remqa_data.kernels.progress import Compiling, listening
@@ -113,7 +113,36 @@ class Counting:
         self._bar.stop()
 
 
-class OneLineErrors(TyperGroup):
+class _PlainOptions:
+    """Of commands: in --help a flag takes no value, whatever typer makes of it; and nothing that is given is empty."""
+
+    params: list[Any]
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """All options, with --help."""
+        params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
+        for param in params:
+            if getattr(param, "is_flag", False):
+                param.metavar = ""
+        return params
+
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        """Refuse an empty text, which would be the current folder, were it made a path."""
+        if not ctx.resilient_parsing:
+            given = self.make_parser(ctx).parse_args(args=list(args))[0]  # type: ignore[attr-defined]
+            for param in self.params:
+                value = given.get(param.name)
+                if value == "" or (isinstance(value, list | tuple) and "" in value):
+                    name = param.opts[0] if param.param_type_name == "option" else param.metavar or param.name
+                    ctx.fail(f"{name} is empty; give a value")
+        return super().parse_args(ctx, args)  # type: ignore[misc]
+
+
+class _Command(_PlainOptions, TyperCommand):
+    """One of several commands."""
+
+
+class OneLineErrors(_PlainOptions, TyperGroup):
     """Commands whose errors on purpose become one line on stderr and exit code 2; they stop at once when told to.
 
     The group has --version, and all its commands have --quiet and --json.
@@ -180,21 +209,51 @@ class OneLineErrors(TyperGroup):
             raise typer.Exit(2) from error
 
 
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class _Commands(typer.Typer):
+    """Commands with plain options."""
+
+    def command(self, name: str | None = None, **options: Any) -> Callable[[F], F]:
+        """Add a function as a command."""
+        return super().command(name, **{"cls": _Command, **options})
+
+
 def command_group(name: str, cls: type[OneLineErrors] = OneLineErrors, *, no_args_is_help: bool = True) -> typer.Typer:
     """Commands of this package, to be filled."""
-    return typer.Typer(
+    return _Commands(
         name=name,
         cls=cls,
         no_args_is_help=no_args_is_help,
         pretty_exceptions_enable=False,
-        context_settings={"help_option_names": ["-h", "--help"]},
+        context_settings={"help_option_names": ["-h", "--help"], "token_normalize_func": _shown_name},
     )
+
+
+def out_option(metavar: str, about: str) -> Any:
+    """The option for what a command writes: in all of them --out and -o, and --output, which no help shows."""
+    return typer.Option("--out", "-o", metavar=metavar, help=about)
+
+
+def listed(text: str) -> tuple[str, ...]:
+    """What an option lists with commas.
+
+    >>> listed("FloorPlan4, FloorPlan212")
+    ('FloorPlan4', 'FloorPlan212')
+    """
+    return tuple(item.strip() for item in text.split(","))
 
 
 _UsageError: Any = typer.BadParameter.__base__
 """Of the Click that typer uses: its own one, or in older versions the installed one."""
 _PLAIN = Output()
 _OUTPUT: ContextVar[Output] = ContextVar("output", default=_PLAIN)
+
+
+def _shown_name(option: str) -> str:
+    """An option's name without its dashes, as help shows it."""
+    return "out" if option == "output" else option
 
 
 def _print_version(ctx: typer.Context, wanted: bool) -> None:

@@ -148,7 +148,7 @@ def beside(root: Path, what: str) -> Path:
         If the dataset lies in a bucket.
     """
     if is_remote(root):
-        raise OutputError(f"{uri_of(root)} is not on this machine: say where to write with --output")
+        raise OutputError(f"{uri_of(root)} is not on this machine: say where to write with --out")
     named = root.resolve() if root.name in ("", "..") else root
     return named.with_name(f"{named.name}-{what}")
 

@@ -67,6 +67,30 @@ def test_assets_without_a_folder_says_which_options_name_one():
     assert "--glb" in result.output
 
 
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("assets", "Mug", "--columns", "3", "--glb", "OUT"), "--columns is for --sheet"),
+        (("verify", "DIR", "--all", "--sample", "3"), "--all checks everything, and draws nothing: leave --sample out"),
+        (("verify", "DIR", "--all", "--rooms", "0", "--seed", "1"), "leave --rooms and --seed out"),
+    ],
+)
+def test_an_option_that_would_be_ignored_is_refused(tmp_path, words, line):
+    result = invoke(*(str(tmp_path / word) if word.isupper() else word for word in words))
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert line in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_blanks_between_listed_rooms_and_numbers_are_no_part_of_them(finished, tmp_path):
+    options = ("-o", str(tmp_path / "views"))
+    for words, line in (
+        (("--scenes", "Kitchen1, Nowhere"), "unknown scene 'Nowhere'"),
+        (("--configurations", "76, 77"), "nothing is asked"),
+    ):
+        assert line in invoke("cache", str(finished[0]), *words, *options).stderr
+
+
 def test_an_unknown_type_is_one_line_with_the_nearest_names_and_writes_nothing(tmp_path):
     result = invoke("assets", "--sheet", str(tmp_path / "sheets"), "Mug", "Drawr")
     assert result.exit_code == 2

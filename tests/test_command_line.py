@@ -8,8 +8,10 @@ import sys
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
+import typer
 from typer.testing import CliRunner, Result
 
 from remqa_data import __version__
@@ -23,6 +25,9 @@ COMMANDS = {
     "remqa-eval": ["score", "oracle", "random", "blind", "compare", "schema"],
     "remqa-agent": ["run", "table"],
 }
+WRITE_NOTHING = {"remqa-eval compare", "remqa-eval schema", "remqa-data verify"}
+NAME_WHAT_THEY_WRITE = {f"remqa-data {name}" for name in ("assets", "browse", "recount", "stats")}
+"""With --sheet, --glb, --export or --csv: they do something else, too, or write of several kinds."""
 HOMES = {
     "remqa-data": "remqa_data",
     "remqa-gen": "remqa_data.generators",
@@ -33,6 +38,23 @@ HOMES = {
 
 def invoke(name: str, *arguments: object) -> Result:
     return CliRunner().invoke(import_module(f"{HOMES[name]}.cli").app, [str(word) for word in arguments])
+
+
+def commands() -> dict[str, Any]:
+    """All there are, by what is typed."""
+    groups: dict[str, Any] = {
+        name: typer.main.get_command(import_module(f"{home}.cli").app) for name, home in HOMES.items()
+    }
+    within = {f"{name} {word}": one for name, group in groups.items() for word, one in group.commands.items()}
+    return {**within, "remqa-gen": groups["remqa-gen"]}
+
+
+def context(name: str, command: Any, *words: str) -> Any:
+    """What is given, with what groups hand down to their commands."""
+    group, _, word = name.partition(" ")
+    outer = typer.main.get_command(import_module(f"{HOMES[group]}.cli").app)
+    parent = outer.make_context(group, [word or "--resume"], resilient_parsing=True)
+    return command.make_context(name, list(words), parent=parent, resilient_parsing=True)
 
 
 @pytest.fixture
@@ -137,6 +159,54 @@ def test_an_option_that_cannot_be_is_one_line_that_leads_to_help(name, words, li
     (said,) = done.stderr.splitlines()
     assert said.startswith(line)
     assert said.endswith(f"; see {line.partition(':')[0]} --help")
+
+
+def test_whatever_writes_takes_its_place_by_the_same_names() -> None:
+    writing = {}
+    for name, command in commands().items():
+        for param in command.params:
+            if {"-o", "--out", "--output"} & set(param.opts):
+                writing[name] = param.name
+                assert param.opts == ["--out", "-o"], name
+                places = [context(name, command, option, "x").params for option in ("--out", "-o", "--output")]
+                assert [str(given[param.name]) for given in places] == ["x"] * 3, name
+    assert set(commands()) - set(writing) == WRITE_NOTHING | NAME_WHAT_THEY_WRITE
+
+
+def test_flags_take_no_value_in_any_help() -> None:
+    for name, command in commands().items():
+        for param in command.get_params(context(name, command)):
+            if getattr(param, "is_flag", False):
+                assert param.metavar == "", (name, param.name)
+    flags = [line for line in invoke("remqa-gen", "--help").output.splitlines() if " --overwrite " in line]
+    assert flags
+    assert "bool" not in flags[0].lower()
+
+
+def test_what_takes_options_only_shows_no_command() -> None:
+    assert "Usage: remqa-gen [OPTIONS]" in [line.strip() for line in invoke("remqa-gen", "--help").output.splitlines()]
+    done = invoke("remqa-gen", "--overwrite", "true", "--out", "zz")
+    assert done.exit_code == 2
+    assert done.stderr.startswith("remqa-gen: unexpected argument 'true'; give options only, such as --config tiny")
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "what"),
+    [
+        ("remqa-gen", ["--out", ""], "--out"),
+        ("remqa-gen", ["--config="], "--config"),
+        ("remqa-data", ["stats", ""], "DIR"),
+        ("remqa-data", ["coco", "x", "--output", ""], "--out"),
+        ("remqa-agent", ["train", "detector", "--data", "x", "--more", "y", "--more", ""], "--more"),
+        ("remqa-eval", ["a.jsonl", "--data", ""], "--data"),
+    ],
+)
+def test_no_path_is_empty(name, words, what, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = invoke(name, *words)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert f": {what} is empty; give a value; see remqa-" in done.stderr
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("name", ["remqa-data", "remqa-eval", "remqa-agent"])

@@ -134,7 +134,7 @@ def test_every_command_of_a_page_does_what_it_says(
         app: Any = import_module(APPS[program]).app
         said = CliRunner().invoke(app, [*arguments, "--help"] if is_read else arguments)
         assert said.exit_code == 0, (line, said.output, said.exception)
-        named = [arguments[place + 1] for place, word in enumerate(arguments) if word in ("-o", "--export", "--output")]
+        named = [arguments[place + 1] for place, word in enumerate(arguments) if word in ("-o", "--export", "--out")]
         assert all(Path(name).exists() for name in named if not is_read), line
 
 

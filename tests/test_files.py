@@ -163,15 +163,15 @@ def test_what_is_made_of_a_dataset_lies_beside_it(tmp_path, monkeypatch):
     assert beside(Path(".."), "coco") == tmp_path.parent.with_name(f"{tmp_path.parent.name}-coco")
     for root in ("s3://bucket/tiny", Path("s3://bucket/tiny")):
         with pytest.raises(
-            OutputError, match=r"^s3://bucket/tiny is not on this machine: say where to write with --output"
+            OutputError, match=r"^s3://bucket/tiny is not on this machine: say where to write with --out"
         ):
             beside(root, "coco")
 
 
 def test_many_files_are_not_written_among_others(tmp_path):
-    check_empty(tmp_path, "--output")
-    check_empty(tmp_path / "new", "--output")
+    check_empty(tmp_path, "--out")
+    check_empty(tmp_path / "new", "--out")
     (tmp_path / "file").touch()
     for out in (tmp_path, tmp_path / "file"):
-        with pytest.raises(OutputError, match="is not an empty folder; name a new one with --output"):
-            check_empty(out, "--output")
+        with pytest.raises(OutputError, match="is not an empty folder; name a new one with --out"):
+            check_empty(out, "--out")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from remqa_data.floorplans.load import load_scene
+from remqa_data.export.rooms import find_scene
 from remqa_data.geometry.types import U8
 from remqa_data.opencv import check_png, cv2, write_png
 from remqa_data.scene import Light, Scene
@@ -27,15 +27,14 @@ CELL_COLOR, START_COLOR, WALL_COLOR, TEXT_COLOR = (60, 160, 60), (220, 60, 40), 
 
 
 def write_preview(scene_name: str, path: Path, size_px: int = 300, light: Light = "baked") -> None:
-    """Write the preview sheet of a floor plan or a sampled room as PNG; `size_px` is the side of each view."""
+    """Write the preview sheet of a room that `find_scene` finds as PNG; `size_px` is the side of each view."""
     check_png(path)
-    write_png(path, preview(load_scene(scene_name, light), size_px))
+    write_png(path, preview(replace(find_scene(scene_name), light=light), size_px))
 
 
 def preview(scene: Scene, size_px: int = 300) -> U8:
-    """The sheet: a map (twice as high as a view) beside two rows of four views, (2 * size, 6 * size, 3) RGB."""
+    """A room as it stands: a map (twice as high as a view) beside two rows of four views, (2 * size, 6 * size, 3) RGB."""
     with World(scene) as world:
-        world.settle()
         view = WorldView(world)
         grid = reachable_grid(world)
         plan = room_map(scene, view, grid, 2 * size_px)

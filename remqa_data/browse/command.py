@@ -38,8 +38,6 @@ def browse_dataset(
         require(package, "browse")
     if limit is not None and export is None:
         raise ConfigError("--limit is for --export: the pages that are served show every question")
-    if not address[0]:
-        raise ConfigError("--host is empty: name what to listen on, such as 127.0.0.1, or leave it out")
     if export is not None:
         check_beside(export, root)
     dataset = BrowsedDataset(root)

@@ -19,7 +19,7 @@ import pyarrow as pa
 from remqa_data.datasets.frames import Frames
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.datasets.sample_types import RAGGED, ExpressionSample, FrameSample, QuestionSample
-from remqa_data.errors import DatasetError, ForgedRowError, ImageFormatError, UnknownNameError
+from remqa_data.errors import ConfigError, DatasetError, ForgedRowError, ImageFormatError, UnknownNameError
 from remqa_data.extras import require
 from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
 from remqa_data.tables.rows import KINDS
@@ -129,6 +129,8 @@ class RemqaDataset(_TableDataset[QuestionSample]):
         When a value that is read is none, not finite, or beyond `remqa_data.limits`: names the file, row and field.
     UnknownNameError
         For a kind, column or image that does not exist.
+    ConfigError
+        For a column or image that is named twice.
     TypeError
         If what should be a list of names is one text.
     """
@@ -242,6 +244,8 @@ def _known(names: Sequence[str] | None, known: Sequence[str], what: str) -> tupl
     for name in chosen:
         if name not in known:
             raise UnknownNameError(what, name, known)
+        if chosen.count(name) > 1:
+            raise ConfigError(f"{what}: {name!r} is named {chosen.count(name)} times")
     return chosen
 
 

@@ -61,8 +61,8 @@ def write_coco(root: Path, out: Path, with_images: bool = True) -> Written:
     """
     check_beside(out, root)
     if is_remote(out):
-        raise OutputError(f"{out}: give a folder of this machine with --output")
-    check_empty(out, "--output")
+        raise OutputError(f"{out}: give a folder of this machine with --out")
+    check_empty(out, "--out")
     manifest, writer = load_manifest(root), _Writer(root, out, with_images)
     for table, write in (("frames", writer.write_instances), ("expressions", writer.write_refs)):
         for split in get_args(Split):

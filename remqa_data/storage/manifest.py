@@ -29,6 +29,9 @@ from remqa_data.storage.protocol import Storage
 from remqa_data.version import __version__
 
 MANIFEST = "manifest.json"
+PARTS = ".parts"
+MARKER = f"{PARTS}/UNFINISHED"
+"""Only an unfinished dataset has it, beside its parts, from which its run goes on."""
 FORMAT_VERSION = 2
 """2: initial_pose, start_target_box_2d and walk_start_cell have their names."""
 VERSIONED = ("pybullet", "numpy", "numba", "opencv-python-headless", "pyarrow")
@@ -249,9 +252,11 @@ def _no_dataset(storage: Storage) -> DatasetError:
         return DatasetError(f"{where} is a file; give the folder of a dataset")
     if isinstance(storage, Folder) and not storage.path.is_dir():
         return DatasetError(f"{where}: no such folder; generate a dataset with remqa-gen --out {where}")
-    return DatasetError(
-        f"{where} is not a finished dataset: it has no {MANIFEST}; go on with remqa-gen --resume, or start again"
-    )
+    if storage.exists(MARKER):
+        advice = "go on with remqa-gen --resume, or start again"
+    else:
+        advice = "give the folder of a dataset, or generate one with remqa-gen"
+    return DatasetError(f"{where} is not a finished dataset: it has no {MANIFEST}; {advice}")
 
 
 _ADAPTER = TypeAdapter(Manifest)

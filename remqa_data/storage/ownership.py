@@ -17,14 +17,12 @@ from remqa_data.errors import DatasetError
 from remqa_data.files import name_of_leftover
 from remqa_data.storage.card import CARD, CROISSANT
 from remqa_data.storage.locks import is_lock
-from remqa_data.storage.manifest import MANIFEST
+from remqa_data.storage.manifest import MANIFEST, MARKER, PARTS
 from remqa_data.storage.protocol import Storage
 from remqa_data.tables.rows import Split
 from remqa_data.tables.schema import TABLES
 
-PARTS = ".parts"
 SPLITS: tuple[Split, ...] = get_args(Split)
-MARKER = f"{PARTS}/UNFINISHED"
 _MARKER_TEXT = b"An unfinished dataset of remqa-gen, which goes on with --resume. It owns what it has written here.\n"
 _SIGNS = {CARD: b"# REMQA dataset", CROISSANT: b'"name": "remqa"'}
 """What is in a file of this name if it is ours: many folders have a README.md."""

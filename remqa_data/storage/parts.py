@@ -26,8 +26,8 @@ from remqa_data.errors import DamagedPartError, DatasetError
 from remqa_data.files import name_of_leftover, sha256_of
 from remqa_data.processes.executors import Executor, LocalExecutor
 from remqa_data.storage.backend import storage_at
-from remqa_data.storage.manifest import MANIFEST, FileInfo, Manifest, config_hash, write_manifest
-from remqa_data.storage.ownership import PARTS, SPLITS, is_known, remove_parts
+from remqa_data.storage.manifest import MANIFEST, PARTS, FileInfo, Manifest, config_hash, write_manifest
+from remqa_data.storage.ownership import SPLITS, is_known, remove_parts
 from remqa_data.storage.protocol import Storage
 from remqa_data.storage.shards import Shard, ShardWriter, file_info
 from remqa_data.tables.rows import Row

@@ -144,7 +144,7 @@ class Views:
 def _loaded(folder: Path) -> ViewsManifest:
     manifest = load_views_manifest(folder)
     if manifest is None:
-        raise DatasetError(f"{folder} is no cache of views; make one with remqa-data cache DATASET --output {folder}")
+        raise DatasetError(f"{folder} is no cache of views; make one with remqa-data cache DATASET --out {folder}")
     if not manifest.is_finished:
         raise DatasetError(f"{folder} is not finished; run remqa-data cache again, it goes on")
     return manifest

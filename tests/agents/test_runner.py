@@ -139,10 +139,10 @@ def test_only_the_same_run_is_gone_on_with(two_rooms: Path, tmp_path: Path) -> N
 
     with pytest.raises(KeyboardInterrupt):
         played(two_rooms, path, "random", progress=stop, fingerprint="one")
-    with pytest.raises(ConfigError, match="holds rooms of another run; leave --resume out"):
+    with pytest.raises(ConfigError, match="holds rooms of another run; use --overwrite"):
         played(two_rooms, path, "random", resume=True, fingerprint="another")
     (tmp_path / "a.jsonl.parts" / NOTE).write_text("{")
-    with pytest.raises(ConfigError, match="holds rooms of another run; leave --resume out"):
+    with pytest.raises(ConfigError, match="holds rooms of another run; use --overwrite"):
         played(two_rooms, path, "random", resume=True, fingerprint="one")
 
 

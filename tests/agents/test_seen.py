@@ -32,6 +32,24 @@ def run(*args: str | Path) -> str:
     return done.output
 
 
+def test_what_was_played_is_replaced_only_if_told_to(two_rooms: Path, tmp_path: Path) -> None:
+    words = ("run", "random", "--seen", "30000", "--data", two_rooms, "-o", tmp_path)
+    count = len(seen_questions(two_rooms, 30_000))
+    assert f"--seen 30000: there are {count} such questions, and all of them are played\n" in run(*words)
+    path = tmp_path / "seen" / "random.jsonl"
+    played = path.read_bytes()
+    path.write_bytes(b"mine")
+    done = CliRunner().invoke(app, [*map(str, words)])
+    assert (done.exit_code, done.stderr.count("\n")) == (2, 1)
+    assert f"{path} has been played already; use --resume to go on with it, --overwrite to replace it" in done.stderr
+    assert path.read_bytes() == b"mine"
+    run(*words, "--overwrite")
+    assert path.read_bytes() == played
+    path.unlink()
+    path.with_name("random.jsonl.parts").mkdir()  # of a run that was stopped
+    assert "has been played already" in CliRunner().invoke(app, [*map(str, words)]).stderr
+
+
 def test_seeds_seen_rooms_and_pace_stand_in_the_tables(two_rooms: Path, tmp_path: Path) -> None:
     folder = ("--data", two_rooms, "-o", tmp_path)
     run("run", "random", "--seed", "0", "--seed", "1", *folder)

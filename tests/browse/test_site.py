@@ -256,6 +256,7 @@ def test_the_command_says_in_one_line_what_is_wrong(hostile: Path, tmp_path: Pat
         ((hostile, "--export", hostile), "which holds nothing else; give another place"),
         ((hostile, "--export", hostile / "site"), "which holds nothing else; give another place"),
         ((hostile, "--host", ""), "--host is empty"),
+        ((hostile, "--port", "0", "--export", tmp_path / "a"), "--host and --port are for pages that are served"),
         ((hostile, "--submission", tmp_path / "x.jsonl", "--export", tmp_path / "a"), "no such file"),
     ):
         done = browse(*arguments)

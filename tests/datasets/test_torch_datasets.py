@@ -12,7 +12,7 @@ from torch.utils.data import DataLoader
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.datasets.sample_types import ExpressionSample, FrameSample, QuestionSample
 from remqa_data.datasets.torch_datasets import ExpressionDataset, FrameDataset, RemqaDataset, collate
-from remqa_data.errors import DamagedShardError, DatasetError, UnknownNameError
+from remqa_data.errors import ConfigError, DamagedShardError, DatasetError, UnknownNameError
 from remqa_data.storage.manifest import MANIFEST, load_manifest
 from remqa_data.storage.shards import file_info
 from remqa_data.tables.images import decode_rgb, encode_rgb
@@ -220,6 +220,12 @@ def test_only_the_columns_and_images_asked_for_are_yielded(root) -> None:
 def test_a_wrong_name_is_answered_with_the_right_one(root, make, message) -> None:
     with pytest.raises(UnknownNameError, match=message):
         make(root)
+
+
+@pytest.mark.parametrize("names", [{"images": ("rgb", "rgb")}, {"columns": ["index", "agent", "index"]}])
+def test_what_is_named_twice_is_refused(root, names) -> None:
+    with pytest.raises(ConfigError, match="is named 2 times"):
+        FrameDataset(root, "train", **names)
 
 
 @pytest.mark.parametrize("names", [{"images": "end_rgb"}, {"columns": "answer"}])

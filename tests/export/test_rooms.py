@@ -40,6 +40,14 @@ def test_a_saved_scene_is_read_from_its_file(tmp_path) -> None:
     assert find_scene(str(tmp_path / "room.json")) == small_room("Small1", 0)
 
 
+@pytest.mark.slow
+def test_a_saved_scene_can_be_previewed(tmp_path) -> None:
+    small_room("Small1", 0).save(tmp_path / "room.json")
+    result = invoke("preview", tmp_path / "room.json", "-o", tmp_path / "a.png", "--size", "32", "--light", "direct")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "a.png").stat().st_size > 1000
+
+
 def test_open_says_what_is_open_and_the_suffix_the_format(small_rooms, tmp_path) -> None:
     written = {}
     for name, options in {"closed": (), "one": ("--open", FRIDGE), "all": ("--open", "all")}.items():
@@ -145,7 +153,7 @@ def test_coco_is_written_beside_the_dataset_however_that_is_named(finished, tmp_
     (tmp_path / "taken" / "file").touch()
     result = invoke("coco", ".", "-o", "../taken")
     assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
-    assert "is not an empty folder; name a new one with --output" in result.stderr
+    assert "is not an empty folder; name a new one with --out, or remove it\n" in result.stderr
     assert set(before) <= set(tmp_path.rglob("*"))
 
 

@@ -12,7 +12,8 @@ import pytest
 from remqa_data.errors import DatasetError
 from remqa_data.generators.pipeline import check_place
 from remqa_data.storage.backend import storage_at
-from remqa_data.storage.ownership import MARKER, clear, look, mark, remove_parts
+from remqa_data.storage.manifest import MARKER
+from remqa_data.storage.ownership import clear, look, mark, remove_parts
 from tests.helpers.damaged_files import files_of
 
 HASH = "0123456789abcdef"

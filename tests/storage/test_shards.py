@@ -16,8 +16,10 @@ import yaml
 from remqa_data.datasets.random_access import SplitReader
 from remqa_data.errors import DamagedShardError, DatasetError, UnknownNameError
 from remqa_data.files import sha256_of
+from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import croissant, dataset_card
 from remqa_data.storage.manifest import MANIFEST, config_hash, load_manifest
+from remqa_data.storage.ownership import mark
 from remqa_data.storage.shards import Shard, ShardWriter, check_files, file_info, find_damage, read_rows, read_table
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, SceneRow
 from remqa_data.tables.schema import TABLES, check_schema, to_table
@@ -120,6 +122,9 @@ def test_the_hash_of_a_configuration_is_that_of_its_canonical_json() -> None:
 
 def test_a_folder_without_a_manifest_is_not_a_dataset(dataset) -> None:
     (dataset / MANIFEST).unlink()
+    with pytest.raises(DatasetError, match=r"it has no manifest\.json; give the folder of a dataset"):
+        read_table(dataset, "questions", "train")
+    mark(storage_at(dataset))
     with pytest.raises(DatasetError, match=r"not a finished dataset: it has no manifest\.json; .*--resume"):
         read_table(dataset, "questions", "train")
 
