@@ -53,7 +53,7 @@ class LoadedRoom:
     def begin(self, episode: Episode, rng: np.random.Generator) -> None:
         """Undo what was done, and put the agent at its initial pose."""
         self.episode = episode
-        self.world.restore(self._first)
+        self.world.restart(self._first)
         if "third_person" in vars(self):
             self.third_person.begin()
         if episode.initial_pose is None:

@@ -52,7 +52,10 @@ def test_a_salt_shaker_lies_on_a_knife_that_covers_the_floor_of_a_drawer(control
     assert put(controller, KITCHEN, "SaltShaker|+01.19|+00.90|-01.80", drawer, pose)["parentReceptacles"] == [drawer]
 
 
-def test_what_was_put_before_does_not_let_a_knife_sink_into_a_bowl(controller) -> None:
+def test_what_was_put_before_does_not_let_a_knife_through_a_bowl(controller) -> None:
     put(controller, KITCHEN, CUP, CABINET, CUPBOARD_POSE)  # moves the bowl a micrometre, for PyBullet
     bowl, pose = "Bowl|+00.79|+00.90|-00.12", {"x": 0.0, "z": -1.5, "rotation": 0.0, "horizon": 30.0}
-    assert put(controller, KITCHEN, "ButterKnife|-01.33|+00.92|-00.88", bowl, pose)["parentReceptacles"] == [bowl]
+    knife = put(controller, KITCHEN, "ButterKnife|-01.33|+00.92|-00.88", bowl, pose)
+    assert knife["parentReceptacles"] == [bowl]
+    rim = max(y for _, y, _ in controller.last_event.get_object(bowl)["axisAlignedBoundingBox"]["cornerPoints"])
+    assert knife["position"]["y"] == pytest.approx(rim, abs=0.02)

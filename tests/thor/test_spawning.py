@@ -51,6 +51,15 @@ def test_things_lie_elsewhere_at_rest_and_apart(kitchen, bathroom) -> None:
                 assert event.get_object(o["objectId"])["position"] == o["position"]
 
 
+def test_after_a_reset_it_is_as_in_a_room_that_was_just_loaded(kitchen) -> None:
+    kitchen.step("PickupObject", objectId=APPLE, forceAction=True, renderImage=False)
+    kitchen.step("ThrowObject", moveMagnitude=80.0, renderImage=False)
+    kitchen.reset()
+    with Controller(scene="FloorPlan1") as fresh:
+        told = [one.step("InitialRandomSpawn", randomSeed=0, renderImage=False) for one in (kitchen, fresh)]
+    assert told[0].metadata["objects"] == told[1].metadata["objects"]
+
+
 def test_the_seed_decides(kitchen) -> None:
     first = kitchen.step("InitialRandomSpawn", randomSeed=5)
     kitchen.step("RandomizeColors")  # draws from other random numbers

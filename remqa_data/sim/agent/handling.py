@@ -21,6 +21,7 @@ DROP_SPOTS_M = ((0.45, 0.9), (0.6, 0.9), (0.45, 1.3), (0.35, 1.1), (0.6, 0.4), (
 """Where a thing is let go: how far before the agent and how high above the floor, the best first."""
 OVERLAP_M = 0.005
 """Things that rest on each other overlap less than this."""
+AROUND_M = 0.02
 GAP_M = 0.003
 """How far above its place a thing is let go."""
 NEAR_M, NEAR_STEP_M = 0.06, 0.02
@@ -174,12 +175,21 @@ def is_free(world: World, object_id: str, spot: Vec3) -> bool:
     """Whether an object, which is put there with its load and stays there, touches nothing at a point."""
     world.move_alone(object_id, spot)
     group = {object_id, *world.load_of(object_id)}
-    return not any(other not in group for name in group for other, _ in world.overlapping(name))
+    return not any(other not in group for name in group for other in touched(world, name))
+
+
+def touched(world: World, object_id: str) -> dict[str, float]:
+    """What an object touches or is in, and how deep, metres.
+
+    PyBullet, asked for what is no farther than that, leaves out some of what an object is deep in; asked for a little more
+    it does not.
+    """
+    return {other: -gap for other, gap in world.overlapping(object_id, AROUND_M) if gap <= 0.0}
 
 
 def sunk_into(world: World, object_id: str, most_m: float = OVERLAP_M) -> list[str]:
     """What an object is in by more than metres, by default more than things that touch are, the deepest first."""
-    return [other for other, gap in world.overlapping(object_id) if gap < -most_m]
+    return [other for other, depth in touched(world, object_id).items() if depth > most_m]
 
 
 def move_out(world: World, object_id: str) -> None:

@@ -16,7 +16,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.scene import Quaternion
-from remqa_data.sim.agent.handling import GAP_M, OVERLAP_M, Release, is_free, settle, sunk_into, support_of
+from remqa_data.sim.agent.handling import GAP_M, OVERLAP_M, Release, is_free, settle, sunk_into, support_of, touched
 from remqa_data.sim.navigation.grid import collision_corners
 from remqa_data.sim.physics.support import support_rules, surrounds
 from remqa_data.sim.physics.world import World
@@ -43,8 +43,6 @@ HEAPS_M = (0.0, 0.02, 0.04, 0.06)
 """What fits nowhere else may lie on what is so low, such as a knife in a drawer or a television's foot."""
 BEARS = 0.6
 """The middle of what is larger than its place is within this part of the place, so that it is borne."""
-NEAR_M = 0.02
-"""PyBullet, asked what an object touches, leaves out some of what it is in, but not of what is so near to it."""
 UP_TO_TOP = np.array([0.0, 0.0, 0.4])
 """From the middle of a thing's box, in parts of its size, to where its top is looked for."""
 LONG, DEEP = 3.0, 0.35
@@ -132,18 +130,14 @@ def put_into(
             tries[way.is_last] -= 1
             world.put(held, spot)
             settle(world, awake=[held, *world.contents(held)])
-            stays = support_of(world, held) == receptacle_id and is_clear(held) and not _is_sunk(world, held)
+            is_sunk = any(depth > OVERLAP_M for depth in touched(world, held).values())
+            stays = support_of(world, held) == receptacle_id and is_clear(held) and not is_sunk
             if stays and (way.is_last or set(load) <= set(world.contents(held))):
                 return Release(held)
             world.restore(before)
             world.move_alone(held, world.state(held).position, way.quaternion)
         world.restore(before)
     return refused
-
-
-def _is_sunk(world: World, object_id: str) -> bool:
-    """Whether an object is in another; some such pairs are found only by who looks a little farther than they are apart."""
-    return any(gap < -OVERLAP_M for _, gap in world.overlapping(object_id, NEAR_M))
 
 
 def open_spaces(world: World, receptacle_id: str) -> list[Space]:
@@ -271,5 +265,5 @@ def _rises(world: World, held: str, spot: Vec3, way: _Way) -> list[float]:
         return np.arange(0.0, MOST_RISE_M if way.lies_across else 1.5 * RISE_M, RISE_M).tolist()
     world.move_alone(held, spot)
     load = world.load_of(held)
-    deepest = max((-gap for other, gap in world.overlapping(held) if other not in load), default=0.0)
+    deepest = max((depth for other, depth in touched(world, held).items() if other not in load), default=0.0)
     return [rise for rise in HEAPS_M if rise >= deepest]  # a thing comes out of another no sooner

@@ -72,7 +72,7 @@ class World:
         self._boxes: _Kept = {}
         self._states = {o.id: ObjectState(o.position, o.quaternion, o.openness, o.is_fixed) for o in scene.objects}
         self.held: dict[str, int] = {}
-        self.revision = 0
+        self.revision = self._afresh = 0
         self._bodies = Bodies()
         self._reload()
 
@@ -381,6 +381,16 @@ class World:
         self.revision += 1
         for object_id in self.held:
             self._bodies.set_collisions(object_id, False)
+
+    def restart(self, snapshot: Snapshot) -> None:
+        """As `restore`, and all that follows is as in a world that was just loaded.
+
+        For PyBullet, joints that have swung and come to rest are elsewhere by micrometres, until it starts afresh.
+        """
+        if self.revision != self._afresh or not self.is_as(snapshot):
+            self.restore(snapshot)
+            self._reload()
+            self._afresh = self.revision
 
     def __reduce__(self) -> NoReturn:
         msg = "a World lives in a simulator of this process: it cannot be copied or pickled; use save() and restore()"

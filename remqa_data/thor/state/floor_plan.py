@@ -106,7 +106,7 @@ class LoadedFloorPlan:
         if len(self.world.ids) > len(self._as_built.objects):
             self.world.close()
             self._live_in(World(self._as_built))
-        self.world.restore(self.at_rest)
+        self.world.restart(self.at_rest)
         self.show_all_but({})
         self.records = ObjectRecords(self.world)
         self.shows_map = False
