@@ -14,6 +14,8 @@ INSTALLED := .venv/.installed
 INSTALLED_LINT := .venv/.installed-lint
 INSTALLED_DEV := .venv/.installed-dev
 PINS := pyproject.toml constraints.txt
+# In a clone these are there; an archive of the sources may have come without links, which checkers and editors need.
+LINKS := $(addprefix remqa_data/,agents configs evaluation generators templates)
 
 SCENES ?= 120
 # A folder for each number of rooms, so that one does not stand in the way of another.
@@ -128,9 +130,6 @@ $(INSTALLED_DEV): $(PINS) | $(BIN)/python $(LINKS)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
 	$(call without_screen,$(BIN)/python,--constraint constraints.txt)
 	@touch $(INSTALLED) $(INSTALLED_LINT) $@
-
-# In a clone these are there; an archive of the sources may have come without links, which checkers and editors need.
-LINKS := $(addprefix remqa_data/,agents configs evaluation generators templates)
 
 $(LINKS):
 	ln -s ../$(notdir $@) $@

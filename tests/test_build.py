@@ -156,8 +156,12 @@ def test_the_sdist_holds_what_the_work_needs_and_builds_the_same_wheel(tree: Pat
     inside = {path.relative_to(unpacked).as_posix() for path in unpacked.rglob("*") if path.is_file()}
     assert sorted(expected - inside) == []
     assert [name for name in inside if name.endswith(".pyc")] == []
-    links = [f"remqa_data/{folder}" for folder in FOLDERS]
-    subprocess.run(["make", *links], cwd=unpacked, check=True, capture_output=True)  # for ruff and mypy
+    links = [f"remqa_data/{folder}" for folder in FOLDERS]  # for ruff and mypy
+    plan = subprocess.run(
+        ["make", "--dry-run", "lint"], cwd=unpacked, check=True, capture_output=True, text=True
+    ).stdout
+    assert [f"ln -s ../{folder} {link}" in plan for link, folder in zip(links, FOLDERS, strict=True)] == [True] * 5
+    subprocess.run(["make", *links], cwd=unpacked, check=True, capture_output=True)
     assert all((unpacked / link).samefile(unpacked / folder) for link, folder in zip(links, FOLDERS, strict=True))
     again = zipfile.ZipFile(build(unpacked, "wheel", into=tmp_path / "again"))
     assert {name for name in again.namelist() if ".dist-info/" not in name} == modules_and_facts()

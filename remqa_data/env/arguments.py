@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Iterable, Set
 from pathlib import Path
 
@@ -41,7 +42,7 @@ def folder(root: object) -> Path:
     return Path(root)
 
 
-def listed(name: str, given: object, example: str) -> list[object]:
+def in_order(name: str, given: object, example: str) -> list[object]:
     """Some things in their order, on which it depends what a seed draws.
 
     Raises
@@ -49,10 +50,14 @@ def listed(name: str, given: object, example: str) -> list[object]:
     ActionError
         If they are one text or no things at all, or have no order of their own, as a set has none.
     """
-    if isinstance(given, str | Set) or not isinstance(given, Iterable):
-        what = "a text" if isinstance(given, str) else "a set, which has no order" if isinstance(given, Set) else None
-        raise ActionError(f"{name} is {what or repr(given)[:80]}: give a list, such as [{example!r}]")
-    return list(given)
+    what = ""
+    if isinstance(given, str):
+        what = "a text"
+    elif isinstance(given, Set):
+        what = "a set, which has no order"
+    elif isinstance(given, Iterable):
+        return list(given)
+    raise ActionError(f"{name} is {what or repr(given)[:80]}: give a list, such as [{example!r}]")
 
 
 def chosen_questions(question_ids: object) -> tuple[str, ...] | None:
@@ -61,16 +66,17 @@ def chosen_questions(question_ids: object) -> tuple[str, ...] | None:
     Raises
     ------
     ActionError
-        As of `listed`; if it is empty, names a question twice, or holds something else than texts.
+        As of `in_order`; if it is empty, names a question twice, or holds something else than texts.
     """
     if question_ids is None:
         return None
-    names = listed("question_ids", question_ids, "FloorPlan1-COUNTING-00-c0")
+    names = in_order("question_ids", question_ids, "FloorPlan1-COUNTING-00-c0")
     if not names:
         raise ActionError("question_ids is empty: leave it out, or name at least one")
     for name in names:
         if not isinstance(name, str):
             raise ActionError(f"question_ids has {name!r:.80}: give ids of questions")
-        if names.count(name) > 1:
+    for name, count in Counter(names).items():
+        if count > 1:
             raise ActionError(f"question_ids has {name!r:.80} twice: name each question once")
     return tuple(map(str, names))  # NumPy has texts of its own

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from remqa_data.env.actions import Shares
-from remqa_data.env.arguments import chosen_questions, folder, listed
+from remqa_data.env.arguments import chosen_questions, folder, in_order
 from remqa_data.errors import ActionError, DatasetError, UnknownNameError, one_line
 from remqa_data.floorplans.load import check_scene_name, load_scene
 from remqa_data.geometry.types import F64
@@ -188,7 +188,7 @@ class SceneEpisodes:
 
     def __init__(self, scenes: Sequence[str | Scene]) -> None:
         self._scenes: dict[str, str | Scene] = {}
-        for scene in listed("scenes", scenes, "FloorPlan1"):
+        for scene in in_order("scenes", scenes, "FloorPlan1"):
             if isinstance(scene, str):
                 scene = name = str(scene)  # NumPy has texts of its own
                 check_scene_name(name)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -54,17 +53,17 @@ class CachedTasks:
     ) -> None:
         chosen = chosen_questions(question_ids)
         check_vocabulary(vocabulary)
-        self.views = Views(views, folder(root))
-        self.vocabulary = vocabulary or Vocabulary.from_dataset(Path(root))
-        self._tasks = {task.question_id: task for task in navigation_tasks(root, split)}
+        dataset = folder(root)
+        self.views = Views(views, dataset)
+        self.vocabulary = vocabulary or Vocabulary.from_dataset(dataset)
+        self._tasks = {task.question_id: task for task in navigation_tasks(dataset, split)}
         if chosen is not None:
             self._tasks = {name: self.task(name) for name in chosen}
-        for name in chosen or ():
-            task = self.task(name)
-            if not self.views.has(task.scene, task.configuration):
-                raise DatasetError(
-                    f"{views} has no {_place(task)}, which {name} is about; add it with remqa-data cache"
-                )
+            for name, task in self._tasks.items():
+                if not self.views.has(task.scene, task.configuration):
+                    raise DatasetError(
+                        f"{views} has no {_place(task)}, which {name} is about; add it with remqa-data cache"
+                    )
         self.ids = tuple(n for n, task in self._tasks.items() if self.views.has(task.scene, task.configuration))
         if not self.ids:
             raise DatasetError(f"{views} has no room that split {split} asks about; add some with remqa-data cache")

@@ -22,6 +22,8 @@ DROP_SPOTS_M = ((0.45, 0.9), (0.6, 0.9), (0.45, 1.3), (0.35, 1.1), (0.6, 0.4), (
 OVERLAP_M = 0.005
 """Things that rest on each other overlap less than this."""
 AROUND_M = 0.02
+"""PyBullet, asked for what is no farther than a contact, leaves out some of what a thing is deep in; asked for so much more, it
+does not."""
 GAP_M = 0.003
 """How far above its place a thing is let go."""
 NEAR_M, NEAR_STEP_M = 0.06, 0.02
@@ -179,11 +181,7 @@ def is_free(world: World, object_id: str, spot: Vec3) -> bool:
 
 
 def touched(world: World, object_id: str) -> dict[str, float]:
-    """What an object touches or is in, and how deep, metres.
-
-    PyBullet, asked for what is no farther than that, leaves out some of what an object is deep in; asked for a little more
-    it does not.
-    """
+    """What an object touches or is in, and how deep, metres; the deepest first."""
     return {other: -gap for other, gap in world.overlapping(object_id, AROUND_M) if gap <= 0.0}
 
 

@@ -16,7 +16,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.scene import Quaternion
-from remqa_data.sim.agent.handling import GAP_M, OVERLAP_M, Release, is_free, settle, sunk_into, support_of, touched
+from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, sunk_into, support_of, touched
 from remqa_data.sim.navigation.grid import collision_corners
 from remqa_data.sim.physics.support import support_rules, surrounds
 from remqa_data.sim.physics.world import World
@@ -130,8 +130,7 @@ def put_into(
             tries[way.is_last] -= 1
             world.put(held, spot)
             settle(world, awake=[held, *world.contents(held)])
-            is_sunk = any(depth > OVERLAP_M for depth in touched(world, held).values())
-            stays = support_of(world, held) == receptacle_id and is_clear(held) and not is_sunk
+            stays = support_of(world, held) == receptacle_id and is_clear(held) and not sunk_into(world, held)
             if stays and (way.is_last or set(load) <= set(world.contents(held))):
                 return Release(held)
             world.restore(before)
