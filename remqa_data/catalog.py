@@ -10,6 +10,7 @@ The facts are in `templates/objects.yaml`, which also says where they come from.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cache, lru_cache
 from types import MappingProxyType
@@ -61,6 +62,8 @@ class Slices(BaseModel):
         Singular and plural.
     count : int
         How many pieces.
+    thickest_m : float
+        A piece is no thicker, metres.
     can : frozenset of str
         What can be done with them besides picking them up.
     """
@@ -70,6 +73,7 @@ class Slices(BaseModel):
     type: str
     words: tuple[str, str]
     count: PositiveInt
+    thickest_m: PositiveFloat = math.inf
     can: frozenset[Flag] = frozenset()
 
 

@@ -16,8 +16,8 @@ from uuid import uuid4
 from remqa_data.errors import OutputError
 
 CACHE_VARIABLE = "REMQA_CACHE"
-SCHEME = re.compile(r"([a-z][a-z0-9+.-]+):/+")
-"""How a URI begins."""
+SCHEME = re.compile(r"([a-z][a-z0-9+.-]+):/+", re.IGNORECASE)
+"""How a URI begins; the case of its letters means nothing."""
 _NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Errors of a write that do not say of which."""
 _LEFTOVER = re.compile(r"\.(.+)\.[0-9a-f]{12}(\.[^.]*)?")
@@ -129,11 +129,15 @@ def is_remote(root: str | os.PathLike[str]) -> bool:
 def uri_of(root: str | os.PathLike[str]) -> str:
     """The URI of a root that is one, with the slashes that a Path has joined into one; any other root as it is.
 
-    >>> uri_of(Path("s3://bucket/prefix")), uri_of(Path("file:///data")), uri_of("data/remqa")
+    >>> uri_of(Path("S3://bucket/prefix")), uri_of(Path("file:///data")), uri_of("data/remqa")
     ('s3://bucket/prefix', 'file:///data', 'data/remqa')
     """
     text = os.fspath(root)
-    return SCHEME.sub(r"\1:///" if text.startswith("file:") else r"\1://", text, count=1)
+    found = SCHEME.match(text)
+    if found is None:
+        return text
+    scheme = found[1].lower()
+    return f"{scheme}:{'///' if scheme == 'file' else '//'}{text[found.end() :]}"
 
 
 def beside(root: Path, what: str) -> Path:

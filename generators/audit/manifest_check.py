@@ -10,6 +10,7 @@ from itertools import pairwise
 from remqa_data.errors import ConfigError, QuotaError
 from remqa_data.floorplans.sampled.naming import is_sampled
 from remqa_data.generators.audit.failures import Failure
+from remqa_data.generators.audit.footers import footer_problems
 from remqa_data.generators.config import Config, stored_config
 from remqa_data.generators.pipeline import shards_per_split
 from remqa_data.generators.questions.allotment import allot, capacities, expression_split, split_of
@@ -127,6 +128,8 @@ def folder_failures(root: str | os.PathLike[str], manifest: Manifest) -> Iterato
         sizes = [shard.rows(group) for group in range(shard.row_groups)]
         if any(size != spec.row_group_rows for size in sizes[:-1]) or any(size > spec.row_group_rows for size in sizes):
             yield Failure(info.path, "consistent", f"row groups do not have {spec.row_group_rows} rows each")
+        else:
+            yield from (Failure(info.path, "consistent", problem) for problem in footer_problems(shard, spec))
         made_by = str(shard.file.metadata.created_by)
         if not made_by.endswith(f" {manifest.versions.get('pyarrow')}"):
             yield Failure(info.path, "consistent", f"it was written by {made_by:.60}, not by the manifest's pyarrow")

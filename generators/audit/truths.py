@@ -251,8 +251,13 @@ class CheckedRoom:
         """The oracle's actions, in a freshly loaded world, give the stored pictures."""
         actions = parse_actions(question.actions)
         replay = Replay(self.scene, question.initial_pose.pose())
+        target = replay.world.ids.index(question.target_id) if question.target_id in replay.world.ids else -1
         try:
-            for goal in question.goal_poses:
+            for number, goal in enumerate(question.goal_poses):
+                if goal in question.goal_poses[:number]:
+                    yield "consistent", f"goal pose {number} is there twice"
+                if not is_visible(replay.view.instances(goal.pose().camera(replay.grid)) == target):
+                    yield "visible", f"{question.target_id} is not seen from goal pose {number}"
                 distance = _reach_m(replay, question, goal.position)
                 if distance > AGENT.reach_m:
                     yield (

@@ -8,6 +8,7 @@ torch.
 
 from __future__ import annotations
 
+import hashlib
 import mmap
 import os
 from bisect import bisect_right
@@ -20,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from remqa_data.errors import UnknownNameError
+from remqa_data.errors import DatasetError, UnknownNameError
 from remqa_data.storage.shards import Shard, leaf_paths, open_shards
 from remqa_data.tables.schema import table_spec
 
@@ -31,7 +32,8 @@ Spans = npt.NDArray[np.int64]
 class SplitReader:
     """One split of a table of a finished dataset.
 
-    It can be pickled, and used after a fork: each process opens the shards for itself, whatever its working directory is.
+    It can be pickled, and used after a fork: each process opens the shards for itself, whatever its working directory is, and
+    refuses those that have been replaced since.
 
     Parameters
     ----------
@@ -52,6 +54,7 @@ class SplitReader:
         self.table = table
         self._begin(list(open_shards(root, table, split)))
         self.paths = [shard.path.absolute() for shard in self._shards]
+        self._footers = [_footer_digest(path) for path in self.paths]
         groups = [
             (number, group, shard.rows(group))
             for number, shard in enumerate(self._shards)
@@ -146,7 +149,11 @@ class SplitReader:
     def _open(self) -> list[Shard]:
         """The shards, opened by this process."""
         if self._process != os.getpid():
-            self._begin([Shard(path, self.table) for path in self.paths])
+            shards = [Shard(path, self.table) for path in self.paths]
+            for path, footer in zip(self.paths, self._footers, strict=True):
+                if _footer_digest(path) != footer:  # rows that were read before are those of the other file
+                    raise DatasetError(f"{path}: it was replaced after the dataset was opened; open the dataset again")
+            self._begin(shards)
         return self._shards
 
     def _begin(self, shards: list[Shard]) -> None:
@@ -160,6 +167,13 @@ class SplitReader:
 def _mapped(path: Path) -> mmap.mmap:
     with path.open("rb") as file:
         return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+
+
+def _footer_digest(path: Path) -> bytes:
+    """Of where a file says that its columns lie, and of what is in them: another file says something else."""
+    with _mapped(path) as data:
+        length = int.from_bytes(data[-8:-4], "little")
+        return hashlib.sha256(data[-8 - length :]).digest()
 
 
 def _extent(shard: Shard, group: int, path: str) -> tuple[int, int]:

@@ -208,7 +208,15 @@ def collate(samples: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     Tensors and arrays are stacked, numbers become a tensor, and PyTorch's `default_collate` joins dicts and tuples; texts,
     lists and tensors of variable length (`remqa_data.datasets.sample_types.RAGGED`) become a list with one entry for each
     sample.
+
+    Raises
+    ------
+    ValueError
+        If there are no samples.
     """
+    if not samples:
+        msg = "collate() needs one sample at least"
+        raise ValueError(msg)
     return {key: _collated(key, [sample[key] for sample in samples]) for key in samples[0]}
 
 

@@ -11,7 +11,7 @@ import os
 from pathlib import Path
 
 from remqa_data.errors import DatasetError
-from remqa_data.files import SCHEME, is_remote, uri_of
+from remqa_data.files import is_remote, uri_of
 from remqa_data.storage.bucket import Bucket
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.protocol import Storage
@@ -30,5 +30,6 @@ def storage_at(root: str | os.PathLike[str]) -> Storage:
     """
     uri = uri_of(root)
     if uri.startswith("file:///"):
-        raise DatasetError(f"{uri}: give the folder by its path, {SCHEME.sub('/', uri, count=1)}")
+        path = uri.removeprefix("file:///").removeprefix("localhost/")
+        raise DatasetError(f"{uri}: give the folder by its path, /{path}")
     return Bucket(uri) if is_remote(root) else Folder(Path(root))

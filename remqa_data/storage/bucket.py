@@ -23,6 +23,7 @@ GOOGLE_PATIENCE_S = 30
 """How long a request to Google's storage is tried again: of itself for a quarter of an hour, without a word."""
 _AGAIN = "try again; remqa-gen goes on with --resume"
 _CHECK = "check the address, the network and your credentials"
+_KNOWN = "give a folder by its path, or s3://, gs://, abfs:// or hf://"
 _CREDENTIALS = "set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or AWS_PROFILE for one of ~/.aws"
 
 
@@ -160,6 +161,8 @@ class Bucket:
     def _named(self, error: Exception) -> StorageError:
         if not self.root.startswith("s3://"):
             said = one_line(error).partition(" error_info=")[0]  # with which Google's client says it all again
+            if "Unrecognized filesystem type" in said:
+                return StorageError(self.root, "there is no such storage", _KNOWN)
             return StorageError(self.root, said or type(error).__name__, _CHECK)
         if _is_refused(error) and not _has_credentials():
             return StorageError(self.root, "no credentials were found", _CREDENTIALS)

@@ -251,6 +251,10 @@ def _no_dataset(storage: Storage) -> DatasetError:
     if isinstance(storage, Folder) and storage.path.is_file():
         return DatasetError(f"{where} is a file; give the folder of a dataset")
     if isinstance(storage, Folder) and not storage.path.is_dir():
+        if where.startswith("~"):
+            return DatasetError(
+                f"{where}: no such folder; only a shell puts the home folder for ~: give the whole path"
+            )
         return DatasetError(f"{where}: no such folder; generate a dataset with remqa-gen --out {where}")
     if storage.exists(MARKER):
         advice = "go on with remqa-gen --resume, or start again"

@@ -56,7 +56,7 @@ class ShardWriter:
 
     def __enter__(self) -> ShardWriter:
         temporary = self._stack.enter_context(atomic_path(self.path))
-        writer = pq.ParquetWriter(local_path(temporary), self._schema, **_options(self._schema))
+        writer = pq.ParquetWriter(local_path(temporary), self._schema, **writing_options(self._schema))
         self._writer = self._stack.enter_context(writer)
         return self
 
@@ -291,7 +291,7 @@ def _damaged_column(path: Path, parquet: pq.ParquetFile, groups: Sequence[int]) 
     return None
 
 
-def _options(schema: pa.Schema) -> dict[str, Any]:
+def writing_options(schema: pa.Schema) -> dict[str, Any]:
     """What the bytes of a shard depend on besides its rows: every choice is made here, none is left to a default."""
     leaves = [leaf for field in schema for leaf in _leaves(field.type, field.name)]
     images = {f"{field.name}.bytes" for field in schema if field.type == IMAGE_TYPE}

@@ -117,11 +117,12 @@ class Session:
     def _let_act(self, agent: object) -> None:
         """Choose who acts: the agent of a number, which Unity reads from text too; the first if there is none."""
         count = len(self._simulator.room.agents) if self._simulator.has_room else 1
-        if str(agent or 0) not in map(str, range(count)):
-            there = "one, number 0" if count == 1 else f"{count}, from number 0"
-            raise MisuseError("InvalidArgument", f"agentId {agent!r} is not an agent here: there is {there}")
+        number = str(int(agent) if isinstance(agent, float) and agent.is_integer() else agent or 0)
+        if number not in map(str, range(count)):
+            there = "is one, number 0" if count == 1 else f"are {count}, from number 0"
+            raise MisuseError("InvalidArgument", f"agentId {agent!r} is not an agent here: there {there}")
         if self._simulator.has_room:
-            self._simulator.room.active = int(str(agent or 0))
+            self._simulator.room.active = int(number)
 
     def _images(self, request: Mapping[str, Any]) -> Images:
         """The pictures that Initialize has asked for, and those that this action asks for; none without `renderImage`."""

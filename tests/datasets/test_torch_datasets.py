@@ -286,6 +286,8 @@ def test_what_a_transform_adds_is_joined_as_pytorch_does(root) -> None:
     assert (batch["tuple"][0].tolist(), batch["tuple"][1]) == ([1, 1], ("x", "x"))
     with pytest.raises(DatasetError, match="array: samples of several shapes"):
         collate([{"array": np.zeros(2)}, {"array": np.zeros(3)}])
+    with pytest.raises(ValueError, match="one sample at least"):
+        collate([])
     assert collate([{"either": None}, {"either": 1}, {"either": "x"}]) == {"either": [None, 1, "x"]}
 
 

@@ -481,6 +481,22 @@ def _rewritten(table: str, change: Callable[[pa.Table], pa.Table], **options: An
     return tell
 
 
+def _with_footer(table: str, change: Callable[[bytes], bytes]) -> Callable[[Copy], None]:
+    """The same pages, and after them other bytes: what filters of rows go by; of the same length, as its length follows."""
+
+    def tell(copy: Copy) -> None:
+        (file,) = load_manifest(copy.root).files_of(table)
+        path = copy.root / file.path
+        data = path.read_bytes()
+        start = len(data) - 8 - int.from_bytes(data[-8:-4], "little")
+        changed = change(data[start:-8])
+        assert changed != data[start:-8]
+        path.write_bytes(data[:start] + changed + data[-8:])
+        copy.seal()
+
+    return tell
+
+
 FOLDER_LIES: dict[str, Callable[[Copy], None]] = {
     "folder: a shard that nobody declared": _extra(
         "questions/test-00001-of-00001.parquet", "questions/test-00000-of-00001.parquet"
@@ -502,4 +518,8 @@ FOLDER_LIES: dict[str, Callable[[Copy], None]] = {
     "folder: a column less": _rewritten("questions", lambda table: table.drop_columns(["group"])),
     "folder: a column more": _rewritten("questions", lambda t: t.append_column("hint", t["answer"])),
     "folder: columns in another order": _rewritten("scenes", lambda t: t.select(t.schema.names[::-1])),
+    "folder: statistics of another room": _with_footer(
+        "questions", lambda footer: footer.replace(b"FloorPlan27", b"FloorPlan26")
+    ),
+    "folder: bytes of no column": _with_footer("expressions", lambda footer: b"hidden" + footer),
 }

@@ -129,8 +129,10 @@ def test_they_begin_apart_and_do_not_walk_through_each_other(two) -> None:
 
 
 def test_an_agent_that_is_not_there_is_an_error(two) -> None:
-    with pytest.raises(ValueError, match="agentId 2 is not an agent here: there is 2, from number 0"):
+    with pytest.raises(ValueError, match="agentId 2 is not an agent here: there are 2, from number 0"):
         two.step("Pass", agentId=2)
+    for number in (1, 1.0, "1"):  # as Unity reads JSON
+        assert two.step("Pass", agentId=number).metadata["agentId"] == 1
     with pytest.raises(ValueError, match="agentCount 9 is not between 1 and 8"):
         two.reset("FloorPlan1", agentCount=9)
 

@@ -220,8 +220,9 @@ def test_parameters_that_are_not_supported(kitchen) -> None:
     with pytest.raises(RuntimeError, match="gridSize"):
         kitchen.reset(gridSize=6)
     kitchen.initialization_parameters = {}
-    with pytest.warns(UserWarning, match="visibilityDistanc has no effect"):
+    with pytest.warns(UserWarning, match="visibilityDistanc has no effect") as warned:
         kitchen.reset(visibilityDistanc=3)
+    assert warned[0].filename == __file__
 
 
 def test_field_of_view(kitchen) -> None:

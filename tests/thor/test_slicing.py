@@ -89,6 +89,24 @@ def test_a_slice_is_a_thing_like_any_other(kitchen) -> None:
     assert cooked == [piece]
 
 
+@pytest.mark.parametrize(
+    "scene", ["FloorPlan5", "FloorPlan10", "FloorPlan29"]
+)  # the narrowest slots, the thickest slices
+def test_a_toaster_takes_a_slice_of_bread_in_each_slot(kitchen, scene) -> None:
+    kitchen.reset(scene)
+    act(kitchen, "SliceObject", of_type(kitchen, "Bread")[0]["objectId"])
+    toaster = of_type(kitchen, "Toaster")[0]
+    box = toaster["axisAlignedBoundingBox"]
+    for piece in of_type(kitchen, "BreadSliced")[:2]:
+        act(kitchen, "PickupObject", piece["objectId"])
+        act(kitchen, "PutObject", toaster["objectId"])
+        placed = kitchen.last_event.get_object(piece["objectId"])["axisAlignedBoundingBox"]
+        above = placed["center"]["y"] - placed["size"]["y"] / 2 - (box["center"]["y"] - box["size"]["y"] / 2)
+        assert above < 0.4 * box["size"]["y"]  # it stands in the slot, and does not lie on the rim
+    act(kitchen, "ToggleObjectOn", toaster["objectId"])
+    assert [o["isCooked"] for o in of_type(kitchen, "BreadSliced")].count(True) == 2
+
+
 def test_slices_are_put_and_posed_like_other_things(kitchen) -> None:
     potato = of_type(kitchen, "Potato")[0]["objectId"]
     act(kitchen, "SliceObject", potato)

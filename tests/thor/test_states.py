@@ -32,12 +32,16 @@ def test_what_is_seen_is_opened_and_closed(kitchen) -> None:
     assert fridge not in hidden
 
 
-def test_what_it_refuses_to_toggle(kitchen) -> None:
-    toggles = [{"objectType": "LightSwitch", "isOn": True}, {"objectType": "Apple", "isOn": True}]
+def test_types_without_a_switch_are_passed_over_and_what_is_no_type_is_refused(kitchen) -> None:
+    toggles = [{"objectType": name, "isOn": True} for name in ("Apple", "Candle", "LightSwitch")]
     event = kitchen.step("SetObjectToggles", objectToggles=toggles)
-    assert event.metadata["errorMessage"] == "Apple is not toggleable"
+    assert event, event.metadata["errorMessage"]
+    assert [o["objectId"] for o in event.metadata["objects"] if o["isToggled"]] == [SWITCH]
+    kitchen.reset()
+    toggles = [{"objectType": "LightSwitch", "isOn": True}, {"objectType": "Aple", "isOn": True}]
+    event = kitchen.step("SetObjectToggles", objectToggles=toggles)
+    assert not event
     assert not event.get_object(SWITCH)["isToggled"]
-    assert not kitchen.step("SetObjectToggles", objectToggles=[{"objectType": "Aple", "isOn": True}])
     with pytest.raises(ValueError, match=r"objectToggles\.0\.isOn"):
         kitchen.step("SetObjectToggles", objectToggles=[{"objectType": "Apple"}])
 

@@ -46,7 +46,8 @@ BEARS = 0.6
 UP_TO_TOP = np.array([0.0, 0.0, 0.4])
 """From the middle of a thing's box, in parts of its size, to where its top is looked for."""
 LONG, DEEP = 3.0, 0.35
-"""What is so many times as long as it is broad can be stood into a cup that is so deep, in parts of the thing's length."""
+"""What is so many times as long as it is broad can be stood into a cup that is so deep, in parts of the thing's length; so
+can, on edge, what is so many times as broad as it is thick."""
 
 
 class _Way(NamedTuple):
@@ -190,9 +191,11 @@ def _ways(world: World, held: str) -> Iterator[_Way]:
     flat = [_way(world, held, arithmetic.product(about_z(degrees), lying)) for degrees in TURNS_DEG]
     yield from flat
     sides = np.ptp(world.assets[held].bounds(), axis=0)
-    tall = int(sides.argmax())
-    if sides[tall] >= LONG * np.median(sides):
-        yield from (way._replace(is_upright=True) for way in _stood_on(world, held, tall, TURNS_DEG))
+    thin, broad, tall = np.argsort(sides, kind="stable").tolist()
+    on_end = [tall] if sides[tall] >= LONG * sides[broad] else []
+    on_edge = [broad, tall] if sides[broad] >= LONG * sides[thin] else []
+    for axis in dict.fromkeys([*on_end, *on_edge]):
+        yield from (way._replace(is_upright=True) for way in _stood_on(world, held, axis, TURNS_DEG))
     yield from (way._replace(lies_across=True) for way in flat)
     yield from (way._replace(is_last=True) for way in flat[: len(QUARTER_TURNS_DEG)])
     if world.load_of(held):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
@@ -28,6 +29,8 @@ ORTHOGRAPHIC_SIZE = 5.0
 """Half of the height, metres, that a camera without perspective shows if it is not told."""
 EYE = "FirstPersonCharacter"
 """AI2-THOR's name of the agent's camera."""
+INTERFACE = ("remqa_data", "ai2thor", "pydantic")
+"""Packages between a client's line and what it calls."""
 NO_EFFECT = frozenset(
     {
         "applyActionNoise",
@@ -102,7 +105,7 @@ def initialize(
     if (refusal := simulator.room.let_go(simulator.room.agents[agentCount:])) is not None:
         return refusal
     for name in sorted(set(others) - NO_EFFECT):
-        warnings.warn(f"initialization parameter {name} has no effect here", stacklevel=2)
+        warnings.warn(f"initialization parameter {name} has no effect here", stacklevel=_callers_level())
     simulator.settings = Settings(
         grid_size=gridSize,
         visibility_distance=visibilityDistance,
@@ -329,6 +332,14 @@ def _keep(simulator: SimulatorState, index: int, camera: ThirdPartyCamera) -> Ac
         return ActionResult(False, problem)
     simulator.cameras[index : index + 1] = [camera]
     return ActionResult(True)
+
+
+def _callers_level() -> int:
+    """The `stacklevel` of a warning, for the function that asks, which leads to the client's own line."""
+    frame, level = inspect.currentframe(), 0
+    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] in INTERFACE:
+        frame, level = frame.f_back, level + 1
+    return level
 
 
 def _changed(old: Vector, new: PartialVector | None) -> Vector:

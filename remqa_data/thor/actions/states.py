@@ -25,13 +25,13 @@ class ObjectToggle(TypedDict):
 
 
 def set_object_toggles(simulator: SimulatorState, objectToggles: list[ObjectToggle]) -> ActionResult:
-    """Switch all objects of some types on or off; a type that the room has not is passed over."""
-    for toggle in objectToggles:
-        if not object_type(toggle["objectType"]).toggleable:
-            return ActionResult(False, f"{toggle['objectType']} is not toggleable")
+    """Switch all objects of some types on or off; a type that the room has not, or that has no switch, is passed over."""
+    types = [object_type(toggle["objectType"]) for toggle in objectToggles]
     world = simulator.room.world
-    for toggle in objectToggles:
-        _switch(simulator, {name for name in world.ids if world.type_of(name) == toggle["objectType"]}, toggle["isOn"])
+    for type_, toggle in zip(types, objectToggles, strict=True):
+        if type_.toggleable:
+            chosen = {name for name in world.ids if world.type_of(name) == toggle["objectType"]}
+            _switch(simulator, chosen, toggle["isOn"])
     return ActionResult(True)
 
 

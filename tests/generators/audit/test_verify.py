@@ -288,6 +288,14 @@ def test_a_goal_out_of_the_arms_reach_is_found(rooms, questions) -> None:
     assert "reachable" in broken_by(rooms, question, goal_poses=(*question.goal_poses, far))
 
 
+def test_goals_that_do_not_see_the_target_or_are_there_twice_are_found(rooms, questions) -> None:
+    question = max(questions.values(), key=lambda q: len(q.goal_poses))
+    *_, last = question.goal_poses
+    away = replace(last, yaw_deg=(last.yaw_deg + 180.0) % 360.0)
+    assert broken_by(rooms, question, goal_poses=(*question.goal_poses, away)) == {"visible"}
+    assert broken_by(rooms, question, goal_poses=(*question.goal_poses, last)) == {"consistent"}
+
+
 def test_the_stored_pictures_keep_the_promise_of_a_question(questions) -> None:
     """Looked up without the code under test: no pixel of the three things before, some of each after."""
     question = next(q for q in questions.values() if q.answer == "3")
