@@ -14,7 +14,7 @@ from remqa_data.geometry.types import F32, F64, I32, I64, U8, Flags, Vec3
 from remqa_data.sim.light.patches import Patches, light_faces, patches
 from remqa_data.sim.light.volume import Volume
 from remqa_data.sim.render.antialias import smooth_edges
-from remqa_data.sim.render.camera import AnyCamera, Scissor, View, Windows
+from remqa_data.sim.render.camera import AnyCamera, Scissor, View, Windows, scissor_around
 from remqa_data.sim.render.counting import count_in_windows, count_labels, mark_relevant, write_labels
 from remqa_data.sim.render.mirrors import Mirrors, no_mirrors
 from remqa_data.sim.render.raster import (
@@ -268,6 +268,10 @@ class Renderer:
         relevant = np.zeros(len(self.parts), dtype=np.bool_)
         mark_relevant(self._placed.corners, camera.view(), wanted, relevant)
         return relevant
+
+    def scissor_around(self, camera: AnyCamera, wanted: Flags) -> Scissor:
+        """The part of a picture in which (n,) some parts, at least one, are where they are now, and a margin."""
+        return scissor_around(camera.view(), self._placed.corners[wanted].reshape(-1, 3))
 
     def _drawn(self, view: View, only: Flags | None) -> Buffers:
         """What each pixel of a picture shows."""

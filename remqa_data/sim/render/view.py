@@ -313,11 +313,15 @@ class WorldView:
     def pixels_of(self, camera: AnyCamera, object_ids: Iterable[str]) -> I64:
         """(objects,) how many pixels show each of some objects; those of all others mean nothing.
 
-        Quicker than `pixels`: nothing is drawn that cannot be before any of them, and nothing if they are out of sight.
+        Quicker than `pixels`: nothing is drawn beside them or that cannot be before any of them, and nothing if they are out of
+        sight.
         """
         self.sync()
-        relevant = self.renderer.relevant(camera, self.parts_of(object_ids))
-        return self.pixels(camera, relevant) if relevant.any() else np.zeros(len(self._parts_of), dtype=np.int64)
+        wanted = self.parts_of(object_ids)
+        relevant = self.renderer.relevant(camera, wanted)
+        if not relevant.any():
+            return np.zeros(len(self._parts_of), dtype=np.int64)
+        return self.pixels(camera, relevant, self.renderer.scissor_around(camera, wanted))
 
     def _bake(self) -> None:
         """Not before it is seen: most rooms that are planned are never drawn."""

@@ -23,8 +23,6 @@ from remqa_data.thor.state.events import object_records
 from remqa_data.thor.state.frames import PartialVector, Vector, to_room, to_thor, whole, yaw_to_room, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState
 
-"""x and y in the room, metres."""
-
 HORIZONS_DEG, STANDINGS = (-30.0, 0.0, 30.0, 60.0), (False, True)
 MOST_STEPS = 10_000
 """By default no more cells of a grid of 1 m are walked on, and of another one as many as cover the same floor."""
@@ -89,8 +87,9 @@ def get_interactable_poses(
     )
     found = []
     with agent.elsewhere():
+        near = [place for place in places if _is_near(agent, objectId, place, maxDistance)]
         for horizon, standing, rotation, (x, y) in product(
-            horizons or HORIZONS_DEG, standings or STANDINGS, rotations or _headings(simulator), places
+            horizons or HORIZONS_DEG, standings or STANDINGS, rotations or _headings(simulator), near
         ):
             agent.place((x, y), yaw_to_room(rotation), horizon, standing)
             if agent.sees(objectId, maxDistance):
@@ -296,6 +295,14 @@ def _spread(points: F64, count: int) -> F64:
         chosen.append(int(away.argmax()))
         away = np.minimum(away, arithmetic.length(points - points[chosen[-1]]))
     return points[chosen]
+
+
+def _is_near(agent: ThorAgent, object_id: str, place: Vec2, distance_m: float | None) -> bool:
+    """Whether an agent that is put to a place may be within a distance in plan of an object, however it looks from there."""
+    if object_id in agent.world.held:  # it comes along
+        return True
+    agent.place(place, agent.yaw_deg, agent.horizon_deg, agent.is_standing)
+    return agent.is_near(object_id, distance_m)
 
 
 def _flood(ground: Ground, start: Vec2, step_m: float, heading_deg: float, most: int) -> list[Vec2] | None:

@@ -370,14 +370,13 @@ class ThorAgent(Agent):
             enough &= among
         return [self.world.ids[index] for index in np.flatnonzero(enough)]
 
-    def is_near(self, object_id: str) -> bool:
-        """Whether an object is within the visibility distance, in plan."""
-        return self.plan_distance(object_id) <= self.embodiment.visibility_m
+    def is_near(self, object_id: str, distance_m: float | None = None) -> bool:
+        """Whether an object is within a distance in plan, by default the visibility distance."""
+        return self.plan_distance(object_id) <= (self.embodiment.visibility_m if distance_m is None else distance_m)
 
     def sees(self, object_id: str, distance_m: float | None = None) -> bool:
         """Whether its frame shows an object within a distance in plan, by default the visibility distance."""
-        limit = self.embodiment.visibility_m if distance_m is None else distance_m
-        if self.plan_distance(object_id) > limit:
+        if not self.is_near(object_id, distance_m):
             return False
         index = self.world.ids.index(object_id)
         camera = self.camera()
