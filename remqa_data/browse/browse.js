@@ -3,8 +3,15 @@
 const all = (selector) => [...document.querySelectorAll(selector)];
 const byId = (id) => document.getElementById(id);
 
+// ---- a room in 3D, whose script and model come later
+if (byId("state")) byId("state").textContent = "The room is being loaded …";
+
 // ---- the list
 const form = byId("filters");
+const showAsked = () => { // whoever comes back finds what a browser has kept, and not what the address says
+  const asked = new URLSearchParams(location.search);
+  for (const control of form.elements) if (control.name) control.value = asked.get(control.name) || "";
+};
 const filterHere = () => {
   const asked = new URLSearchParams(location.search);
   const words = (asked.get("q") || "").toLowerCase().split(/\s+/).filter(Boolean).slice(0, 12);
@@ -23,7 +30,6 @@ const filterHere = () => {
   const page = Math.min(Math.max(Number.parseInt(asked.get("page"), 10) || 1, 1), pages);
   const shown = new Set(found.slice((page - 1) * size, page * size));
   for (const item of items) item.hidden = !shown.has(item);
-  for (const control of form.elements) if (control.name) control.value = asked.get(control.name) || "";
   byId("count").textContent = found.length.toLocaleString("en");
   byId("none").hidden = found.length > 0;
   byId("page").textContent = page;
@@ -48,9 +54,10 @@ if (form) {
   };
   form.addEventListener("submit", (event) => { event.preventDefault(); go(); });
   for (const select of form.querySelectorAll("select")) select.addEventListener("change", go);
+  addEventListener("pageshow", showAsked);
   if (isStatic) {
     filterHere();
-    addEventListener("popstate", filterHere);
+    addEventListener("popstate", () => { showAsked(); filterHere(); });
   }
 }
 
@@ -101,8 +108,12 @@ if (slider) {
     }, 600);
   });
   slider.addEventListener("input", () => { stop(); show(); });
-  if (/^#\d+$/.test(location.hash)) slider.value = Math.min(Number(location.hash.slice(1)), data.length - 1);
-  show();
+  const showLinked = () => {
+    if (/^#\d+$/.test(location.hash)) slider.value = Math.min(Number(location.hash.slice(1)), data.length - 1);
+    show();
+  };
+  addEventListener("hashchange", () => { stop(); showLinked(); });
+  showLinked();
 }
 
 // ---- keys

@@ -81,10 +81,16 @@
       moving.set(this, { time: performance.now(), share: this.share });
       this.wanted = isOpen ? 1 : 0;
       this.button.setAttribute("aria-pressed", isOpen);
+      sayAll();
       ask();
     }
   }
-  const openables = new Map();
+  const openables = new Map(), all = byId("all");
+  const sayAll = () => {
+    const isOpen = [...openables.values()].every((openable) => openable.wanted >= 0.5);
+    all.setAttribute("aria-pressed", isOpen);
+    all.textContent = isOpen ? "Close all" : "Open all";
+  };
   const list = (root) => {
     const carried = JSON.parse(byId("carried").textContent), nodes = new Map();
     root.traverse((node) => { if (node.userData.name) nodes.set(node.userData.name, node); });
@@ -105,12 +111,10 @@
       byId("openable").lastChild.append(openable.button);
     }
     byId("count").textContent = openables.size;
-    const all = byId("all");
     all.disabled = !openables.size;
+    if (openables.size) sayAll();
     all.addEventListener("click", () => {
       const isOpen = all.getAttribute("aria-pressed") !== "true";
-      all.setAttribute("aria-pressed", isOpen);
-      all.textContent = isOpen ? "Close all" : "Open all";
       for (const openable of openables.values()) openable.toggle(isOpen);
     });
   };

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import socket
 from collections.abc import Callable
 from typing import Any
 
-from remqa_data.browse.site import HTML, Site
+from remqa_data.browse.site import Site
 from remqa_data.errors import OutputError, RemqaError
 from remqa_data.extras import require
 
@@ -38,8 +39,12 @@ def make_app(site: Site, host: str = "127.0.0.1") -> Any:
         except RemqaError as error:  # a damaged file: the rest can still be looked at
             return responses.PlainTextResponse(f"{error}\n", status_code=500, headers=HEADERS)
         status, found = (200, found) if found is not None else (404, site.missing(path))
-        kept = {} if found.media_type == HTML else {"Cache-Control": "private, max-age=600"}
-        return responses.Response(found.body, status, HEADERS | kept, media_type=found.media_type)
+        # Another dataset has other pictures at the same addresses: a browser asks each time whether they are still these.
+        tag = f'"{hashlib.sha256(found.body).hexdigest()}"'
+        headers = HEADERS | {"Cache-Control": "private, no-cache", "ETag": tag}
+        if status == 200 and request.headers.get("if-none-match") == tag:
+            return responses.Response(status_code=304, headers=headers)
+        return responses.Response(found.body, status, headers, media_type=found.media_type)
 
     # A page of another site that calls itself by a name for this machine (DNS rebinding) gets nothing.
     allowed = ["*"] if host in ("0.0.0.0", "::") else [host, *LOOPBACK]

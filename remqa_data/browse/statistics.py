@@ -103,7 +103,7 @@ def _histograms(questions: pd.DataFrame) -> Iterable[Histogram]:
     relations = questions["program"].map(_relation)
     yield _names("Relations asked about", relations[relations != ""])
     yield _names("What must be done", questions["manipulation"])
-    yield _numbers("Metres of the shortest way", (questions["path_length_m"] // STEP_M).astype(int), STEP_M)
+    yield _numbers("Whole metres of the shortest way", (questions["path_length_m"] // STEP_M).astype(int), STEP_M)
     yield _numbers("Steps of the shortest way, in tens", questions["path_steps"] // 10 * 10, 10)
     yield _names("Types asked for", questions["answer_type"])
     yield _names("Types acted on", questions["target_type"])

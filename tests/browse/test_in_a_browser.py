@@ -88,6 +88,19 @@ def test_filters_stand_in_the_address_which_can_be_shared(tab: Tab, start: str) 
     assert tab.events == []
 
 
+def test_who_comes_back_finds_the_filters_of_the_address(tab: Tab, start: str) -> None:
+    tab.page.goto(start + "index.html")
+    tab.page.select_option("select[name=kind]", "COUNTING")
+    tab.page.wait_for_url("**kind=COUNTING*")
+    tab.page.go_back()
+    tab.page.wait_for_url("**/index.html")
+    assert tab.page.input_value("select[name=kind]") == ""
+    assert tab.page.locator("#count").text_content() == str(QUESTIONS)
+    tab.page.select_option("select[name=split]", "test")
+    tab.page.wait_for_url("**split=test*")
+    assert "kind" not in tab.page.url
+
+
 def test_the_list_is_paged(tab: Tab, start: str) -> None:
     tab.page.goto(start + "index.html")
     cards = "#cards > li:visible a"
@@ -142,6 +155,8 @@ def test_the_slider_shows_the_walk_grow(tab: Tab, start: str) -> None:
     tab.page.locator("#view").evaluate("image => image.decode()")
     tab.page.click("#play")
     tab.page.locator("#which", has_text="5 of 5").wait_for()
+    tab.page.evaluate("location.hash = '#2'")  # as who pastes a link to another frame
+    tab.page.locator("#which", has_text="3 of 5").wait_for()
     assert tab.events == []
 
 

@@ -110,6 +110,11 @@ def test_what_opens_opens_and_closes_again(tab: Tab, rooms: str, small_rooms: Pa
     tab.page.locator("#room").scroll_into_view_if_needed()
     assert changed(closed, pixels(tab)) < 0.0005
     assert tab.events == []
+    every = tab.page.locator("#all")
+    every.click()
+    assert every.text_content() == "Close all"
+    door.click()  # one of them is closed again
+    assert (every.text_content(), every.get_attribute("aria-pressed")) == ("Open all", "false")
 
 
 def test_the_room_turns_by_keys_and_fits_a_phone(tab: Tab, rooms: str, small_rooms: Path) -> None:

@@ -14,8 +14,9 @@ pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
 
-def ask(address: str, host: str | None = None) -> tuple[int, str, dict[str, str]]:
-    request = urllib.request.Request(address, headers={} if host is None else {"Host": host})
+def ask(address: str, host: str | None = None, tag: str | None = None) -> tuple[int, str, dict[str, str]]:
+    headers = {"Host": host, "If-None-Match": tag}
+    request = urllib.request.Request(address, headers={name: value for name, value in headers.items() if value})
     try:
         with urllib.request.urlopen(request, timeout=30) as answer:
             return answer.status, answer.read().decode("utf-8", "replace"), dict(answer.headers)
@@ -29,6 +30,15 @@ def test_every_answer_forbids_scripts_of_others(served: str) -> None:
         assert "default-src 'none'" in headers["content-security-policy"]
         assert "unsafe" not in headers["content-security-policy"]
         assert headers["x-content-type-options"] == "nosniff"
+
+
+def test_what_a_browser_has_kept_is_asked_for_again(served: str) -> None:
+    """Another dataset, served from the same port, has other pictures at the same addresses."""
+    for address in ("", "style/browse.js"):
+        _, _, headers = ask(served + address)
+        assert "no-cache" in headers["cache-control"]
+        for tag, status in ((headers["etag"], 304), ('"other"', 200)):
+            assert ask(served + address, tag=tag)[0] == status
 
 
 def test_a_page_that_is_not_there_is_404_with_a_way_back(served: str) -> None:
