@@ -3,6 +3,7 @@
 import difflib
 import reprlib
 from collections.abc import Iterable
+from itertools import islice
 from typing import Any
 
 _SHORT = reprlib.Repr()
@@ -300,10 +301,14 @@ class OpenCVError(RemqaError, ImportError):
 
 
 def nearest_names(name: str, known: Iterable[str], count: int = 3) -> list[str]:
-    """The known names most like `name`, best first, ignoring case.
+    """The known names most like `name`, best first, ignoring case; if there is none, ids of objects of the type so called.
 
     >>> nearest_names("mugg", ["Mug", "Fridge", "Cup"])
     ['Mug']
+    >>> nearest_names("mug", ["Mug|+00.13|+01.10|-00.60", "Cup|+00.37|+01.64|-02.58"])
+    ['Mug|+00.13|+01.10|-00.60']
     """
     by_lower = {candidate.lower(): candidate for candidate in known}
-    return [by_lower[hit] for hit in difflib.get_close_matches(name.lower(), by_lower, n=count, cutoff=0.6)]
+    close = difflib.get_close_matches(name.lower(), by_lower, n=count, cutoff=0.6)
+    of_type = (candidate for candidate in by_lower if candidate.startswith(f"{name.lower()}|"))
+    return [by_lower[hit] for hit in close or islice(of_type, count)]

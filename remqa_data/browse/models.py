@@ -5,6 +5,7 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Iterable
 
+from remqa_data.catalog import types_with
 from remqa_data.errors import RemqaError
 from remqa_data.export.glb import glb_bytes, room_scene
 from remqa_data.scene import Scene
@@ -24,6 +25,11 @@ def model_script(scene_json: str, where: str) -> bytes:
     except RemqaError:
         return NO_MODEL
     return b'const MODEL = "' + b64encode(model) + b'";\n'
+
+
+def hung(objects: Iterable[ObjectMetadata]) -> list[str]:
+    """Ids of what hangs on walls, such as windows and paintings: it is seen with its wall."""
+    return [record.id for record in objects if record.type in types_with("on_wall")]
 
 
 def carried(objects: Iterable[ObjectMetadata]) -> dict[str, list[str]]:

@@ -15,7 +15,7 @@ import pyarrow.compute as pc
 from remqa_data.browse.answers import AgentAnswers, given_answers
 from remqa_data.browse.dataset import Arrangement, BrowsedDataset, RoomKey, slug
 from remqa_data.browse.filters import CHOICES, PAGE, Filters, searched_text
-from remqa_data.browse.models import carried
+from remqa_data.browse.models import carried, hung
 from remqa_data.browse.neighbours import neighbourhood
 from remqa_data.browse.pictures import object_color, objects_shown
 from remqa_data.browse.programs import graph_of, noun, steps_in_words
@@ -207,7 +207,14 @@ class Pages:
         """One arrangement of a room in 3D."""
         room = self._dataset.room(key)
         assert room is not None, "only rooms in scope have pages"
-        return self._render("room.html.j2", root="../", room=room, slug_=key.slug, carried=carried(room.objects))
+        return self._render(
+            "room.html.j2",
+            root="../",
+            room=room,
+            slug_=key.slug,
+            carried=carried(room.objects),
+            hung=hung(room.objects),
+        )
 
     def statistics(self) -> str:
         """The dataset in numbers."""

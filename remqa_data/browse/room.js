@@ -182,10 +182,19 @@
       const axis = size.x < size.z ? "x" : "z", middle = box.getCenter(new THREE.Vector3())[axis];
       walls.push({ node, axis, middle, side: Math.sign(center[axis] - middle) || 1 });
     }
+    const hung = new Set(JSON.parse(byId("hung").textContent)), plain = [...walls];
+    root.traverse((node) => { // and so is what hangs on them
+      if (!hung.has(node.userData.name)) return;
+      const at = new THREE.Box3().setFromObject(node).getCenter(new THREE.Vector3());
+      const off = ({ axis, middle }) => Math.abs(at[axis] - middle);
+      const wall = plain.filter((other) => off(other) < 0.5).sort((a, b) => off(a) - off(b))[0];
+      if (wall) walls.push({ ...wall, node });
+    });
     controls.target.set(center.x, 0.6, center.z);
     fit();
-    const far = radius * Math.max(1, 1.4 / camera.aspect);
-    camera.position.set(center.x + far * 0.85, far * 1.45, center.z + far * 1.45);
+    const half = Math.atan(Math.tan(camera.fov * Math.PI / 360) * Math.min(1, camera.aspect));
+    const from = new THREE.Vector3(0.85, 1.45, 1.45).setLength(1.1 * radius / Math.sin(half));
+    camera.position.copy(controls.target).add(from);
     Object.assign(controls, { maxPolarAngle: Math.PI / 2 - 0.02, minDistance: 0.4, maxDistance: radius * 5 });
     controls.update();
     list(root);

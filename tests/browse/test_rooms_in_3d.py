@@ -9,7 +9,7 @@ import pytest
 
 from remqa_data.browse.dataset import BrowsedDataset, RoomKey
 from remqa_data.browse.export import write_site
-from remqa_data.browse.models import NO_MODEL, carried, model_script
+from remqa_data.browse.models import NO_MODEL, carried, hung, model_script
 from remqa_data.browse.site import Site
 from remqa_data.opencv import cv2
 from tests.helpers.hostile_dataset import Tab
@@ -45,6 +45,12 @@ def test_a_drawer_takes_along_what_lies_in_it_and_on_that() -> None:
     assert found["Drawer|1"] == ["Plate|1", "Mug|1", "Pen|1"]
     assert found["Box|1"] == ["Box|2", "Box|1"]
     assert "Table|1" not in found
+
+
+def test_what_hangs_on_walls_is_told() -> None:
+    at, size = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    objects = [thing(name, at, size) for name in ("Window|1", "Mug|1", "Painting|1", "Cabinet|1")]
+    assert hung(objects) == ["Window|1", "Painting|1"]
 
 
 def test_a_model_is_a_script_with_binary_gltf_and_a_damaged_room_is_none(small_rooms: Path) -> None:
