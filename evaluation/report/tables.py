@@ -123,7 +123,9 @@ def notes(results: Results) -> list[str]:
         f"{counts.asked} asked, {counts.answered} answered, {counts.missing} missing (they count as failures), "
         f"{counts.scored} scored."
     )
-    lines.append("a–b: 95 % interval, bootstrap over scenes (Wilson where all or none succeed). Higher is better.")
+    lines.append(
+        "a–b: 95 % interval, bootstrap over scenes (none over one; Wilson where all or none succeed). Higher is better."
+    )
     lines.append(f"Dataset {results.dataset.sha256[:16]}, remqa-data {results.versions['remqa-data']}.")
     return lines
 

@@ -7,6 +7,7 @@ import pytest
 from remqa_data.assets.core.model import AssetSpec
 from remqa_data.assets.looks.materials import OAK
 from remqa_data.errors import UnknownNameError
+from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.geometry.arithmetic import arctan2
 from remqa_data.scene import Scene, SceneObject, StructureBox
 from remqa_data.sim.agent.agent import Agent
@@ -129,6 +130,29 @@ def test_pixels_are_counted_as_the_picture_shows_them(world) -> None:
         camera = Camera.look_at(tuple(eye), tuple(target), fov_deg=fov_deg, width=pixels, height=pixels)
         assert count == (view.instances(camera) == 0).sum()
     assert not view.pixels_in_windows(windows, ~view.parts_of(["Mug|1"])).any()
+
+
+@pytest.mark.slow
+def test_of_some_objects_as_many_pixels_are_counted_as_of_all() -> None:
+    """From anywhere: also of what is behind the camera in part, hidden, or out of the picture."""
+    rng = np.random.default_rng(0)
+    with World(load_scene("FloorPlan1")) as room:
+        fridge = next(name for name in room.ids if room.type_of(name) == "Fridge")
+        room.open(fridge, 1.0)
+        view = WorldView(room)
+        x0, y0, x1, y1 = room.scene.bounds
+        some_seen = 0
+        for _ in range(12):
+            eye = (*rng.uniform((x0 + 0.3, y0 + 0.3), (x1 - 0.3, y1 - 0.3)).tolist(), 1.5)
+            camera = Camera(eye, float(rng.uniform(0, 360)), float(rng.choice([-30, 0, 30, 60])), 90.0, 150, 150)
+            every = view.pixels(camera)
+            for index, name in enumerate(room.ids):
+                assert view.pixels_of(camera, [name])[index] == every[index], (name, camera)
+            pair = [int(i) for i in rng.choice(len(room.ids), 2, replace=False)]
+            found = view.pixels_of(camera, [room.ids[i] for i in pair])
+            assert found[pair].tolist() == every[pair].tolist()
+            some_seen += np.count_nonzero(every)
+        assert some_seen > 100
 
 
 def test_only_what_there_is_can_be_hidden(world: World) -> None:
