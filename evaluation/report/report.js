@@ -9,7 +9,9 @@ for (const table of document.querySelectorAll("table.sortable")) {
     for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
     heading.setAttribute("aria-sort", ascending ? "ascending" : "descending");
     const value = (row) => row.cells[heading.cellIndex].textContent;
-    const compare = new Intl.Collator("en", { numeric: true }).compare;
+    const collate = new Intl.Collator("en", { numeric: true }).compare; // to which 0.9 is less than 0.25
+    const number = (text) => Number.parseFloat(text.replaceAll(",", ""));
+    const compare = (a, b) => number(a) - number(b) || collate(a, b);
     const rows = [...body.rows].sort((a, b) => compare(value(a), value(b)));
     body.append(...(ascending ? rows : rows.reverse()));
   });
