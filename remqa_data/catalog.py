@@ -10,7 +10,6 @@ The facts are in `templates/objects.yaml`, which also says where they come from.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from functools import cache, lru_cache
 from types import MappingProxyType
@@ -62,7 +61,7 @@ class Slices(BaseModel):
         Singular and plural.
     count : int
         How many pieces.
-    thickest_m : float
+    thickest_m : float, optional
         A piece is no thicker, metres.
     can : frozenset of str
         What can be done with them besides picking them up.
@@ -73,7 +72,7 @@ class Slices(BaseModel):
     type: str
     words: tuple[str, str]
     count: PositiveInt
-    thickest_m: PositiveFloat = math.inf
+    thickest_m: PositiveFloat | None = None
     can: frozenset[Flag] = frozenset()
 
 

@@ -51,7 +51,7 @@ def _slice(spec: AssetSpec, slices: Slices, number: int) -> tuple[AssetSpec, Vec
     middle = (number + 0.5) * step - length / 2
     out = min(2 * abs(middle) / length, OUTERMOST)
     share = float(np.cbrt(1.0 - out**3))
-    thick = min(step * (1.0 - GAP), slices.thickest_m)
+    thick = min(step * (1.0 - GAP), slices.thickest_m or length)
     thin = AssetSpec(slices.type, (thick, across * share, high * share), spec.variant, spec.seed)
     low = (share - 1.0) * high / 2
     return thin, (middle, 0.0, low) if axis == 0 else (0.0, middle, low)
