@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import os
+import mmap
 from collections.abc import Iterator
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from remqa_data.storage.shards import Shard, leaf_paths, writing_options
+from remqa_data.tables.parquet_pages import footer_start
 from remqa_data.tables.schema import TableSpec
 
 _MAGIC = b"PAR1"
@@ -27,23 +28,35 @@ def footer_problems(shard: Shard, spec: TableSpec) -> Iterator[str]:
     DamagedShardError
         If a row group cannot be read.
     """
-    end = len(_MAGIC)
+    yield from _wrong_statistics(shard, spec)
+    yield from _stray_bytes(shard)
+
+
+def _wrong_statistics(shard: Shard, spec: TableSpec) -> Iterator[str]:
+    paths = leaf_paths(shard.file)
     for first in range(0, shard.row_groups, _AT_ONCE):
         groups = range(first, min(first + _AT_ONCE, shard.row_groups))
         true = _written_again(shard.read(groups), spec)
         for group in groups:
             told = shard.file.metadata.row_group(group)
-            for number, path in enumerate(leaf_paths(shard.file)):
-                column = told.column(number)
-                if _statistics(column) != _statistics(true.row_group(group - first).column(number)):
+            for number, path in enumerate(paths):
+                if _statistics(told.column(number)) != _statistics(true.row_group(group - first).column(number)):
                     yield f"row group {group}: what the footer says of {path} is not so"
-                start = column.dictionary_page_offset if column.has_dictionary_page else column.data_page_offset
-                if start != end:
-                    yield f"row group {group}: {path} begins at byte {start:,}, and what comes before it ends at {end:,}"
-                end = start + column.total_compressed_size
-    with shard.path.open("rb") as file:
-        file.seek(-len(_MAGIC) - 4, os.SEEK_END)
-        footer = file.tell() - int.from_bytes(file.read(4), "little")
+
+
+def _stray_bytes(shard: Shard) -> Iterator[str]:
+    """Where columns, which could be read, do not follow each other from the beginning of the file to its footer."""
+    end, paths = len(_MAGIC), leaf_paths(shard.file)
+    for group in range(shard.row_groups):
+        told = shard.file.metadata.row_group(group)
+        for number, path in enumerate(paths):
+            column = told.column(number)
+            start = column.dictionary_page_offset if column.has_dictionary_page else column.data_page_offset
+            if start != end:
+                yield f"row group {group}: {path} begins at byte {start:,}, and what comes before it ends at {end:,}"
+            end = start + column.total_compressed_size
+    with shard.path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        footer = footer_start(data)
     if footer != end:
         yield f"the last column ends at byte {end:,}, and the footer begins at {footer:,}"
 

@@ -23,6 +23,7 @@ import pyarrow as pa
 
 from remqa_data.errors import DatasetError, UnknownNameError
 from remqa_data.storage.shards import Shard, leaf_paths, open_shards
+from remqa_data.tables.parquet_pages import footer_start
 from remqa_data.tables.schema import table_spec
 
 Spans = npt.NDArray[np.int64]
@@ -172,8 +173,7 @@ def _mapped(path: Path) -> mmap.mmap:
 def _footer_digest(path: Path) -> bytes:
     """Of where a file says that its columns lie, and of what is in them: another file says something else."""
     with _mapped(path) as data:
-        length = int.from_bytes(data[-8:-4], "little")
-        return hashlib.sha256(data[-8 - length :]).digest()
+        return hashlib.sha256(data[footer_start(data) :]).digest()
 
 
 def _extent(shard: Shard, group: int, path: str) -> tuple[int, int]:

@@ -63,6 +63,15 @@ class Unpacked:
     values: int
 
 
+def footer_start(data: Any) -> int:
+    """Where in a file, such as an mmap, its footer begins; PageError if it has none."""
+    end = len(data) - 8
+    start = end - int.from_bytes(data[-8:-4], "little")
+    if not 0 < start < end:
+        raise PageError("a footer that cannot be")
+    return start
+
+
 def row_groups(data: Any) -> list[list[Chunk]]:
     """The columns of each row group of a file, such as an mmap, in the order of its schema.
 
@@ -71,12 +80,9 @@ def row_groups(data: Any) -> list[list[Chunk]]:
     PageError
         If the footer does not say so.
     """
-    end = len(data) - 8
-    start = end - int.from_bytes(data[-8:-4], "little")
-    if not 0 < start < end:
-        raise PageError("a footer that cannot be")
+    start = footer_start(data)
     try:
-        footer, _ = _struct(data[start:end], 0)
+        footer, _ = _struct(data[start:-8], 0)
         return [[_chunk(column[_ABOUT]) for column in group[_COLUMNS]] for group in footer[_GROUPS]]
     except (IndexError, KeyError, TypeError, AttributeError, struct.error):
         raise PageError("a footer that is cut off") from None
