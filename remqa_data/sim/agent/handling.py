@@ -219,9 +219,9 @@ def _shifts() -> tuple[Vec3, ...]:
     return tuple(sorted(found, key=lambda shift: (math.hypot(*shift), shift)))
 
 
-def support_of(world: World, object_id: str) -> str | None:
-    """Id of what holds an object, if anything does."""
-    found = supports(world, {name: world.box(name) for name in world.ids}).get(object_id)
+def support_of(world: World, object_id: str, *, across_rims: bool = False) -> str | None:
+    """Id of what holds an object, if anything does; a basin, if asked for, also by its rim."""
+    found = supports(world, {name: world.box(name) for name in world.ids}, across_rims=across_rims).get(object_id)
     return found.id if found else None
 
 

@@ -131,7 +131,8 @@ def put_into(
             tries[way.is_last] -= 1
             world.put(held, spot)
             settle(world, awake=[held, *world.contents(held)])
-            stays = support_of(world, held) == receptacle_id and is_clear(held) and not sunk_into(world, held)
+            holder = support_of(world, held, across_rims=True)
+            stays = holder == receptacle_id and is_clear(held) and not sunk_into(world, held)
             if stays and (way.is_last or set(load) <= set(world.contents(held))):
                 return Release(held)
             world.restore(before)

@@ -4,6 +4,9 @@ An object belongs to a space when its centre is in it and its bottom is not belo
 what lies in a bowl on a table is also in the room above the table, and a desk's things may be in the room above the
 seat of a chair that is pushed under it. Of all spaces, the one with the highest floor is the one that the object
 would meet first on its way down, so this one holds it; of equally high floors, the smallest space.
+
+What an agent puts into a basin that is too small for it lies across the rim. Whoever wants to know so may ask for it: the
+dataset, whose rooms have no such things, never does.
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field
 
-from remqa_data.catalog import TypeName, object_type
+from remqa_data.catalog import TypeName, object_type, types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
 from remqa_data.yaml_files import template_rules
@@ -48,6 +51,7 @@ class SupportRules(BaseModel):
     overhang_m: float = Field(ge=0)
     contact_m: float = Field(ge=0)
     pile_m: float = Field(ge=0)
+    rim_m: float = Field(ge=0)
     vessels: dict[TypeName, tuple[str, ...]]
     hangs: dict[TypeName, tuple[TypeName, ...]]
 
@@ -66,7 +70,7 @@ class Support:
     kind: SupportKind
 
 
-def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
+def supports(world: World, boxes: Mapping[str, F64], *, across_rims: bool = False) -> dict[str, Support]:
     """What holds each object that something holds.
 
     Parameters
@@ -75,6 +79,8 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
         The room; what an agent holds neither holds nor is held.
     boxes : mapping of str to (2, 3) array
         `world.box` of every object.
+    across_rims : bool
+        Whether what lies across the rim of a basin is in it: whatever is not in or on something loose.
 
     Returns
     -------
@@ -104,6 +110,14 @@ def supports(world: World, boxes: Mapping[str, F64]) -> dict[str, Support]:
     fits &= np.where(is_loose, lies_there, spaces.is_floor & (above <= rules.contact_m))
     order = np.lexsort((spaces.volume, -spaces.floor_z))
     first = order[np.argmax(fits[:, order], axis=1)]
+    if across_rims:
+        lies_across = is_loose & spaces.is_basin & (bottom >= spaces.floor_z)
+        lies_across &= (np.abs(local[..., :2] - spaces.middle[:, :2]) <= spaces.half[:, :2]).all(axis=-1)
+        lies_across &= bottom <= spaces.floor_z + 2 * spaces.half[:, 2] + rules.rim_m
+        # What bears it there, if anything, is built in: a sink or a worktop.
+        lies_across &= ~(fits.any(axis=1) & (spaces.surrounds | spaces.is_loose)[first])[:, None]
+        first = np.where(lies_across.any(axis=1), np.argmax(lies_across, axis=1), first)
+        fits |= lies_across
     for object_id, best, fits_anywhere, height in zip(names, first, fits.any(axis=1), bottom[:, 0], strict=True):
         if fits_anywhere:
             held_by[object_id] = Support(str(spaces.owners[best]), "in" if spaces.surrounds[best] else "on")
@@ -123,6 +137,8 @@ class _Spaces:
 
     owners: npt.NDArray[np.object_]
     is_floor: npt.NDArray[np.bool_]
+    is_loose: npt.NDArray[np.bool_]
+    is_basin: npt.NDArray[np.bool_]
     enclosed: npt.NDArray[np.bool_]
     surrounds: npt.NDArray[np.bool_]
     poses: F64
@@ -154,6 +170,8 @@ def _all_spaces(world: World) -> _Spaces:
     centre_z = arithmetic.dot(pose[:, 2, :3], middle) + pose[:, 2, 3]
     return _Spaces(
         owners=np.array(owners, dtype=np.object_),
+        is_loose=np.array([object_type(world.type_of(owner)).is_loose for owner in owners], dtype=np.bool_),
+        is_basin=np.array([world.type_of(owner) in types_with("basin") for owner in owners], dtype=np.bool_),
         is_floor=np.array(is_floor, dtype=np.bool_),
         enclosed=np.array(enclosed, dtype=np.bool_),
         surrounds=np.array(walled, dtype=np.bool_),

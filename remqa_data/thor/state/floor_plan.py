@@ -10,6 +10,7 @@ import numpy as np
 
 from remqa_data.catalog import types_with
 from remqa_data.errors import MisuseError
+from remqa_data.floorplans.ithor.uncovered import uncovered
 from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.boxes import corners
 from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
@@ -82,7 +83,7 @@ class LoadedFloorPlan:
 
     def __init__(self, scene: str, settings: Settings, frame: FrameSize) -> None:
         self.scene = scene
-        self._as_built = load_scene(scene)
+        self._as_built = uncovered(load_scene(scene))
         world = World(self._as_built)
         world.settle()
         self.at_rest = world.save()

@@ -136,6 +136,21 @@ def test_what_does_not_fit_changes_nothing(agent: Agent) -> None:
     assert agent.world.is_as(before)
 
 
+def test_a_pot_that_is_too_large_for_a_basin_lies_across_its_rim(agent: Agent) -> None:
+    world, basin = agent.world, first_of(agent, "SinkBasin")
+    pot, boxes = hold(agent, "Pot"), {name: world.box(name) for name in world.ids}
+    assert supports(world, boxes, across_rims=True) == supports(world, boxes)  # nothing that a room comes with
+    put = agent.put(basin, force=True)
+    assert put.success, put.error
+    assert support_of(world, pot, across_rims=True) == basin
+    assert support_of(world, pot) is None  # for datasets
+    assert not sunk_into(world, pot)
+    (low, high), rim = world.box(pot), world.box(basin)
+    assert rim[1, 2] - 0.01 < low[2] < rim[1, 2] + 0.05
+    assert (rim[0, :2] < (low + high)[:2] / 2).all()
+    assert ((low + high)[:2] / 2 < rim[1, :2]).all()
+
+
 @pytest.mark.parametrize("type_name", ["Bottle", "SaltShaker", "Plate"])
 def test_what_is_too_tall_or_broad_for_a_drawer_lies_in_it_another_way(agent: Agent, type_name: str) -> None:
     world, thing = agent.world, hold(agent, type_name)

@@ -30,6 +30,8 @@ from remqa_data.geometry.types import Box
 DOOR_OPEN_DEG = 105.0
 HOOD = 0.002
 """Thickness of the hood over a drawer, metres."""
+LET_IN = 0.2
+"""A worktop has a hole for what reaches this far into it from below, in parts of its thickness."""
 
 
 def drawer(b: Builder) -> None:
@@ -139,7 +141,7 @@ def counter_top(b: Builder) -> None:
     )
     thickness = b.h if b.h < 0.2 else 0.035
     under = b.h - thickness
-    sinks = [pocket for pocket in b.pockets if pocket[5] > under + 0.2 * thickness]
+    sinks = [pocket for pocket in b.pockets if pocket[5] > under + LET_IN * thickness]
     _worktop(b, sinks, under, top, edge)
     count = 0
     for x0, y0, x1, y1 in b.footprint:
