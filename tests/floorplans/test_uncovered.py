@@ -4,6 +4,7 @@ import pytest
 
 from remqa_data.floorplans.ithor.uncovered import uncovered
 from remqa_data.floorplans.load import load_scene
+from remqa_data.geometry.types import Box, Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.physics.world import World
 
@@ -22,6 +23,16 @@ def seen_from_above(scene: Scene, *types: str) -> list[str]:
         return met
 
 
+def walls_over(place: Vec3, scene: Scene) -> list[Box]:
+    """The walls that are less than 15 cm beside something, and above it."""
+    x, y, z = place
+    return [
+        (x0, y0, z0, x1, y1, z1)
+        for x0, y0, z0, x1, y1, z1 in (part.box for part in scene.structure if part.kind == "wall")
+        if x0 < x + 0.15 and x1 > x - 0.15 and y0 < y < y1 and z0 > z
+    ]
+
+
 @pytest.mark.parametrize("name", ["FloorPlan3", "FloorPlan16", "FloorPlan403"])
 def test_a_room_in_which_nothing_is_covered_stays_as_it_is(name: str) -> None:
     assert uncovered(load_scene(name)) == load_scene(name)
@@ -31,6 +42,16 @@ def test_a_room_in_which_nothing_is_covered_stays_as_it_is(name: str) -> None:
 def test_sinks_are_open(name: str) -> None:
     assert seen_from_above(load_scene(name), "SinkBasin") == ["CounterTop"]
     assert {*seen_from_above(uncovered(load_scene(name)), "SinkBasin")} <= {"SinkBasin", "Fork"}
+
+
+def test_no_wall_stands_in_a_sink() -> None:
+    recorded = load_scene("FloorPlan6")
+    middle = next(o for o in recorded.objects if o.type == "SinkBasin").position
+    scene = uncovered(recorded)
+    assert [len(walls_over(middle, room)) for room in (recorded, scene)] == [2, 0]
+    was, window = (next(o for o in room.objects if o.id.startswith("Window|+01.51")) for room in (recorded, scene))
+    assert window.position == pytest.approx((scene.bounds[2] - 0.075, *was.position[1:]))
+    assert [o for o in scene.objects if o != window] == [o for o in recorded.objects if o != was]
 
 
 @pytest.mark.parametrize("name", ["FloorPlan25", "FloorPlan29", "FloorPlan30"])

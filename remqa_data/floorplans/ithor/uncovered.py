@@ -1,6 +1,6 @@
-"""What worktops cover in some rooms, uncovered: sinks that are let in from below, and burners.
+"""What worktops and walls cover in some rooms, uncovered: sinks that are let in from below, burners, a sink in a corner.
 
-Rooms are final in data of version 1, so the dataset keeps such worktops; AI2-THOR's clients get to what is under them.
+Rooms are final in data of version 1, so the dataset keeps such worktops and walls; AI2-THOR's clients get to what is there.
 """
 
 from __future__ import annotations
@@ -17,18 +17,24 @@ from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.hosting import THIN_M
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.boxes import corners
-from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Box
-from remqa_data.scene import Scene, SceneObject
+from remqa_data.scene import Scene, SceneObject, StructureBox
 
 BENEATH_M = 0.03
 """What ends no farther than this below a thin worktop is let into it, or stands on it."""
+IN_SINK_M = 0.05
+"""What is over so much of a sink, both ways, stands in it."""
 PROUD_M = 0.004
 """How far what stood in a worktop then stands out of it."""
 
 
 def uncovered(scene: Scene) -> Scene:
-    """The same room with holes over sinks, in worktops and in what is built in below them, and with burners on worktops."""
+    """The same room with holes over sinks, in worktops and in what is built in below them, and with burners on worktops.
+
+    A wall that stands in a sink is none, and the window before it is in the outer wall.
+    """
+    scene = _without_walls_in_sinks(scene)
     worktops = [o for o in scene.objects if o.type == "CounterTop" and o.asset.size[2] < THIN_M]
     holes = {o.id: found for o in worktops if (found := _missing_holes(o))}
     objects = [_cut_open(o, holes[o.id]) if o.id in holes else o for o in scene.objects]
@@ -40,6 +46,44 @@ def uncovered(scene: Scene) -> Scene:
         for box in (solid_around(part.box, in_room) if in_room and part.kind == "fixture" else [part.box])
     ]
     return replace(scene, objects=tuple(objects), structure=tuple(structure))
+
+
+def _without_walls_in_sinks(scene: Scene) -> Scene:
+    sinks = [_box(o) for o in scene.objects if o.type == "Sink"]
+    standing = [part.box for part in scene.structure if any(_stands_in(part, sink) for sink in sinks)]
+    for wall in standing:
+        axis = int(np.argmin([wall[3] - wall[0], wall[4] - wall[1]]))
+        faces = wall[axis], wall[axis + 3]
+        structure = [p for p in scene.structure if p.kind != "wall" or (p.box[axis], p.box[axis + 3]) != faces]
+        objects = [_moved_back(o, axis, faces, scene) if o.type == "Window" else o for o in scene.objects]
+        scene = replace(scene, structure=tuple(structure), objects=tuple(objects))
+    return scene
+
+
+def _stands_in(wall: StructureBox, sink: F64) -> bool:
+    """Whether a piece of the building is a wall that begins right above a sink."""
+    low, high = np.reshape(wall.box, (2, 3))
+    shared = np.minimum(high, sink[1]) - np.maximum(low, sink[0])
+    return bool(wall.kind == "wall" and (shared[:2] > IN_SINK_M).all() and abs(low[2] - sink[1, 2]) < BENEATH_M)
+
+
+def _moved_back(window: SceneObject, axis: int, faces: tuple[float, float], scene: Scene) -> SceneObject:
+    """A window right before a wall that there is not, in the outer wall across from it, which it turns its back on."""
+    box = _box(window)
+    half = float(box[1, axis] - box[0, axis]) / 2
+    is_ahead, is_behind = abs(box[0, axis] - faces[1]) < BENEATH_M, abs(box[1, axis] - faces[0]) < BENEATH_M
+    if not (is_ahead or is_behind):
+        return window
+    position = list(window.position)
+    position[axis] = scene.bounds[axis + 2] - half if is_ahead else scene.bounds[axis] + half
+    turned = quaternion_of(arithmetic.product(about_z(180.0), rotation_of(window.quaternion)))
+    return replace(window, position=(position[0], position[1], position[2]), quaternion=snapped_quaternion(turned))
+
+
+def _box(o: SceneObject) -> F64:
+    """(2, 3) box of an object that stands square in the room."""
+    half = arithmetic.turned(np.divide(o.asset.size, 2), np.abs(rotation_of(o.quaternion)))
+    return np.stack([np.subtract(o.position, half), np.add(o.position, half)])
 
 
 def _missing_holes(worktop: SceneObject) -> list[Box]:
