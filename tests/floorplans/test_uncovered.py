@@ -54,6 +54,37 @@ def test_no_wall_stands_in_a_sink() -> None:
     assert [o for o in scene.objects if o != window] == [o for o in recorded.objects if o != was]
 
 
+def seen_before(scene: Scene, window: str) -> str:
+    """What is met on the way to a window's middle from the room before it."""
+    with World(scene) as world:
+        (low, high), (x0, y0, x1, y1) = world.box(window), scene.bounds
+        axis = int((high - low)[1] < (high - low)[0])
+        middle = (low + high) / 2
+        start = middle.copy()
+        start[axis] += 0.9 if middle[axis] < (x0 + x1, y0 + y1)[axis] / 2 else -0.9
+        hit = world.first_hit(tuple(start.tolist()), tuple(middle.tolist()))
+        assert hit is not None
+        return world.type_of(hit[0]) if hit[0] in world.ids else "wall"
+
+
+@pytest.mark.parametrize(
+    ("name", "window"),
+    [
+        ("FloorPlan13", "Window|-04.87|+01.63|+03.31"),
+        ("FloorPlan23", "Window|-02.50|+01.78|-04.19"),
+        ("FloorPlan217", "Window|-01.72|+01.55|+00.01"),
+    ],
+)
+def test_no_wall_hides_a_window(name: str, window: str) -> None:
+    scene = load_scene(name)
+    assert [seen_before(room, window) for room in (scene, uncovered(scene))] == ["wall", "Window"]
+
+
+def test_a_wall_that_bears_a_switch_stays() -> None:
+    scene = load_scene("FloorPlan204")
+    assert seen_before(uncovered(scene), "Window|-02.83|+01.70|-00.16") == "wall"
+
+
 @pytest.mark.parametrize("name", ["FloorPlan25", "FloorPlan29", "FloorPlan30"])
 def test_burners_are_on_worktops(name: str) -> None:
     assert "CounterTop" in seen_from_above(load_scene(name), "StoveBurner")

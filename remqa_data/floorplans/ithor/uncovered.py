@@ -14,6 +14,7 @@ from remqa_data.assets.core.fitting import box_of
 from remqa_data.assets.mesh.cutting import solid_around
 from remqa_data.assets.types.furniture.storage import LET_IN
 from remqa_data.catalog import types_with
+from remqa_data.floorplans.ithor.backs import ON_WALLS
 from remqa_data.floorplans.ithor.hosting import THIN_M
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.boxes import corners
@@ -25,6 +26,10 @@ BENEATH_M = 0.03
 """What ends no farther than this below a thin worktop is let into it, or stands on it."""
 IN_SINK_M = 0.05
 """What is over so much of a sink, both ways, stands in it."""
+DEEP_M = 0.6
+"""A piece of inner wall that is no farther from a window than this hides it."""
+FRAME_M = 0.006
+"""So much of a window is in the wall all around, a little more than where walls are made."""
 PROUD_M = 0.004
 """How far what stood in a worktop then stands out of it."""
 
@@ -39,13 +44,31 @@ def uncovered(scene: Scene) -> Scene:
     holes = {o.id: found for o in worktops if (found := _missing_holes(o))}
     objects = [_cut_open(o, holes[o.id]) if o.id in holes else o for o in scene.objects]
     objects = [_raised(o, worktops) if o.type in types_with("burner") else o for o in objects]
-    in_room = [_in_room(o, hole) for o in worktops for hole in holes.get(o.id, ())]
-    structure = [
-        replace(part, box=box)
-        for part in scene.structure
-        for box in (solid_around(part.box, in_room) if in_room and part.kind == "fixture" else [part.box])
-    ]
+    free = {
+        "fixture": [_in_room(o, hole) for o in worktops for hole in holes.get(o.id, ())],
+        "wall": [hole for o in scene.objects if o.type == "Window" and not _bears(hole := _before(o), scene)],
+    }
+    structure = [replace(p, box=box) for p in scene.structure for box in _around(p.box, free.get(p.kind, []))]
     return replace(scene, objects=tuple(objects), structure=tuple(structure))
+
+
+def _around(box: Box, holes: Sequence[Box]) -> list[Box]:
+    """A box with holes, of which those that miss it leave it as it is."""
+    met = [hole for hole in holes if _meet(box, hole)]
+    return solid_around(box, met) if met else [box]
+
+
+def _meet(a: Box, b: Box) -> bool:
+    return all(a[k] < b[k + 3] and a[k + 3] > b[k] for k in range(3))
+
+
+def _before(window: SceneObject) -> Box:
+    """Where no wall is to be: what a window takes up, and what lies before and behind it."""
+    box = _box(window)
+    low, high = box[0] + FRAME_M, box[1] - FRAME_M
+    axis = int(np.argmin((high - low)[:2]))
+    low[axis], high[axis] = low[axis] - DEEP_M, high[axis] + DEEP_M
+    return box_of((*low, *high))
 
 
 def _without_walls_in_sinks(scene: Scene) -> Scene:
@@ -84,6 +107,12 @@ def _box(o: SceneObject) -> F64:
     """(2, 3) box of an object that stands square in the room."""
     half = arithmetic.turned(np.divide(o.asset.size, 2), np.abs(rotation_of(o.quaternion)))
     return np.stack([np.subtract(o.position, half), np.add(o.position, half)])
+
+
+def _bears(hole: Box, scene: Scene) -> bool:
+    """Whether a wall that is where no wall is to be bears anything but curtains and blinds."""
+    hung = (_box(o) for o in scene.objects if o.type in ON_WALLS - types_with("in_wall"))
+    return any(_meet(hole, box_of(box.ravel())) for box in hung)
 
 
 def _missing_holes(worktop: SceneObject) -> list[Box]:
