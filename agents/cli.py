@@ -99,8 +99,7 @@ def run(
 
     if split is not None and seen is not None:
         raise ConfigError("--seen plays train questions: leave --split out")
-    if overwrite and resume:
-        raise ConfigError("--resume goes on with what is there, and --overwrite replaces it: give one of them")
+    _check_one_of(overwrite=overwrite, resume=resume)
     check_beside(out, data)
     configs = _named(systems, load_system, seeds or ())
     only = None if seen is None else seen_questions(data, seen)
@@ -149,6 +148,9 @@ def train(
         int, typer.Option(min=0, help="Processes that make batches of pictures ahead: for a GPU, one for each core.")
     ] = 0,
     resume: Resume = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace weights and checkpoints that are there.")
+    ] = False,
     seed: Seed = None,
 ) -> None:
     """Train networks, one after the other, on rooms that are in no val or test split; write weights, curves and scores."""
@@ -156,14 +158,17 @@ def train(
 
     torch = require("torch", "agents")
     from remqa_data.agents.training.config import load_network_config
-    from remqa_data.agents.training.learn import learn
+    from remqa_data.agents.training.learn import check_places, learn
     from remqa_data.agents.training.matching import Looks
 
+    _check_one_of(overwrite=overwrite, resume=resume)
     check_beside(out, data)
     roots = [data, *(more or ())]
     _check_datasets_differ(roots)
     configs = _named(networks, load_network_config, () if seed is None else (seed,))
-    _check_files_differ([name for name, _ in configs], out)
+    names = [name for name, _ in configs]
+    _check_files_differ(names, out)
+    check_places(names, out, overwrite=overwrite, resume=resume)
     check_device(device)
     torch.set_num_threads(threads or worker_count(None))
     scores, looks = {}, dict[str, Looks]()
@@ -337,6 +342,12 @@ def _named(names: Sequence[str], load: Callable[[str], C], seeds: Sequence[int])
     if not seeds:
         return configs
     return [(seeded_name(name, seed), config.seeded(seed)) for seed in seeds for name, config in configs]
+
+
+def _check_one_of(*, overwrite: bool, resume: bool) -> None:
+    """Refuse to both go on with what is there and replace it."""
+    if overwrite and resume:
+        raise ConfigError("--resume goes on with what is there, and --overwrite replaces it: give one of them")
 
 
 def _check_files_differ(names: Sequence[str], folder: Path) -> None:

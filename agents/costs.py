@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from remqa_data.agents.runner import read_pace, read_told
-from remqa_data.agents.training.config import DURATION, networks, weights_file
-from remqa_data.errors import ConfigError
+from remqa_data.agents.training.config import DURATION, networks, no_network, weights_file
 from remqa_data.evaluation.report.tables import Grid
 from remqa_data.evaluation.submission.reader import open_submission
 from remqa_data.extras import require
@@ -65,7 +64,7 @@ def cost_of(path: Path) -> Cost:
         minutes = score.pop(MINUTES, None) or _minutes_beside(path)
         return Cost(about["config"]["title"], sum(sizes), path.stat().st_size / 1e6, minutes, score)
     except (OSError, KeyError, TypeError, ValueError, safetensors.SafetensorError) as error:
-        raise ConfigError(f"{path} is no network that remqa-agent has trained: {type(error).__name__}") from None
+        raise no_network(path, error) from None
 
 
 def _minutes_beside(path: Path) -> float | None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from remqa_data.agents.paper import PAPER, paper_results
 from remqa_data.agents.seen import SEEN_SPLIT
 from remqa_data.evaluation.report.tables import Grid, cell, rounded
-from remqa_data.evaluation.scoring.ground_truth import load_ground_truth
+from remqa_data.evaluation.scoring.ground_truth import truth_of
 from remqa_data.evaluation.scoring.kept_results import score_once
 from remqa_data.evaluation.scoring.results import Results
 from remqa_data.evaluation.submission.reader import open_submission
@@ -27,13 +27,13 @@ def score_pictures(folder: Path, root: Path, track: Track) -> list[Results]:
     Raises
     ------
     SubmissionError
-        If one is none, is to another track, or is about another dataset.
+        If one is none, is to another track, or is about another dataset or a split that this one has not.
     """
     found = []
     for path in sorted((folder / track).glob("*.jsonl")):
         submission = open_submission(path)
-        truth = load_ground_truth(root, track, submission.header.split)
-        found.append(score_once(submission, truth))
+        submission.check(track=track)
+        found.append(score_once(submission, truth_of(submission, root)))
     return found
 
 

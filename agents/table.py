@@ -18,7 +18,7 @@ from remqa_data.agents.paper import PAPER, paper_results
 from remqa_data.errors import ResultsError, SubmissionError
 from remqa_data.evaluation.report.html import write_tables_page
 from remqa_data.evaluation.report.tables import FAILS_AT, Grid, cell, failed_at, markdown_lines, notes, rounded
-from remqa_data.evaluation.scoring.ground_truth import GroundTruth, load_ground_truth
+from remqa_data.evaluation.scoring.ground_truth import GroundTruth, truth_of
 from remqa_data.evaluation.scoring.kept_results import score_once
 from remqa_data.evaluation.scoring.measures import STEP_LIMITS
 from remqa_data.evaluation.scoring.results import OVERALL, Metric, Results
@@ -95,8 +95,9 @@ def score_systems(
         If the folder has no submission, or one is none, is to another track, of another split or about another dataset.
     """
     paths = submissions_in(folder)
-    split = open_submission(paths[0]).header.split
-    truth = load_ground_truth(root, "remqa", split)
+    first = open_submission(paths[0])
+    first.check(track="remqa")
+    truth = truth_of(first, root)
     return [_scored(path, _played_of(path, truth) if partial else truth, workers, progress) for path in paths]
 
 

@@ -83,7 +83,7 @@ def score(
     from rich.console import Console
 
     from remqa_data.evaluation.report.tables import markdown, print_results
-    from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
+    from remqa_data.evaluation.scoring.ground_truth import truth_of
     from remqa_data.evaluation.scoring.results import make_results, write_results
     from remqa_data.evaluation.scoring.scoring import score as run
     from remqa_data.evaluation.submission.reader import open_submission
@@ -97,8 +97,7 @@ def score(
     submission = open_submission(predictions)
     header = submission.header
     submission.check(track=track, split=split)
-    truth = load_ground_truth(data, header.track, header.split)
-    submission.check(dataset=dataset_sha256(truth.manifest))
+    truth = truth_of(submission, data)
     replays = TRACKS[header.track].walks and not no_replay
     announce_compiling(worker_count(workers) if replays else 1)
     with Counting(len(truth.ids), "replaying") as on_replayed:

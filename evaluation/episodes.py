@@ -31,15 +31,15 @@ def submitted_commands(path: Path, root: Path, question_id: str) -> list[Command
     Raises
     ------
     SubmissionError
-        If it is no submission, is about another dataset or has no walks, or a row cannot be read.
+        If it is no submission, is about another dataset or split, or has no walks, or a row cannot be read.
     UnknownNameError
         If it has no such question; names the nearest.
     """
     submission, manifest = open_submission(path), load_manifest(root)
     header = submission.header
     if not TRACKS[header.track].walks:
-        raise SubmissionError(path, "the header", f"in track {header.track!r} nobody walks")
-    submission.check(dataset=dataset_sha256(manifest))
+        raise SubmissionError(path, submission.header_place("track"), f"in track {header.track!r} nobody walks")
+    submission.check(dataset=dataset_sha256(manifest), splits=manifest.splits(TRACKS[header.track].table))
     known: list[str] = []
     for batch in submission.batches(replay=True, max_rows=sum(manifest.questions.get(header.split, {}).values())):
         ids = batch.rows.column("question_id").to_pylist()

@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.agents.networks.windows import SIDE_PX
+from remqa_data.errors import ConfigError, one_line
 from remqa_data.limits import MOST_SEED
 from remqa_data.storage.manifest import config_hash
 from remqa_data.yaml_files import preset_names, read_config
@@ -266,6 +267,19 @@ def weights_file(name: str, folder: Path | None = None) -> Path | None:
     file = f"{name}{SUFFIX}"
     places = [*([folder / file] if folder else []), Path(str(resources.files(SHIPPED) / file))]
     return next((place for place in places if place.is_file()), None)
+
+
+def no_network(path: Path, error: Exception) -> ConfigError:
+    """What is said of a file of weights that cannot be used, and what to do; `error` is what came of reading it."""
+    if isinstance(error, OSError):
+        reason = f"the file cannot be read ({one_line(error)})"
+    elif isinstance(error, KeyError | TypeError | ValueError | RuntimeError):
+        reason = "what it says of itself is missing, or fits neither this version nor what it holds"
+    else:  # of safetensors
+        reason = "the file is damaged, cut off or of another kind"
+    return ConfigError(
+        f"{path} is no network that remqa-agent has trained: {reason}; train it again, with --overwrite, or copy it anew"
+    )
 
 
 def committees() -> tuple[str, ...]:

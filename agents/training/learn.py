@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import torch
@@ -33,7 +33,7 @@ from remqa_data.agents.training.imitating import ImitationTask
 from remqa_data.agents.training.matching import Looks, MatchingTask
 from remqa_data.agents.training.pictures import detector_types
 from remqa_data.agents.training.reinforcing import ReinforcingTask
-from remqa_data.agents.training.trainer import Schedule, Task, deterministic, train
+from remqa_data.agents.training.trainer import CHECKPOINT, Schedule, Task, deterministic, train
 from remqa_data.agents.training.viewing import ViewingTask
 from remqa_data.agents.training.weights import (
     DETECTOR,
@@ -45,6 +45,7 @@ from remqa_data.agents.training.weights import (
     trained_detector,
     weights_path,
 )
+from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.files import sha256_of
 from remqa_data.storage.manifest import load_manifest
@@ -52,6 +53,23 @@ from remqa_data.views import views_beside
 
 OF_PICTURES = (DetectionTask, RefinementTask, ViewingTask, AnsweringTask)
 """Tasks whose batches are pictures, which any process can make."""
+
+
+def check_places(names: Iterable[str], folder: Path, *, overwrite: bool, resume: bool) -> None:
+    """Refuse to write over what networks of some names have learnt, be it finished or not.
+
+    Raises
+    ------
+    ConfigError
+        If there is any, and neither overwriting nor resuming was asked for.
+    """
+    for name in names:
+        places = (folder / f"{name}{SUFFIX}", folder / name / CHECKPOINT)
+        if not (overwrite or resume) and any(place.exists() for place in places):
+            raise ConfigError(
+                f"{folder / name} has been trained already; use --resume to go on with it, --overwrite to replace it, "
+                "or another folder"
+            )
 
 
 def learn(

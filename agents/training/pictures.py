@@ -21,7 +21,10 @@ Which = Literal["rgb", "start_rgb", "end_rgb"]
 UNKNOWN = -1
 
 LEAST_CUT, MOST_CUT = 110 / 192, 330 / 192
-"""Squares that are cut out of pictures for training, in sides of what is made of them."""
+"""Squares that are cut out of pictures for training, in sides of what is made of them.
+
+Not in sides of the picture: what is looked at later is not enlarged to one size either, so that pixels stay about as large.
+"""
 
 LIGHTER, COLOURED = 0.2, 0.06
 """How much brightness, and each colour by itself, is changed at most."""
@@ -117,8 +120,8 @@ def varied(picture: Picture, side: int, rng: np.random.Generator) -> Picture:
     if rng.random() < 0.5 and len(seen) > 1:
         rows, columns = np.nonzero(picture.instances == rng.choice(seen[seen > 0]))
         centre = np.array([columns.mean(), rows.mean()]) + rng.normal(0, cut / 6, 2)
-    low, high = np.minimum(cut / 2, 150), np.maximum(np.array([width, height]) - cut / 2, 150)
-    centre = np.clip(centre, low, high)
+    half = np.array([width, height]) / 2
+    centre = np.clip(centre, np.minimum(cut / 2, half), np.maximum(2 * half - cut / 2, half))
     zoom, mirror = side / cut, -1.0 if rng.random() < 0.5 else 1.0
     across = [mirror * zoom, 0.0, side / 2 - mirror * zoom * centre[0]]
     matrix = np.array([across, [0.0, zoom, side / 2 - zoom * centre[1]]])

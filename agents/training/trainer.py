@@ -169,6 +169,7 @@ def train(
             if time.monotonic() - run.saved > checkpoint_s:
                 run.save()
         run.end_epoch()
+    _write_curves(folder / CURVES, run.state.curves)  # a run that was killed after its last checkpoint has not
     run.model.eval()
     with atomic_path(folder / DURATION) as temporary:
         temporary.write_text(json.dumps({"minutes": round(run.state.minutes, 2)}) + "\n", encoding="utf-8")
@@ -233,7 +234,7 @@ class _Run:
             return
         stored = _checkpoint(path, self.device)
         if stored["about"] != self._about:
-            raise ConfigError(f"{path} is of another training; leave --resume out to begin anew")
+            raise ConfigError(f"{path} is of another training; use --overwrite in place of --resume to begin anew")
         try:
             self.model.load_state_dict(stored["model"])
             self.optimizer.load_state_dict(stored["optimizer"])
@@ -314,7 +315,7 @@ def _checkpoint(path: Path, device: str) -> dict[str, Any]:
 
 
 def _no_checkpoint(path: Path) -> str:
-    return f"{path} is no checkpoint of a training; leave --resume out to begin anew"
+    return f"{path} is no checkpoint of a training; use --overwrite in place of --resume to begin anew"
 
 
 class _Batches(Dataset[Any]):

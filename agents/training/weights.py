@@ -36,6 +36,7 @@ from remqa_data.agents.training.config import (
     ViewEncoderConfig,
     WalkerConfig,
     load_committee_config,
+    no_network,
     weights_file,
 )
 from remqa_data.agents.training.grounding import GROUNDERS
@@ -177,7 +178,7 @@ def _opened(path: Path) -> Iterator[Any]:
         with safe_open(path, framework="pt") as file:
             yield file
     except (OSError, KeyError, TypeError, ValueError, RuntimeError, _safetensors_error()) as error:
-        raise ConfigError(f"{path} is no network that remqa-agent has trained: {type(error).__name__}") from None
+        raise no_network(path, error) from None
 
 
 def _about(file: Any) -> About:

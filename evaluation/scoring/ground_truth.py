@@ -16,6 +16,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from remqa_data.errors import DatasetError
+from remqa_data.evaluation.submission.reader import Submission
 from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.geometry.types import F64
 from remqa_data.storage.manifest import Manifest, load_manifest
@@ -140,11 +141,25 @@ def load_ground_truth(root: Path, track: Track, split: str) -> GroundTruth:
         If a shard is not as it was written.
     """
     manifest = load_manifest(root)
-    name, columns = ("expressions", EXPRESSION_COLUMNS) if track == "rec" else ("questions", QUESTION_COLUMNS)
-    table = read_table(root, name, split, columns).combine_chunks()
+    columns = EXPRESSION_COLUMNS if track == "rec" else QUESTION_COLUMNS
+    table = read_table(root, TRACKS[track].table, split, columns).combine_chunks()
     if track == "rec":
         table = table.append_column("room_type", pa.array(_room_types(root, manifest, table["scene"].to_pylist())))
     return GroundTruth(root, track, split, manifest, table)
+
+
+def truth_of(submission: Submission, root: Path) -> GroundTruth:
+    """Read the split that a submission is about; errors as in `load_ground_truth`, too.
+
+    Raises
+    ------
+    SubmissionError
+        If it is about another dataset, or a split that the dataset has not.
+    """
+    header, manifest = submission.header, load_manifest(root)
+    splits = manifest.splits(TRACKS[header.track].table)
+    submission.check(dataset=dataset_sha256(manifest), splits=splits)
+    return load_ground_truth(root, header.track, header.split)
 
 
 def dataset_sha256(manifest: Manifest) -> str:

@@ -103,8 +103,17 @@ class Submission:
             if first - 1 > max_rows:
                 raise SubmissionError(self.path, self.place(first - 1), too_many_rows(max_rows))
 
-    def check(self, *, track: str | None = None, split: str | None = None, dataset: str | None = None) -> None:
+    def check(
+        self,
+        *,
+        track: str | None = None,
+        split: str | None = None,
+        dataset: str | None = None,
+        splits: Sequence[str] = (),
+    ) -> None:
         """Refuse a submission to another track, or about another split or dataset (its sha256), where one is named.
+
+        Where `splits` are named, those of the dataset, its split is one of them.
 
         Raises
         ------
@@ -117,9 +126,18 @@ class Submission:
                 self._refuse(name, found, value)
         if dataset is not None and said is not None and not (len(said) >= LEAST_SHA256 and dataset.startswith(said)):
             self._refuse("dataset", said[:LEAST_SHA256], dataset[:LEAST_SHA256])
+        if splits and self.header.split not in splits:
+            msg = f"the dataset has no split {self.header.split!r}; expected one of: {', '.join(splits)}"
+            raise SubmissionError(self.path, self.header_place("split"), msg)
 
     def _refuse(self, name: str, found: str, value: str) -> NoReturn:
-        raise SubmissionError(self.path, "the header", f"the predictions are for {name} {found!r}, not {value!r}")
+        raise SubmissionError(
+            self.path, self.header_place(name), f"the predictions are for {name} {found!r}, not {value!r}"
+        )
+
+    def header_place(self, field: str) -> str:
+        """Where a field of the header is, for people."""
+        return f"{_header_place(is_parquet=self.is_parquet)}, field {field}"
 
     def place(self, row: int) -> str:
         """Where a row is, for people: in a .jsonl file the line, of which the header is the first."""
@@ -139,7 +157,7 @@ def open_submission(path: Path) -> Submission:
     if not path.is_file():
         raise SubmissionError(path, "", "no such file")
     is_parquet = path.suffix == ".parquet"
-    text, where = (parquet_header(path), f"metadata {FORMAT}") if is_parquet else (_first_line(path), "line 1")
+    text, where = parquet_header(path) if is_parquet else _first_line(path), _header_place(is_parquet=is_parquet)
     try:
         header = Header.model_validate_json(text)
         _refuse_repeated_keys(path, where, text)
@@ -150,6 +168,10 @@ def open_submission(path: Path) -> Submission:
         )
         raise SubmissionError(path, ", field ".join(filter(None, (where, field))), msg) from None
     return Submission(path, header, is_parquet)
+
+
+def _header_place(*, is_parquet: bool) -> str:
+    return f"metadata {FORMAT}" if is_parquet else "line 1"
 
 
 def write_submission(path: Path, header: Header, rows: Sequence[Mapping[str, Any]]) -> None:

@@ -107,6 +107,11 @@ class TrackSpec:
         return f"{self.asks}_id"
 
     @property
+    def table(self) -> str:
+        """Name of the dataset's table that has what rows are about."""
+        return f"{self.asks}s"
+
+    @property
     def ranked_by(self) -> str:
         """The measure that submissions are ranked by; where it was not measured there is no rank."""
         return self.main_measures[0]

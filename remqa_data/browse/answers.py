@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from remqa_data.errors import SubmissionError
-from remqa_data.evaluation.scoring.ground_truth import dataset_sha256, load_ground_truth
+from remqa_data.evaluation.scoring.ground_truth import truth_of
 from remqa_data.evaluation.scoring.scoring import places_of
 from remqa_data.evaluation.submission.reader import Submission, open_submission
 from remqa_data.evaluation.submission.tracks import TRACKS
@@ -104,8 +104,7 @@ def _read(submission: Submission, root: Path) -> AgentAnswers:
     if column != "question_id":
         reason = f"track {header.track} is about referring expressions; browse shows answers to questions"
         raise SubmissionError(submission.path, "", reason)
-    truth = load_ground_truth(root, header.track, header.split)
-    submission.check(dataset=dataset_sha256(truth.manifest))
+    truth = truth_of(submission, root)
     answered = np.zeros(len(truth.ids), dtype=np.bool_)
     rows: dict[str, Mapping[str, Any]] = {}
     for batch in submission.batches(replay=True, max_rows=len(truth.ids)):

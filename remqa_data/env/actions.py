@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from gymnasium import spaces
 
-from remqa_data.errors import ActionError
+from remqa_data.errors import ActionError, one_line
 from remqa_data.limits import MAX_TEXT
 from remqa_data.sim.agent.actions import (
     DONE,
@@ -81,11 +81,11 @@ class Command:
         if self.action is not None and self.answer is not None:
             raise ActionError("a Command has an action or an answer, not both: an answer ends the episode")
         if not isinstance(self.action, Action | None):
-            raise ActionError(f"Command(action={self.action!r}): give an Action, such as parse_action('MoveAhead')")
+            raise ActionError(f"Command(action={self.action!r:.80}): give an Action, such as parse_action('MoveAhead')")
         if not (self.answer is None or (isinstance(self.answer, str) and len(self.answer) <= MAX_TEXT)):
-            raise ActionError(f"Command(answer={self.answer!r}): give a text of at most {MAX_TEXT} characters")
+            raise ActionError(f"Command(answer={self.answer!r:.80}): give a text of at most {MAX_TEXT} characters")
         if self.answer is not None and not _is_unicode(self.answer):
-            raise ActionError(f"Command(answer={self.answer!r}): half a character, which no file holds")
+            raise ActionError(f"Command(answer={self.answer!r:.80}): half a character, which no file holds")
         if self.box is not None:
             object.__setattr__(self, "box", _box(self.box))
 
@@ -119,7 +119,7 @@ def action_space(mode: ActionMode) -> spaces.Space[Any]:
     if mode == "discrete":
         return spaces.Discrete(len(DISCRETE))
     if mode != "parametrised":
-        raise ActionError(f"action mode {mode!r} is neither 'discrete' nor 'parametrised'")
+        raise ActionError(f"action mode {mode!r:.80} is neither 'discrete' nor 'parametrised'")
     return spaces.Dict(
         {
             "action": spaces.Discrete(len(PARAMETRISED)),
@@ -141,7 +141,7 @@ def command(action: Any, mode: ActionMode, agent: Agent) -> Command:
         of what it is done to; "amounts", its numbers in the order of `remqa_data.sim.agent.actions`, in units of their
         `scale`; "box", see `Command` (without area: none); "answer", an index into `ANSWERS`. An amount of 0 stands for the
         default where there is one, an amount beyond what the action takes for the nearest that it takes, and a position
-        is ahead, left and up of where the agent stands.
+        is ahead, left and up of where the agent stands. Arrays of float64 will do.
     mode : {"discrete", "parametrised"}
         What a number or a dictionary belongs to.
     agent : Agent
@@ -156,9 +156,12 @@ def command(action: Any, mode: ActionMode, agent: Agent) -> Command:
         return action
     if isinstance(action, str):
         return _of_text(action)
+    if isinstance(action, dict):
+        action = {name: _as_in_space(entry) for name, entry in action.items()}
     if not _known_space(mode).contains(action):
         what = f"a number below {len(DISCRETE)}" if mode == "discrete" else "an element of the action space"
-        raise ActionError(f"{action!r} is not an action of the {mode} space: give {what}, a text or a Command")
+        told = one_line(repr(action))
+        raise ActionError(f"{told:.200} is not an action of the {mode} space: give {what}, a text or a Command")
     return _of_text(DISCRETE[int(action)]) if mode == "discrete" else _of_entries(action, agent)
 
 
@@ -167,11 +170,16 @@ def _known_space(mode: ActionMode) -> spaces.Space[Any]:
     return action_space(mode)
 
 
+def _as_in_space(entry: Any) -> Any:
+    """An entry of a dictionary; NumPy's own numbers, float64, as the float32 that the space has."""
+    return entry.astype(np.float32) if isinstance(entry, np.ndarray) and entry.dtype == np.float64 else entry
+
+
 def _of_text(text: str) -> Command:
     word, _, rest = text.partition(" ")
     if word == ANSWER:
         if not rest.strip():
-            raise ActionError(f"{text!r}: {ANSWER} takes an answer, such as {ANSWER} yes")
+            raise ActionError(f"{text!r:.80}: {ANSWER} takes an answer, such as {ANSWER} yes")
         return Command(answer=rest.strip())
     return Command(parse_action(text))
 

@@ -18,7 +18,7 @@ def check_counts(least: int = 1, /, **counts: object) -> None:
     for name, value in counts.items():
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
             raise ActionError(
-                f"{name} is {value!r}: give a {'positive whole number' if least else 'whole number, 0 for none'}"
+                f"{name} is {value!r:.80}: give a {'positive whole number' if least else 'whole number, 0 for none'}"
             )
 
 
@@ -27,6 +27,12 @@ def check_flags(**flags: object) -> None:
     for name, value in flags.items():
         if not isinstance(value, bool | np.bool_):
             raise ActionError(f"{name} is {value!r:.80}: give True or False")
+
+
+def check_render_mode(render_mode: object, *known: str) -> None:
+    """ActionError for what is neither None nor a mode that is known."""
+    if render_mode is not None and render_mode not in known:
+        raise ActionError(f"render_mode is {render_mode!r:.80}: give {' or '.join(map(repr, (None, *known)))}")
 
 
 def check_vocabulary(vocabulary: object) -> None:

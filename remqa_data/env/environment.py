@@ -25,13 +25,13 @@ from gymnasium import spaces
 from remqa_data.catalog import catalog
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.env.actions import ActionMode, Shares, action_space, command
-from remqa_data.env.arguments import check_counts, check_flags, check_vocabulary
+from remqa_data.env.arguments import check_counts, check_flags, check_render_mode, check_vocabulary
 from remqa_data.env.episodes import DatasetEpisodes, Episode, Episodes, SceneEpisodes
 from remqa_data.env.loaded_scene import LoadedRoom
 from remqa_data.env.question import QuestionText
 from remqa_data.env.record import EpisodeRecord, reward_of
 from remqa_data.errors import ActionError
-from remqa_data.limits import MOST_IMAGE_PX
+from remqa_data.limits import MAX_TEXT, MOST_IMAGE_PX
 from remqa_data.scene import Scene
 from remqa_data.sim.agent.actions import (
     DONE,
@@ -52,6 +52,8 @@ ENV_ID = "remqa_data/Remqa-v0"
 MAX_QUESTION_CHARACTERS, MAX_QUESTION_WORDS = 200, 40
 CHARACTERS = " " + string.printable.replace(" ", "")
 """Of questions."""
+MOST_OF_ACTION = MAX_TEXT + 100
+"""Characters of an action in `info`: those that submissions hold are shorter."""
 ROOM_M, DEPTH_M = 100.0, 100.0
 """Bounds of the spaces: no room is so large."""
 
@@ -120,10 +122,9 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
             raise ActionError("give either the root of a dataset or scenes: one of them, not both")
         if scenes is not None and (question_ids is not None or split != "train"):
             raise ActionError("in bare rooms nothing is asked: give split and question_ids with the root of a dataset")
-        if render_mode not in (None, "rgb_array"):
-            raise ActionError(f"render_mode {render_mode!r} is neither None nor 'rgb_array'")
+        check_render_mode(render_mode, *self.metadata["render_modes"])
         if hands not in get_args(Hands):
-            raise ActionError(f"hands {hands!r} is none of {', '.join(get_args(Hands))}")
+            raise ActionError(f"hands {hands!r:.80} is none of {', '.join(get_args(Hands))}")
         check_counts(width=width, height=height, max_steps=max_steps)
         check_counts(0, views_kept=views_kept)
         check_flags(privileged=privileged)
@@ -165,7 +166,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin an episode; `options={"episode": id}` chooses which.
+        """Begin an episode; `options={"episode": id}` chooses which. If this fails, there is none.
 
         Raises
         ------
@@ -174,6 +175,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         UnknownNameError
             If there is no such episode.
         """
+        self._is_over = True  # until there is all that an episode takes
         super().reset(seed=seed)
         name = wanted_episode(self.episode_ids, self.np_random, options)
         episode = self.episodes.episode(name)
@@ -210,7 +212,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         terminated = wanted.action is None or wanted.action.name == DONE
         truncated = not terminated and self.steps >= self.max_steps
         info: dict[str, Any] = {
-            "action": str(wanted),
+            "action": f"{wanted!s:.{MOST_OF_ACTION}}",
             "success": result.success,
             "error": result.error,
             "privileged": self.privileged,
@@ -257,7 +259,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
                 return nothing_at(action)
             action = Action(action.name, target, action.numbers)
         elif target is not None and not self.privileged and target not in agent.visible_objects():
-            return ActionResult(False, f"{target} is not visible")
+            return ActionResult(False, f"{target:.{MAX_TEXT}} is not visible")
         if task is not None and target is not None:
             self.record.look(agent, task, self._in_frame(box))
         result = perform(agent, action)
@@ -307,7 +309,7 @@ class RemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         return self._room
 
 
-def wanted_episode(ids: Sequence[str], rng: np.random.Generator, options: Mapping[str, Any] | None) -> Any:
+def wanted_episode(ids: Sequence[str], rng: np.random.Generator, options: Mapping[str, Any] | None) -> str:
     """The episode that the options of `reset` name, or one that is drawn from some.
 
     Raises
@@ -320,10 +322,10 @@ def wanted_episode(ids: Sequence[str], rng: np.random.Generator, options: Mappin
     wanted = dict(options or {})
     name = wanted.pop("episode", None)
     if wanted:
-        raise ActionError(f"reset takes the option 'episode', not {', '.join(map(repr, wanted))}")
+        raise ActionError(f"reset takes the option 'episode', not {', '.join(map(repr, wanted)):.80}")
     if name is not None and not isinstance(name, str):
         raise ActionError(f"episode is {name!r:.80}: give the name of one, such as {ids[0]!r}")
-    return ids[int(rng.integers(len(ids)))] if name is None else name
+    return ids[int(rng.integers(len(ids)))] if name is None else str(name)  # NumPy has texts of its own
 
 
 @cache

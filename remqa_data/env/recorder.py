@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -22,14 +26,15 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
     env : Env
         A `RemqaEnv` over a dataset, wrapped or not.
     path : path
-        The file to write, .jsonl.
+        The file to write, .jsonl; its folder is made at once.
     agent : str
         Name of the agent, for reports.
 
     Raises
     ------
     ActionError
-        If the environment plays bare scenes, the agent is privileged, or no submission is called so or by such an agent.
+        If the environment plays bare scenes, the agent is privileged, no submission is called so or by such an agent, or
+        nothing can be written there.
 
     Notes
     -----
@@ -45,8 +50,10 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
         if remqa.privileged:
             raise ActionError("a privileged agent cannot submit: make the environment without privileged=True")
         self._remqa = remqa
+        if not isinstance(path, str | os.PathLike):
+            raise ActionError(f"path is {path!r:.80}: give the file to write, something.jsonl")
         self.path = Path(path)
-        if self.path.suffix != ".jsonl" or self.path.is_dir():
+        if self.path.suffix != ".jsonl":
             raise ActionError(f"{path}: the file of a submission is called something.jsonl")
         if not isinstance(agent, str) or not 0 < len(agent) <= MAX_NAME:
             raise ActionError(f"the agent's name is {agent!r:.80}: give a text of 1 to {MAX_NAME} characters")
@@ -55,7 +62,13 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
         except ValueError as error:
             raise ActionError(f"the agent's name is {agent!r:.80}: {one_line(error)}") from None
         self.rows: dict[str, dict[str, Any]] = {}
-        self._last = self._stored()
+        with _told_in_one_line(self.path):
+            self._last = self._stored()
+            if self.path.is_symlink() or (self._last is not None and not self.path.is_file()):
+                raise ActionError(f"{path} is no regular file: give the path of one, something.jsonl")
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=self.path.parent):
+                pass  # so files can be made there
 
     def step(self, action: Any) -> tuple[dict[str, Any], Any, bool, bool, dict[str, Any]]:
         """Do one action; the end of an episode makes it a row.
@@ -78,16 +91,17 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
         Raises
         ------
         ActionError
-            If something else, such as another recorder, has written the file meanwhile.
+            If something else, such as another recorder, has written the file meanwhile, or it cannot be written.
         """
         if not self.rows and self._last is not None:
             return
-        if self._stored() != self._last:
-            raise ActionError(
-                f"{self.path} was written by something else meanwhile: give each recorder a file of its own"
-            )
-        write_submission(self.path, self._header, list(self.rows.values()))
-        self._last = self._stored()
+        with _told_in_one_line(self.path):
+            if self._stored() != self._last:
+                raise ActionError(
+                    f"{self.path} was written by something else meanwhile: give each recorder a file of its own"
+                )
+            write_submission(self.path, self._header, list(self.rows.values()))
+            self._last = self._stored()
 
     def close(self) -> None:
         """Write the submission and close the environment."""
@@ -130,3 +144,13 @@ class Recorder(gymnasium.Wrapper[dict[str, Any], Any, dict[str, Any], Any]):
             "manipulation": None if record.manipulation is None else str(record.manipulation),
             "answer": answer,
         }
+
+
+@contextmanager
+def _told_in_one_line(path: Path) -> Iterator[None]:
+    """What the system says of a file that it does not write, as an ActionError."""
+    try:
+        yield
+    except (OSError, ValueError) as error:  # ValueError: no file is called so
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else one_line(error)
+        raise ActionError(f"{one_line(path)} cannot be written: {reason}; give another path") from None

@@ -119,3 +119,15 @@ def test_submissions_to_different_splits_are_not_put_into_one_table(two_rooms: P
     oracle(two_rooms, tmp_path / "b.jsonl", "train")
     with pytest.raises(SubmissionError, match=r"b\.jsonl.*for split 'train', not 'test'"):
         score_systems(tmp_path, two_rooms)
+
+
+@pytest.mark.slow
+def test_a_split_that_the_dataset_has_not_is_told_of_the_submission(two_rooms: Path, tmp_path: Path) -> None:
+    said = r"a\.jsonl: line 1, field split: the dataset has no split 'nowhere'"
+    written(tmp_path / "a.jsonl", "remqa", [], "nowhere")
+    with pytest.raises(SubmissionError, match=said):
+        score_systems(tmp_path, two_rooms)
+    (tmp_path / "qa").mkdir()
+    written(tmp_path / "qa" / "a.jsonl", "qa", [], "nowhere")
+    with pytest.raises(SubmissionError, match=said):
+        picture_tables.score_pictures(tmp_path, two_rooms, "qa")

@@ -8,6 +8,7 @@ import pytest
 from safetensors import safe_open
 from safetensors.torch import save_file
 
+from remqa_data.agents.costs import cost_of
 from remqa_data.agents.networks.detection.detector import iou
 from remqa_data.agents.training.config import load_network_config, networks
 from remqa_data.agents.training.weights import KEY, load_network, weights_path
@@ -74,5 +75,25 @@ def test_weights_that_say_other_things_of_themselves_are_refused_in_one_line(
         told = json.loads(file.metadata()[KEY]) | change
     path = tmp_path / "changed.safetensors"
     save_file(tensors, path, metadata={KEY: json.dumps(told)})
-    with pytest.raises(ConfigError, match=r"changed\.safetensors is no network that remqa-agent has trained"):
+    with pytest.raises(
+        ConfigError, match=r"changed\.safetensors is no network that .*: what it says of itself is missing"
+    ):
         load_network(path, tmp_path)
+
+
+@pytest.mark.parametrize("damage", ["empty", "junk", "half", "not there", "a folder"])
+def test_a_damaged_file_is_told_in_plain_words_with_what_to_do(tmp_path: Path, damage: str) -> None:
+    path, whole = tmp_path / "broken.safetensors", weights_path("plain_matcher").read_bytes()
+    if damage == "a folder":
+        path.mkdir()
+    elif damage != "not there":
+        path.write_bytes({"empty": b"", "junk": b"junk" * 100, "half": whole[: len(whole) // 2]}[damage])
+    said = "cannot be read" if damage in ("not there", "a folder") else "is damaged, cut off or of another kind"
+    for read in (load_network, cost_of):
+        with pytest.raises(
+            ConfigError, match=r"broken\.safetensors is no network that remqa-agent has trained"
+        ) as error:
+            read(path)
+        assert f": the file {said}" in str(error.value)
+        assert str(error.value).endswith("; train it again, with --overwrite, or copy it anew")
+        assert "Error" not in str(error.value)

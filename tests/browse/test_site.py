@@ -206,7 +206,7 @@ def test_steps_are_counted_as_when_they_are_scored(hostile: Path, tmp_path: Path
     ("names", "header", "said"),
     [
         (["Kitchen1-q0"], {"dataset": "0" * 64}, "the predictions are for dataset '0000000000000000', not"),
-        (["Kitchen1-q0"], {"split": "train"}, "table questions has no split 'train'"),
+        (["Kitchen1-q0"], {"split": "train"}, "line 1, field split: the dataset has no split 'train'"),
         (["Kitchen1-q0", "Kitchen1-q0"], {}, "line 3, field question_id: 'Kitchen1-q0' is there twice"),
         (["Kitchen1-q99"], {}, "line 2, field question_id: 'Kitchen1-q99' is not in split 'test'"),
     ],

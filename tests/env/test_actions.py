@@ -10,6 +10,7 @@ import pytest
 
 from remqa_data.env import actions
 from remqa_data.env.actions import ANSWER, DISCRETE, PARAMETRISED, command
+from remqa_data.errors import ActionError
 from remqa_data.sim.agent.actions import ACTIONS, ActionSpec, Amount, amounts_of
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
@@ -36,6 +37,16 @@ def test_every_amount_of_every_action_is_read_from_the_parametrised_space(name: 
     assert read is not None
     assert len(read.numbers) == len(ACTIONS[name].amounts)
     assert amounts_of(read) == list(read.numbers)
+
+
+def test_arrays_of_float64_are_read_as_those_of_float32() -> None:
+    given = {**entries("MoveObject", 0.3), "box": np.array([0.1, 0.2, 0.7, 0.9], dtype=np.float32)}
+    wide = {name: entry.astype(np.float64) if entry.ndim else entry for name, entry in given.items()}
+    assert command(wide, "parametrised", SOMEBODY) == command(given, "parametrised", SOMEBODY)
+    wide["point"][0] = 1.5
+    with pytest.raises(ActionError, match="give an element of the action space"):
+        command(wide, "parametrised", SOMEBODY)
+    assert wide["box"].dtype == np.float64  # it is the caller's own
 
 
 def test_an_amount_brings_the_scale_of_its_own_unit_along(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -290,11 +290,60 @@ def test_a_batch_refuses_what_does_not_fit_it(small_rooms: Path, small_views: Pa
 
 
 def test_seeds_of_numpy_are_seeds(small_rooms: Path, small_views: Path) -> None:
-    told = []
-    for seed in (3, np.int64(3)):
-        envs = CachedRemqaVectorEnv(2, small_rooms, small_views)
-        told.append(envs.reset(seed=seed)[1]["episode_id"].tolist())
-    assert told[0] == told[1]
+    envs = CachedRemqaVectorEnv(2, small_rooms, small_views)
+    for seed in (3, np.int64(3), np.array(3), [3, 4], np.array([3, 4]), [np.int32(3), np.int64(4)]):
+        envs.reset(seed=seed)
+        assert envs.np_random_seed == (3, 4)
+        assert {type(one) for one in envs.np_random_seed} == {int}
+
+
+@pytest.mark.parametrize("seed", [1.5, "ab", [1, 2.5], [3, "4"], np.array([1.0, 2.0]), np.array([[1, 2], [3, 4]])])
+def test_seeds_that_are_none_are_refused_before_any_is_taken(small_rooms: Path, small_views: Path, seed: Any) -> None:
+    envs = CachedRemqaVectorEnv(2, small_rooms, small_views)
+    envs.reset(seed=7)
+    with pytest.raises(ActionError, match=r"seed is .*: give a whole number, or one for each environment"):
+        envs.reset(seed=seed)
+    assert envs.np_random_seed == (7, 8)
+
+
+def test_none_is_the_only_render_mode(small_rooms: Path, small_views: Path) -> None:
+    how = {"root": small_rooms, "views": small_views, "render_mode": None}
+    for made in (gymnasium.make(ENV_ID, **how), gymnasium.make_vec(ENV_ID, 2, **how)):
+        assert made.render_mode is None
+        made.close()
+    for make in (CachedRemqaEnv, partial(CachedRemqaVectorEnv, 2)):
+        with pytest.raises(ActionError, match="render_mode is 'rgb_array': give None"):
+            make(small_rooms, small_views, render_mode="rgb_array")
+
+
+def test_a_batch_is_truncated_after_the_steps_that_gymnasium_is_told(small_rooms: Path, small_views: Path) -> None:
+    how = {"root": small_rooms, "views": small_views}
+    for limits, last in (({"max_episode_steps": 2}, 2), ({"max_episode_steps": 4, "max_steps": 3}, 3)):
+        lengths = []
+        for mode in (None, "sync"):
+            envs = gymnasium.make_vec(ENV_ID, 2, vectorization_mode=mode, **how, **limits)
+            envs.reset(seed=0)
+            lengths.append([envs.step([LEFT, LEFT])[3].tolist() for _ in range(last)])
+            envs.close()
+        assert lengths == [[[False, False]] * (last - 1) + [[True, True]]] * 2
+    for none in (None, -1):
+        CachedRemqaVectorEnv(2, **how, max_episode_steps=none)
+    with pytest.raises(ActionError, match="max_episode_steps is 0: give a positive whole number"):
+        CachedRemqaVectorEnv(2, **how, max_episode_steps=0)
+
+
+def test_info_of_a_batch_has_what_gymnasiums_has_but_words(small_rooms: Path, small_views: Path) -> None:
+    how = {"root": small_rooms, "views": small_views}
+    batch, one_by_one = (gymnasium.make_vec(ENV_ID, 2, vectorization_mode=mode, **how) for mode in (None, "sync"))
+    words = {"action", "error", "_action", "_error"}
+    batch.reset(seed=0)
+    one_by_one.reset(seed=0)
+    for actions in ([LEFT, DONE], [LEFT, LEFT], [DONE, DONE], [LEFT, LEFT], [LEFT, AHEAD]):
+        info, expected = (envs.step(np.array(actions))[-1] for envs in (batch, one_by_one))
+        assert {key: value.tolist() for key, value in info.items()} == {
+            key: value.tolist() for key, value in expected.items() if key not in words
+        }
+    one_by_one.close()
 
 
 def test_a_copy_in_the_middle_of_an_episode_goes_on_and_is_no_copy_of_the_cache(env: CachedRemqaEnv) -> None:

@@ -167,7 +167,7 @@ def test_misuse_is_an_exception_and_the_episode_goes_on(env: RemqaEnv, action: A
         ({"root": "nowhere", "scenes": [ROOM]}, ActionError, "one of them, not both"),
         ({"root": "nowhere"}, DatasetError, "no such folder"),
         ({"scenes": [ROOM], "action_mode": "continuous"}, ActionError, "'continuous'"),
-        ({"scenes": [ROOM], "render_mode": "human"}, ActionError, "'human' is neither"),
+        ({"scenes": [ROOM], "render_mode": "human"}, ActionError, "render_mode is 'human': give None or 'rgb_array'"),
         ({"scenes": [ROOM], "width": 0}, ActionError, "width is 0"),
         ({"scenes": [ROOM], "width": True}, ActionError, "width is True"),
         ({"scenes": [ROOM], "width": 64.5}, ActionError, "width is 64.5"),
@@ -237,6 +237,59 @@ def test_reset_knows_its_episodes_and_its_option(env: RemqaEnv) -> None:
         env.reset(options={"episode": ROOM[:-1]})
     with pytest.raises(ActionError, match="option 'episode'"):
         env.reset(options={"scene": ROOM})
+
+
+@pytest.mark.parametrize("options", [{"episode": "nothing"}, {"scene": "Small1"}])
+@pytest.mark.parametrize("is_cached", [False, True])
+def test_after_a_reset_that_failed_no_episode_goes_on(
+    small_rooms: Path, small_views: Path, is_cached: bool, options: Any
+) -> None:
+    env = CachedRemqaEnv(small_rooms, small_views) if is_cached else RemqaEnv(small_rooms, width=8, height=8)
+    env.reset(seed=0)
+    with pytest.raises((ActionError, UnknownNameError)):
+        env.reset(seed=1, options=options)
+    with pytest.raises(ActionError, match="call reset"):
+        env.step(LEFT)
+    env.reset()
+    assert env.step(LEFT)[-1]["success"]
+    env.close()
+
+
+def test_an_episode_that_is_named_by_a_text_of_numpy_is_told_as_a_text(small_rooms: Path, small_views: Path) -> None:
+    makes = (partial(RemqaEnv, small_rooms, width=8, height=8), partial(CachedRemqaEnv, small_rooms, small_views))
+    for env, name in (*((make(), "Small1-q0") for make in makes), (RemqaEnv(**SMALL), ROOM)):
+        info = env.reset(options={"episode": np.str_(name)})[1]
+        assert info["episode_id"] == name
+        assert {type(info[key]) for key in ("episode_id", "scene")} == {str}
+        env.close()
+
+
+@pytest.mark.parametrize("text", ["{}", "Answer {}", "Answer{}", "OpenObject @{}", "OpenObject a {}", "MoveAhead {}"])
+def test_what_is_said_of_a_long_action_is_short(env: RemqaEnv, text: str) -> None:
+    env.reset(seed=0)
+    for filling in ("x" * 100_000, " " * 100_000):
+        with pytest.raises(ActionError) as caught:
+            env.step(text.format(filling))
+        assert len(str(caught.value)) < 400
+
+
+@pytest.mark.parametrize(
+    "action", [["x"] * 100_000, {"action": "x" * 100_000}, 10**1000], ids=["list", "dictionary", "number"]
+)
+def test_what_is_said_of_something_long_that_is_no_action_is_short(env: RemqaEnv, action: Any) -> None:
+    env.reset(seed=0)
+    for wrong in (partial(env.step, action), partial(Command, action), partial(Command, None, action)):
+        with pytest.raises(ActionError) as caught:
+            wrong()
+        assert len(str(caught.value)) < 400
+
+
+def test_a_long_name_is_not_visible_in_few_words(env: RemqaEnv) -> None:
+    env.reset(seed=0)
+    info = env.step("OpenObject " + "y" * 100_000)[-1]
+    assert info["error"].endswith("yy is not visible")
+    assert info["action"].startswith("OpenObject yy")
+    assert max(len(info["error"]), len(info["action"])) <= 400
 
 
 @pytest.mark.parametrize("options", [{"episode": 3}, {"episode": [ROOM]}, ROOM, [ROOM], 0])

@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -70,6 +71,44 @@ def test_what_no_submission_can_be_called_is_told_at_once(
     with pytest.raises(ActionError, match=r"is called something\.jsonl|the agent's name is"):
         Recorder(env, tmp_path / name, agent)
     env.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("taken/p.jsonl", "Not a directory"),
+        ("/proc/nope/p.jsonl", "cannot be written: "),
+        ("/proc/p.jsonl", "cannot be written: "),
+        ("long" * 100 + ".jsonl", "File name too long"),
+        ("null\0.jsonl", "null byte"),
+        ("folder.jsonl", "no regular file"),
+        ("link.jsonl", "no regular file"),
+        (3, "path is 3"),
+    ],
+)
+def test_where_nothing_can_be_written_is_told_at_once_and_in_one_line(
+    small_rooms: Path, tmp_path: Path, name: Any, why: str
+) -> None:
+    (tmp_path / "taken").write_text("")
+    (tmp_path / "folder.jsonl").mkdir()
+    (tmp_path / "link.jsonl").symlink_to("taken")
+    env = RemqaEnv(small_rooms, "test", width=8, height=8)
+    with pytest.raises(ActionError, match=why) as caught:
+        Recorder(env, tmp_path / name if isinstance(name, str) else name)
+    assert str(caught.value).isprintable()
+    env.close()
+
+
+def test_a_folder_that_is_not_there_is_made_and_one_that_goes_away_is_an_action_error(
+    small_rooms: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "new" / "deep" / "p.jsonl"
+    env = Recorder(RemqaEnv(small_rooms, "test", width=8, height=8), path)
+    assert list(path.parent.iterdir()) == []
+    path.parent.rmdir()
+    path.parent.write_text("")
+    with pytest.raises(ActionError, match=r"p\.jsonl cannot be written: Not a directory; give another path"):
+        env.close()
 
 
 @pytest.mark.slow

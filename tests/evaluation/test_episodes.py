@@ -92,3 +92,6 @@ def test_what_cannot_be_played_is_told_in_one_line(
     write_submission(other, Header(track="remqa", split="test", dataset="0" * 64), rows)
     with pytest.raises(SubmissionError, match=r"the predictions are for dataset '0{16}', not"):
         submitted_commands(other, two_rooms, rows[0]["question_id"])
+    write_submission(other, Header(track="remqa", split="../x"), rows)
+    with pytest.raises(SubmissionError, match=r"line 1, field split: the dataset has no split '\.\./x'"):
+        submitted_commands(other, two_rooms, rows[0]["question_id"])

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from remqa_data.floorplans.load import load_scene
 from remqa_data.sim.agent.handling import OVERLAP_M
 from remqa_data.thor import Controller
 
@@ -20,6 +21,10 @@ BATHTUB, SOAP_BOTTLE = "Bathtub|-00.21|+00.36|+00.92", "SoapBottle|-03.41|+01.02
 def controller() -> Iterator[Controller]:
     with Controller(scene=KITCHEN, width=300, height=300) as controller:
         yield controller
+
+
+def first_of(controller, type_name: str) -> str:
+    return next(o["objectId"] for o in controller.last_event.metadata["objects"] if o["objectType"] == type_name)
 
 
 def put(controller: Controller, scene: str, thing: str, receptacle: str, pose: dict[str, Any]) -> Any:
@@ -59,3 +64,49 @@ def test_what_was_put_before_does_not_let_a_knife_through_a_bowl(controller) -> 
     assert knife["parentReceptacles"] == [bowl]
     rim = max(y for _, y, _ in controller.last_event.get_object(bowl)["axisAlignedBoundingBox"]["cornerPoints"])
     assert knife["position"]["y"] == pytest.approx(rim, abs=0.02)
+
+
+@pytest.mark.parametrize("room", ["FloorPlan1", "FloorPlan7"])
+def test_a_mug_on_a_plate_is_carried_and_put_down_with_it(controller, room: str) -> None:
+    controller.reset(room)
+    mug, plate, counter = (first_of(controller, name) for name in ("Mug", "Plate", "CounterTop"))
+    for action, object_id in (("PickupObject", mug), ("PutObject", plate)):
+        assert controller.step(action, objectId=object_id, forceAction=True, renderImage=False)
+    get = controller.last_event.get_object
+    assert get(mug)["parentReceptacles"] == [plate]
+    assert mug not in (get(plate)["parentReceptacles"] or [])  # though its middle is where the mug's inside is
+    for action, object_id in (("PickupObject", plate), ("PutObject", counter)):
+        event = controller.step(action, objectId=object_id, forceAction=True, renderImage=False)
+        assert event, event.metadata["errorMessage"]
+    get = event.get_object
+    assert (get(mug)["parentReceptacles"], get(plate)["parentReceptacles"]) == ([plate], [counter])
+
+
+@pytest.mark.parametrize(
+    ("room", "cabinet"),
+    [("FloorPlan403", "Cabinet|-02.42|+00.43|+02.87"), ("FloorPlan30", "Cabinet|-00.19|+01.67|-01.34")],
+)
+def test_a_cabinet_that_opens_a_crack_in_the_dataset_opens_here(controller, room: str, cabinet: str) -> None:
+    assert next(o for o in load_scene(room).objects if o.id == cabinet).most_open < 0.15
+    controller.reset(room)
+    event = controller.step("OpenObject", objectId=cabinet, forceAction=True, renderImage=False)
+    assert event.get_object(cabinet)["openness"] == 1.0
+
+
+def test_what_is_put_into_a_deep_sink_is_seen_from_nearby(controller) -> None:
+    controller.reset("FloorPlan3")
+    egg, basin = first_of(controller, "Egg"), first_of(controller, "SinkBasin")
+    assert controller.step("PickupObject", objectId=egg, forceAction=True, renderImage=False)
+    y = controller.last_event.metadata["agent"]["position"]["y"]
+    before = {"x": -1.0, "y": y, "z": -0.5, "rotation": {"x": 0, "y": 270, "z": 0}, "horizon": 30, "standing": True}
+    assert controller.step("TeleportFull", **before, renderImage=False)
+    assert controller.step("PutObject", objectId=basin, renderImage=False).get_object(egg)["visible"]
+
+
+def test_a_near_place_that_is_not_seen_is_better_than_a_far_one_that_is(controller) -> None:
+    controller.reset("FloorPlan8")
+    cup, counter = first_of(controller, "Cup"), "CounterTop|+01.17|+00.95|-00.65"
+    assert controller.step("PickupObject", objectId=cup, forceAction=True, renderImage=False)
+    before = {"x": -0.75, "y": 0.9, "z": 1.0, "rotation": {"x": 0, "y": 180, "z": 0}, "horizon": 0, "standing": True}
+    assert controller.step("TeleportFull", **before, renderImage=False)
+    assert controller.step("PutObject", objectId=counter, renderImage=False).get_object(cup)["distance"] < 1.75

@@ -20,7 +20,7 @@ import numpy as np
 from gymnasium import spaces
 
 from remqa_data.datasets.vocabulary import Vocabulary
-from remqa_data.env.arguments import check_counts, check_flags
+from remqa_data.env.arguments import check_counts, check_flags, check_render_mode
 from remqa_data.env.cached.tasks import CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
 from remqa_data.env.environment import pose_space, question_space, tokens_space, type_numbers, wanted_episode
@@ -56,6 +56,8 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         written to: frames and features are mapped files, of which only what is looked at is read.
     vocabulary : Vocabulary, optional
         For the question's tokens; by default that of the dataset's train split.
+    render_mode : None
+        There are no pictures from outside.
 
     Notes
     -----
@@ -77,12 +79,14 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         features: bool = False,
         copy: bool = True,
         vocabulary: Vocabulary | None = None,
+        render_mode: str | None = None,
     ) -> None:
+        check_render_mode(render_mode)
         check_counts(max_steps=max_steps)
         check_flags(features=features, copy=copy)
         self.tasks = CachedTasks(root, views, split, question_ids, vocabulary)
         self.walk = Walk(self.tasks, max_steps)
-        self._has_features, self._copies = features, copy
+        self._has_features, self._copies, self.render_mode = features, copy, render_mode
         self.action_space = spaces.Discrete(len(ACTIONS))
         self.observation_space = observation_space(self.tasks, features)
 
@@ -94,7 +98,7 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin an episode; `options={"episode": id}` chooses which.
+        """Begin an episode; `options={"episode": id}` chooses which. If this fails, there is none.
 
         The same seed draws the same as in `RemqaEnv`, if all rooms that the split asks about are cached.
 
@@ -105,6 +109,7 @@ class CachedRemqaEnv(gymnasium.Env[dict[str, Any], Any]):
         UnknownNameError
             If there is no such episode.
         """
+        self.walk.is_over = True  # until there is all that an episode takes
         super().reset(seed=seed)
         info = begin(self.walk, self.tasks, self.np_random, options)
         task = self.walk.task

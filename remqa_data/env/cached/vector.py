@@ -14,13 +14,13 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from remqa_data.datasets.vocabulary import Vocabulary
-from remqa_data.env.arguments import check_counts, check_flags
+from remqa_data.env.arguments import check_counts, check_flags, check_render_mode
 from remqa_data.env.cached.environment import begin, observation_space
 from remqa_data.env.cached.tasks import CachedTasks
 from remqa_data.env.cached.walk import ACTIONS, Walk, action_number
 from remqa_data.env.environment import type_numbers
 from remqa_data.env.record import reward_of
-from remqa_data.errors import ActionError
+from remqa_data.errors import ActionError, one_line
 
 Batch = tuple[dict[str, Any], npt.NDArray[np.float64], npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]
 
@@ -35,8 +35,10 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
     ----------
     num_envs : int
         How many.
-    root, views, split, question_ids, max_steps, features, vocabulary
+    root, views, split, question_ids, max_steps, features, vocabulary, render_mode
         See `CachedRemqaEnv`.
+    max_episode_steps : int, optional
+        What `gymnasium.make_vec` calls `max_steps`: an episode is truncated after the fewer of both; -1 for no other limit.
     """
 
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
@@ -52,10 +54,16 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         max_steps: int = 250,
         features: bool = False,
         vocabulary: Vocabulary | None = None,
+        render_mode: str | None = None,
+        max_episode_steps: int | None = None,
     ) -> None:
+        check_render_mode(render_mode)
         check_counts(num_envs=num_envs, max_steps=max_steps)
+        if max_episode_steps not in (None, -1):
+            check_counts(max_episode_steps=max_episode_steps)
+            max_steps = min(max_steps, max_episode_steps)
         check_flags(features=features)
-        self.num_envs, self.autoreset_mode = num_envs, AutoresetMode.NEXT_STEP
+        self.num_envs, self.autoreset_mode, self.render_mode = num_envs, AutoresetMode.NEXT_STEP, render_mode
         self.tasks = CachedTasks(root, views, split, question_ids, vocabulary)
         self.walks = [Walk(self.tasks, max_steps) for _ in range(num_envs)]
         self._has_features, self._has_begun = features, False
@@ -79,15 +87,9 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         """
         wanted = dict(options or {})
         mask = self._mask(wanted.pop("reset_mask", None))
-        seeds = [int(seed) + i for i in range(self.num_envs)] if isinstance(seed, int | np.integer) else seed
-        if seeds is not None:
-            if not isinstance(seeds, Sequence | np.ndarray):
-                raise ActionError(f"seed is {seed!r:.80}: give a whole number, or one for each environment")
-            if len(seeds) != self.num_envs:
-                raise ActionError(f"there are {len(seeds)} seeds for {self.num_envs} environments")
-            for number, one in enumerate(seeds):
-                if one is not None and mask[number]:
-                    self._draws[number] = seeding.np_random(one)
+        for number, one in enumerate(self._seeds(seed)):
+            if one is not None and mask[number]:
+                self._draws[number] = seeding.np_random(one)
         info: dict[str, Any] = {}
         self._has_begun = False  # until all have
         for number in np.flatnonzero(mask).tolist():
@@ -126,7 +128,9 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
         if not acted.all():
             self._tell()
         everywhere, nowhere = np.ones(self.num_envs, dtype=np.bool_), np.zeros(self.num_envs, dtype=np.bool_)
-        info |= {"success": success, "_success": acted, "privileged": nowhere, "_privileged": everywhere}
+        info |= {"privileged": nowhere, "_privileged": everywhere}
+        if acted.any():
+            info |= {"success": success, "_success": acted}
         return self._observe(), rewards, terminated, truncated, info
 
     @property
@@ -146,6 +150,19 @@ class CachedRemqaVectorEnv(VectorEnv[dict[str, Any], Any, npt.NDArray[Any]]):
     def _begin(self, number: int, info: dict[str, Any], options: dict[str, Any] | None = None) -> dict[str, Any]:
         said = begin(self.walks[number], self.tasks, self._draws[number][0], options)
         return self._add_info(info, said, number)
+
+    def _seeds(self, given: Any) -> list[int | None]:
+        """What each is to draw from; None to go on."""
+        seeds = given.tolist() if isinstance(given, np.ndarray) else given
+        if isinstance(seeds, int | np.integer):
+            return [int(seeds) + i for i in range(self.num_envs)]
+        if seeds is None:
+            return [None] * self.num_envs
+        if not (isinstance(seeds, Sequence) and all(isinstance(one, int | np.integer | None) for one in seeds)):
+            raise ActionError(f"seed is {one_line(repr(given)):.80}: give a whole number, or one for each environment")
+        if len(seeds) != self.num_envs:
+            raise ActionError(f"there are {len(seeds)} seeds for {self.num_envs} environments")
+        return [None if one is None else int(one) for one in seeds]
 
     def _mask(self, given: Any) -> npt.NDArray[np.bool_]:
         """Which begin an episode."""

@@ -113,6 +113,6 @@ def action_number(action: Any) -> int:
         number = -1
     if not 0 <= number < len(ACTIONS):
         raise ActionError(
-            f"{action!r} is not an action: give a number below {len(ACTIONS)} or one of {', '.join(ACTIONS)}"
+            f"{action!r:.80} is not an action: give a number below {len(ACTIONS)} or one of {', '.join(ACTIONS)}"
         )
     return number

@@ -12,6 +12,7 @@ import numpy as np
 
 from remqa_data.assets.core.fitting import box_of
 from remqa_data.assets.mesh.cutting import solid_around
+from remqa_data.assets.types.bathroom.basins import DIVIDED
 from remqa_data.assets.types.furniture.storage import LET_IN
 from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.backs import ON_WALLS
@@ -26,6 +27,9 @@ BENEATH_M = 0.03
 """What ends no farther than this below a thin worktop is let into it, or stands on it."""
 IN_SINK_M = 0.05
 """What is over so much of a sink, both ways, stands in it."""
+HALF_OPEN = 0.5
+"""A door or drawer that opens less than this would cover what is in it; it opens all the way, through what is in its way."""
+DEEP_BASIN_M, UNDIVIDED = 0.2, 1
 DEEP_M = 0.6
 """A piece of inner wall that is no farther from a window than this hides it."""
 FRAME_M = 0.006
@@ -49,7 +53,16 @@ def uncovered(scene: Scene) -> Scene:
         "wall": [hole for o in scene.objects if o.type == "Window" and not _bears(hole := _before(o), scene)],
     }
     structure = [replace(p, box=box) for p in scene.structure for box in _around(p.box, free.get(p.kind, []))]
+    objects = [_undivided(o) if o.type == "SinkBasin" else o for o in objects]
+    objects = [replace(o, most_open=1.0) if o.most_open < HALF_OPEN else o for o in objects]
     return replace(scene, objects=tuple(objects), structure=tuple(structure))
+
+
+def _undivided(basin: SceneObject) -> SceneObject:
+    """A deep basin in one bowl: of two, the farther one is behind what divides them."""
+    if basin.asset.variant != DIVIDED or basin.asset.size[2] <= DEEP_BASIN_M:
+        return basin
+    return replace(basin, asset=replace(basin.asset, variant=UNDIVIDED))
 
 
 def _around(box: Box, holes: Sequence[Box]) -> list[Box]:

@@ -158,13 +158,13 @@ def parse_action(text: str) -> Action:
     target: Target | None = None
     if spec.has_target:
         if not rest or not rest[0]:
-            raise ActionError(f"{text!r}: {_usage(name)}")
+            raise ActionError(f"{text!r:.200}: {_usage(name)}")
         target = _image_point(rest[0], text) if rest[0].startswith("@") else rest[0]
         rest = rest[1:]
     try:
         numbers = tuple(map(_number, rest))
     except ValueError:
-        raise ActionError(f"{text!r}: {_usage(name)}") from None
+        raise ActionError(f"{text!r:.200}: {_usage(name)}") from None
     action = Action(name, target, numbers)
     amounts_of(action)
     return action
@@ -256,7 +256,7 @@ def action_spec(name: str) -> ActionSpec:
     if name not in ACTIONS:
         near = nearest_names(name, ACTIONS)
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
-        raise ActionError(f"{name!r} is not an action{hint}")
+        raise ActionError(f"{name!r:.80} is not an action{hint}")
     return ACTIONS[name]
 
 
@@ -332,14 +332,14 @@ def amounts_of(action: Action, body: Embodiment = AGENT) -> list[float]:
     """
     spec = action_spec(action.name)
     if spec.has_target != (action.target is not None) or len(action.numbers) > len(spec.amounts):
-        raise ActionError(f"{str(action)!r}: {_usage(action.name)}")
+        raise ActionError(f"{str(action)!r:.200}: {_usage(action.name)}")
     amounts = []
     for place, amount in enumerate(spec.amounts):
         value = action.numbers[place] if place < len(action.numbers) else amount.default_of(body)
         if value is None:
-            raise ActionError(f"{str(action)!r}: {_usage(action.name)}")
+            raise ActionError(f"{str(action)!r:.200}: {_usage(action.name)}")
         if not (math.isfinite(value) and amount.low <= value <= amount.high):
-            raise ActionError(f"{str(action)!r}: {amount.name} must be from {amount.low:g} to {amount.high:g}")
+            raise ActionError(f"{str(action)!r:.200}: {amount.name} must be from {amount.low:g} to {amount.high:g}")
         amounts.append(value)
     return amounts
 
@@ -355,7 +355,7 @@ def _image_point(word: str, text: str) -> tuple[float, float]:
     try:
         x, y = map(_number, word[1:].split(","))
     except ValueError:
-        raise ActionError(f"{text!r}: an image point is written @x,y") from None
+        raise ActionError(f"{text!r:.200}: an image point is written @x,y") from None
     if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
-        raise ActionError(f"{text!r}: x and y are shares of the picture, 0 to 1")
+        raise ActionError(f"{text!r:.200}: x and y are shares of the picture, 0 to 1")
     return x, y

@@ -7,7 +7,7 @@ openness of 2, is an exception. A refused action changes nothing, but for an arm
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 from remqa_data.catalog import object_type
 from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import Vec2, Vec3
+from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.body import Body, direction
 from remqa_data.sim.agent.receptacles import put_into
@@ -163,12 +163,18 @@ class Agent(Body):
         return []
 
     def put(
-        self, receptacle_id: str, force: bool = False, near: Vec2 | None = None, whole: str | None = None
+        self,
+        receptacle_id: str,
+        force: bool = False,
+        near: Vec2 | None = None,
+        whole: str | None = None,
+        are_near: Callable[[F64], Flags] | None = None,
     ) -> ActionResult:
         """Put what is held into or onto a receptacle: at the nearest free place that the agent sees, or else at any.
 
         That is the nearest one to the agent, or to another x and y, metres. What the agent has to get to is the receptacle,
-        or the `whole` that it is a part of, such as the sink around a basin.
+        or the `whole` that it is a part of, such as the sink around a basin. `are_near` says of (n, 3) points in the room,
+        metres, (n,) which of them come before all others.
         """
         if self.held is None:
             return ActionResult(False, "nothing is held")
@@ -178,7 +184,8 @@ class Agent(Body):
         if refusal is not None:
             return refusal
         near = near or (self.x, self.y)
-        return self._released(put_into(self.world, self.held, receptacle_id, near, self.are_seen, self._is_beside))
+        put = put_into(self.world, self.held, receptacle_id, near, self.are_seen, self._is_beside, are_near)
+        return self._released(put)
 
     def drop(self) -> ActionResult:
         """Let go of what is held; it falls in front of the agent, or under the hand where the arm is in use."""

@@ -141,7 +141,7 @@ def slide(
     """
     before, start = world.save(), np.array(world.state(object_id).position)
     touching = {*sunk_into(world, object_id), *world.contents(object_id)}
-    held_by = support_of(world, object_id)
+    held_by = support_of(world, object_id, by_agents=True)
     sine, cosine = arithmetic.sin_cos(heading)
     way = np.array([cosine, sine, 0.0])
     gone, blocker = 0.0, ""
@@ -159,7 +159,7 @@ def slide(
     if gone == 0.0:
         world.restore(before)
     elif world.state(object_id).is_fixed:
-        if support_of(world, object_id) != held_by:
+        if support_of(world, object_id, by_agents=True) != held_by:
             world.restore(before)  # physics does not move what is fixed, so it would hang in the air
             return Slide(0.0, "the edge")
     else:
@@ -219,9 +219,9 @@ def _shifts() -> tuple[Vec3, ...]:
     return tuple(sorted(found, key=lambda shift: (math.hypot(*shift), shift)))
 
 
-def support_of(world: World, object_id: str, *, across_rims: bool = False) -> str | None:
-    """Id of what holds an object, if anything does; a basin, if asked for, also by its rim."""
-    found = supports(world, {name: world.box(name) for name in world.ids}, across_rims=across_rims).get(object_id)
+def support_of(world: World, object_id: str, *, by_agents: bool = False) -> str | None:
+    """Id of what holds an object, if anything does; `by_agents` as for `supports`."""
+    found = supports(world, {name: world.box(name) for name in world.ids}, by_agents=by_agents).get(object_id)
     return found.id if found else None
 
 

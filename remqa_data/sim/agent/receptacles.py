@@ -82,6 +82,7 @@ def put_into(
     near: Vec2,
     are_seen: Callable[[F64], Flags],
     is_clear: Callable[[str], bool],
+    are_near: Callable[[F64], Flags] | None = None,
 ) -> Release:
     """Put what is held into or onto a receptacle, where it is free; it must stay there.
 
@@ -103,6 +104,8 @@ def put_into(
         Says of (n, 3) points in the room, metres, which of them are seen, (n,).
     is_clear : callable
         Says of an object whether it could stay where it is put to try.
+    are_near : callable, optional
+        Says of (n, 3) points, metres, which of them, (n,), come before all others; by default all do.
     """
     spaces = open_spaces(world, receptacle_id)
     if not spaces:
@@ -120,10 +123,7 @@ def put_into(
         spots = _spots(world, receptacle_id, spaces, way)
         if not spots:
             continue
-        spots.sort(key=lambda spot: math.dist(spot[:2], near))
-        middles, up = np.array(spots) + (way.low + way.high) / 2, (way.high - way.low) * UP_TO_TOP
-        is_top_seen, is_seen = are_seen(np.concatenate([middles + up, middles])).reshape(2, -1)
-        spots = [spots[i] for i in np.argsort(-1 * is_top_seen - 1 * is_seen, kind="stable").tolist()]
+        spots = _best_first(world, receptacle_id, spots, way, near, are_seen, are_near)
         world.move_alone(held, world.state(held).position, way.quaternion)
         looked_at = spots[:NEAR_SPOTS] + spots[NEAR_SPOTS::FAR_STRIDE]
         free = (spot for spot in _free(world, held, looked_at, way) if is_clear(held))
@@ -131,14 +131,38 @@ def put_into(
             tries[way.is_last] -= 1
             world.put(held, spot)
             settle(world, awake=[held, *world.contents(held)])
-            holder = support_of(world, held, across_rims=True)
+            holder = support_of(world, held, by_agents=True)
             stays = holder == receptacle_id and is_clear(held) and not sunk_into(world, held)
-            if stays and (way.is_last or set(load) <= set(world.contents(held))):
+            if stays and set(load) <= set(world.contents(held)):
                 return Release(held)
             world.restore(before)
             world.move_alone(held, world.state(held).position, way.quaternion)
         world.restore(before)
     return refused
+
+
+def _best_first(
+    world: World,
+    receptacle_id: str,
+    spots: list[Vec3],
+    way: _Way,
+    near: Vec2,
+    are_seen: Callable[[F64], Flags],
+    are_near: Callable[[F64], Flags] | None,
+) -> list[Vec3]:
+    """Spots in the order in which they are tried: where a thing's top is seen, where its middle is, and where neither is.
+
+    The nearest ones come first; of a vessel's that are not seen, those in its middle, as the nearest are behind its rim. Of
+    spots that are not near, the nearest is best, seen or not.
+    """
+    middles, up = np.array(spots) + (way.low + way.high) / 2, (way.high - way.low) * UP_TO_TOP
+    seen = are_seen(np.concatenate([middles + up, middles])).reshape(2, -1).sum(axis=0)
+    is_far = np.zeros(len(spots), dtype=np.bool_) if are_near is None else ~are_near(middles)
+    seen[is_far] = 0
+    is_vessel = world.type_of(receptacle_id) in support_rules().vessels
+    amid = world.box(receptacle_id).mean(axis=0)[:2] if is_vessel else near
+    away = [math.dist(spot[:2], near if is_seen else amid) for spot, is_seen in zip(spots, seen.tolist(), strict=True)]
+    return [spots[i] for i in np.lexsort(np.stack([away, -seen, is_far])).tolist()]
 
 
 def open_spaces(world: World, receptacle_id: str) -> list[Space]:

@@ -5,13 +5,13 @@ what lies in a bowl on a table is also in the room above the table, and a desk's
 seat of a chair that is pushed under it. Of all spaces, the one with the highest floor is the one that the object
 would meet first on its way down, so this one holds it; of equally high floors, the smallest space.
 
-What an agent puts into a basin that is too small for it lies across the rim. Whoever wants to know so may ask for it: the
-dataset, whose rooms have no such things, never does.
+Agents bring about what rooms do not come with: things across the rims of basins, mugs in the dips of plates. Whoever acts asks
+for these to be told apart; the dataset, whose version is final, never does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal
@@ -22,7 +22,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from remqa_data.catalog import TypeName, object_type, types_with
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, Flags
 from remqa_data.yaml_files import template_rules
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class Support:
     kind: SupportKind
 
 
-def supports(world: World, boxes: Mapping[str, F64], *, across_rims: bool = False) -> dict[str, Support]:
+def supports(world: World, boxes: Mapping[str, F64], *, by_agents: bool = False) -> dict[str, Support]:
     """What holds each object that something holds.
 
     Parameters
@@ -79,8 +79,9 @@ def supports(world: World, boxes: Mapping[str, F64], *, across_rims: bool = Fals
         The room; what an agent holds neither holds nor is held.
     boxes : mapping of str to (2, 3) array
         `world.box` of every object.
-    across_rims : bool
-        Whether what lies across the rim of a basin is in it: whatever is not in or on something loose.
+    by_agents : bool
+        Whether what lies across the rim of a basin, and is not in or on something loose, is in it; and whether of two things
+        of which each seems to be in the other the lower one is not.
 
     Returns
     -------
@@ -108,9 +109,11 @@ def supports(world: World, boxes: Mapping[str, F64], *, across_rims: bool = Fals
     above = bottom - spaces.floor_z
     lies_there = spaces.enclosed | (above <= rules.pile_m)
     fits &= np.where(is_loose, lies_there, spaces.is_floor & (above <= rules.contact_m))
+    if by_agents:
+        _leave_out_lower_ones(fits, names, bottom[:, 0], spaces.owners)
     order = np.lexsort((spaces.volume, -spaces.floor_z))
     first = order[np.argmax(fits[:, order], axis=1)]
-    if across_rims:
+    if by_agents:
         lies_across = is_loose & spaces.is_basin & (bottom >= spaces.floor_z)
         lies_across &= (np.abs(local[..., :2] - spaces.middle[:, :2]) <= spaces.half[:, :2]).all(axis=-1)
         lies_across &= bottom <= spaces.floor_z + 2 * spaces.half[:, 2] + rules.rim_m
@@ -124,6 +127,16 @@ def supports(world: World, boxes: Mapping[str, F64], *, across_rims: bool = Fals
         elif floor not in (None, object_id) and abs(height - world.scene.floor_z) <= rules.contact_m:
             held_by[object_id] = Support(str(floor), "on")  # in an alcove, beside the floor's own box
     return held_by
+
+
+def _leave_out_lower_ones(fits: Flags, names: Sequence[str], bottom: F64, owners: npt.NDArray[np.object_]) -> None:
+    """Of two things each of which fits into a space of the other, let the one that reaches farther down not fit."""
+    place = {name: i for i, name in enumerate(names)}
+    of_space = np.array([place.get(owner, -1) for owner in owners])
+    pairs = {(i, int(of_space[k])) for i, k in np.argwhere(fits & (of_space >= 0)).tolist()}
+    for i, j in pairs:
+        if (j, i) in pairs and bottom[i] < bottom[j]:
+            fits[i, of_space == j] = False
 
 
 def surrounds(type_name: str, space: Space) -> bool:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+
+import numpy as np
 
 from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, rotation_of
+from remqa_data.geometry.types import F64, Flags
 from remqa_data.sim.agent.receptacles import CLOSED
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
@@ -17,6 +20,7 @@ from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.object_states.conditions import BASINS, BROKEN
 from remqa_data.thor.state.dispatch import ActionFunction
+from remqa_data.thor.state.floor_plan import AGENT_MIDDLE_M
 from remqa_data.thor.state.frames import PartialVector, to_thor, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState, generator
 
@@ -122,12 +126,19 @@ def put_object(
         return ActionResult(False, f"{held} cannot be placed in {named}")
     turned = world.state(held).quaternion
     _stand_up(simulator)
-    result = simulator.agent.put(target, forceAction, near, named)
+    result = simulator.agent.put(target, forceAction, near, named, _within_reach(simulator))
     if not result.success:
         world.move_alone(held, world.state(held).position, turned)
     if result.error == f"{target} is {CLOSED}":
         return ActionResult(False, NOT_OPEN)
     return ActionResult(False, NO_PLACE) if result.error.startswith("no free place") else _plain(result)
+
+
+def _within_reach(simulator: SimulatorState) -> Callable[[F64], Flags]:
+    """What says of (n, 3) points in the room which are no farther from the agent than it sees things to act on, (n,)."""
+    agent, reach = simulator.agent, simulator.settings.visibility_distance
+    here = np.array([agent.x, agent.y, simulator.room.world.scene.floor_z + AGENT_MIDDLE_M])
+    return lambda points: np.asarray(arithmetic.length(points - here) <= reach)
 
 
 def drop_object(simulator: SimulatorState, forceAction: bool = False) -> ActionResult:

@@ -215,7 +215,7 @@ def _put_alone(
 
 def _stayed(world: World, object_id: str, owners: Collection[str]) -> bool:
     """Whether a thing lies where things can be put, or in what lies there, and is sunk into nothing."""
-    holder = handling.support_of(world, object_id)
+    holder = handling.support_of(world, object_id, by_agents=True)
     if holder is None or handling.sunk_into(world, object_id):
         return False
     return holder in owners or object_type(world.type_of(holder)).pickupable

@@ -338,7 +338,7 @@ def _parents_and_contents(
     """
     parents: Lists = {object_id: [] for object_id in world.ids}
     contents: Lists = {object_id: [] for object_id in world.ids}
-    for object_id, support in supports(world, boxes, across_rims=True).items():
+    for object_id, support in supports(world, boxes, by_agents=True).items():
         if object_id in away or support.id in away:
             continue
         if support.kind == "on" and world.type_of(support.id) in types_with("takes_in"):

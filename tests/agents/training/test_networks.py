@@ -235,20 +235,16 @@ def test_a_varied_picture_shows_the_same_objects_elsewhere(two_rooms: Path) -> N
     assert (again.rgb == seen[3].rgb).all()
 
 
-def test_a_training_that_was_done_is_not_done_again(two_rooms: Path, trained: Path, tmp_path: Path) -> None:
+def test_a_training_that_was_done_is_done_again_only_to_replace_it(
+    two_rooms: Path, trained: Path, tmp_path: Path
+) -> None:
     shutil.copytree(trained, tmp_path / "weights")
     path = tmp_path / "weights" / "detector.safetensors"
     before = path.read_bytes()
+    config, options = short("detector", tmp_path), ("--data", two_rooms, "--out", path.parent, "--threads", 1)
     path.unlink()
-    asked(
-        "train",
-        short("detector", tmp_path),
-        "--data",
-        two_rooms,
-        "--out",
-        tmp_path / "weights",
-        "--resume",
-        "--threads",
-        1,
-    )
+    asked("train", config, *options, "--resume")
+    assert path.read_bytes() == before
+    path.write_bytes(before[:1000])
+    asked("train", config, *options, "--overwrite")
     assert path.read_bytes() == before

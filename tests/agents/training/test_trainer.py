@@ -115,6 +115,31 @@ def test_a_run_that_was_stopped_goes_on_where_it_was_to_the_same_weights(tmp_pat
 
 
 @pytest.mark.slow
+def test_a_run_that_was_killed_after_its_last_checkpoint_ends_with_all_curves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    train(Sums(), SCHEDULE, tmp_path / "whole")
+    write = trainer._write_curves
+
+    def killed(path: Path, curves: list[dict[str, float]]) -> None:
+        if len(curves) == SCHEDULE.epochs:
+            raise KeyboardInterrupt
+        write(path, curves)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(trainer, "_write_curves", killed)
+        with pytest.raises(KeyboardInterrupt):
+            train(Sums(), SCHEDULE, tmp_path / "killed")
+    whole, before = ((tmp_path / name / CURVES).read_text() for name in ("whole", "killed"))
+    assert whole.startswith(before)
+    assert whole != before
+    again = Sums()
+    train(again, SCHEDULE, tmp_path / "killed", resume=True)
+    assert again.drawn == 0
+    assert (tmp_path / "killed" / CURVES).read_text() == whole
+
+
+@pytest.mark.slow
 def test_a_killed_run_ends_with_the_same_weights(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tests.helpers.small_training"]
     killed = subprocess.Popen([*command, str(tmp_path / "killed"), "0.2"], stdout=subprocess.DEVNULL)
@@ -133,7 +158,7 @@ def test_a_killed_run_ends_with_the_same_weights(tmp_path: Path) -> None:
 
 def test_only_the_same_training_is_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     train(Sums(), SCHEDULE, tmp_path)
-    with pytest.raises(ConfigError, match="is of another training; leave --resume out"):
+    with pytest.raises(ConfigError, match="is of another training; use --overwrite in place of --resume"):
         train(Sums(), replace(SCHEDULE, learning_rate=0.02), tmp_path, resume=True)
     with pytest.raises(ConfigError, match="is of another training"):
         train(Sums(), SCHEDULE, tmp_path, fingerprint="another dataset", resume=True)
@@ -174,7 +199,7 @@ def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path, damage: bytes 
         torch.save({"weights": torch.ones(3)}, path)
     else:
         path.write_bytes(bytes(damage))
-    with pytest.raises(ConfigError, match="is no checkpoint of a training; leave --resume out to begin anew"):
+    with pytest.raises(ConfigError, match="is no checkpoint of a training; use --overwrite in place of --resume"):
         train(Sums(), SCHEDULE, tmp_path, resume=True)
 
 

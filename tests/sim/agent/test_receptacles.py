@@ -139,10 +139,10 @@ def test_what_does_not_fit_changes_nothing(agent: Agent) -> None:
 def test_a_pot_that_is_too_large_for_a_basin_lies_across_its_rim(agent: Agent) -> None:
     world, basin = agent.world, first_of(agent, "SinkBasin")
     pot, boxes = hold(agent, "Pot"), {name: world.box(name) for name in world.ids}
-    assert supports(world, boxes, across_rims=True) == supports(world, boxes)  # nothing that a room comes with
+    assert supports(world, boxes, by_agents=True) == supports(world, boxes)  # nothing that a room comes with
     put = agent.put(basin, force=True)
     assert put.success, put.error
-    assert support_of(world, pot, across_rims=True) == basin
+    assert support_of(world, pot, by_agents=True) == basin
     assert support_of(world, pot) is None  # for datasets
     assert not sunk_into(world, pot)
     (low, high), rim = world.box(pot), world.box(basin)

@@ -29,6 +29,8 @@ from remqa_data.geometry.types import F64, Box, Rect
 STANDS_M = 0.45
 """Sinks higher than this stand on the floor or hang on a wall; lower ones are let into a counter."""
 
+DIVIDED = 3
+"""Of the variants of a sink basin, the one with two bowls, if it is wide enough."""
 DOUBLE_M = 0.5
 """From this width on, basins of the last variant are divided in two."""
 PAINTS = (
@@ -104,7 +106,7 @@ def sink_basin(b: Builder) -> None:
         soft = b.by_variant((1.0, 1.0, 1.9, 1.0))
         box = (-b.w / 2, -b.d / 2, 0, b.w / 2, b.d / 2, b.h)
         flat = bowl(b, box, material, floor=floor, slopes=slopes, wall=wall, soft=soft)
-        if b.variant == 3 and b.w > DOUBLE_M:
+        if b.variant == DIVIDED and b.w > DOUBLE_M:
             _divided(b, flat, floor, material)
         else:
             _basin_fittings(b, flat, floor, "basin", b.by_variant((0.0, 0.0, -0.2, 0.0)))
