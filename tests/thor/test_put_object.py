@@ -110,3 +110,22 @@ def test_a_near_place_that_is_not_seen_is_better_than_a_far_one_that_is(controll
     before = {"x": -0.75, "y": 0.9, "z": 1.0, "rotation": {"x": 0, "y": 180, "z": 0}, "horizon": 0, "standing": True}
     assert controller.step("TeleportFull", **before, renderImage=False)
     assert controller.step("PutObject", objectId=counter, renderImage=False).get_object(cup)["distance"] < 1.75
+
+
+def test_a_mug_stands_under_the_spout_and_not_on_the_cup_rail(controller) -> None:
+    controller.reset("FloorPlan7")
+    mug, machine = first_of(controller, "Mug"), first_of(controller, "CoffeeMachine")
+    for action, object_id in (("PickupObject", mug), ("PutObject", machine)):
+        event = controller.step(action, objectId=object_id, forceAction=True, renderImage=False)
+    boxes = [event.get_object(name)["axisAlignedBoundingBox"] for name in (mug, machine)]
+    assert boxes[0]["center"]["y"] < boxes[1]["center"]["y"]
+
+
+def test_a_plate_is_not_put_into_the_hollow_foot_of_a_machine(controller) -> None:
+    controller.reset("FloorPlan12")
+    plate, counter = first_of(controller, "Plate"), "CounterTop|+01.51|+00.97|+02.31"
+    assert controller.step("PickupObject", objectId=plate, forceAction=True, renderImage=False)
+    y = controller.last_event.metadata["agent"]["position"]["y"]
+    before = {"x": 0.75, "y": y, "z": 1.5, "rotation": {"x": 0, "y": 90, "z": 0}, "horizon": 30, "standing": True}
+    assert controller.step("TeleportFull", **before, renderImage=False)
+    assert controller.step("PutObject", objectId=counter, renderImage=False).get_object(plate)["visible"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
 
@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from remqa_data.assets.core.model import Space
-from remqa_data.catalog import types_with
+from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, sunk_into, support_of, touched
 from remqa_data.sim.navigation.grid import collision_corners
-from remqa_data.sim.physics.support import support_rules, surrounds
+from remqa_data.sim.physics.support import support_rules, supports, surrounds
 from remqa_data.sim.physics.world import World
 
 LATTICE_M = 0.05
@@ -118,7 +118,26 @@ def put_into(
             return Release(held)
         world.restore(before)
         return refused
-    load, tries = world.load_of(held), [MOST_TRIES, MOST_TRIES]
+    kind = world.type_of(receptacle_id)
+    for is_in in (True, False):  # under the spout of a coffee machine before on its top
+        part = [space for space in spaces if surrounds(kind, space) is is_in]
+        if part and _is_put(world, held, receptacle_id, part, near, are_seen, is_clear, are_near):
+            return Release(held)
+    return refused
+
+
+def _is_put(
+    world: World,
+    held: str,
+    receptacle_id: str,
+    spaces: list[Space],
+    near: Vec2,
+    are_seen: Callable[[F64], Flags],
+    is_clear: Callable[[str], bool],
+    are_near: Callable[[F64], Flags] | None,
+) -> bool:
+    """Put what is held into one of some spaces of a receptacle, if that can be; else all is as before."""
+    before, load, tries = world.save(), world.load_of(held), [MOST_TRIES, MOST_TRIES]
     for way in _ways(world, held):
         spots = _spots(world, receptacle_id, spaces, way)
         if not spots:
@@ -131,14 +150,30 @@ def put_into(
             tries[way.is_last] -= 1
             world.put(held, spot)
             settle(world, awake=[held, *world.contents(held)])
-            holder = support_of(world, held, by_agents=True)
-            stays = holder == receptacle_id and is_clear(held) and not sunk_into(world, held)
-            if stays and set(load) <= set(world.contents(held)):
-                return Release(held)
+            if _stays(world, held, receptacle_id, load) and is_clear(held):
+                return True
             world.restore(before)
             world.move_alone(held, world.state(held).position, way.quaternion)
         world.restore(before)
-    return refused
+    return False
+
+
+def _stays(world: World, held: str, receptacle_id: str, load: Sequence[str]) -> bool:
+    """Whether what has been put lies in or on a receptacle, with its load, in nothing else and in no machine's hollow foot."""
+    boxes = {name: world.box(name) for name in world.ids}
+    held_by = supports(world, boxes, by_agents=True)
+    if held not in held_by or held_by[held].id != receptacle_id or sunk_into(world, held):
+        return False
+    others = [name for name, support in held_by.items() if support.id == receptacle_id and name != held]
+    is_floor = world.type_of(receptacle_id) == "Floor"  # where furniture stands, which is open below
+    machines = [name for name in others if not (is_floor or object_type(world.type_of(name)).pickupable)]
+    is_swallowed = any(_is_within(boxes[held], boxes[name]) for name in machines)
+    return not is_swallowed and set(load) <= set(world.contents(held))
+
+
+def _is_within(box: F64, other: F64) -> bool:
+    """Whether a (2, 3) box is within another, but for a hair."""
+    return bool((box[0] >= other[0] - GAP_M).all() and (box[1] <= other[1] + GAP_M).all())
 
 
 def _best_first(
