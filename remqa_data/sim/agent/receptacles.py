@@ -43,6 +43,8 @@ HEAPS_M = (0.0, 0.02, 0.04, 0.06)
 """What fits nowhere else may lie on what is so low, such as a knife in a drawer or a television's foot."""
 BEARS = 0.6
 """The middle of what is larger than its place is within this part of the place, so that it is borne."""
+BEYOND = 0.2
+"""So much farther than the middle of a vessel, in parts of its breadth, is what is best seen over its rim."""
 UP_TO_TOP = np.array([0.0, 0.0, 0.4])
 """From the middle of a thing's box, in parts of its size, to where its top is looked for."""
 LONG, DEEP = 3.0, 0.35
@@ -187,7 +189,7 @@ def _best_first(
 ) -> list[Vec3]:
     """Spots in the order in which they are tried: where a thing's top is seen, where its middle is, and where neither is.
 
-    The nearest ones come first; of a vessel's that are not seen, those in its middle, as the nearest are behind its rim. Of
+    The nearest ones come first; of a vessel's that are not seen, those beyond its middle, as the nearest are behind its rim. Of
     spots that are not near, the nearest is best, seen or not.
     """
     middles, up = np.array(spots) + (way.low + way.high) / 2, (way.high - way.low) * UP_TO_TOP
@@ -195,9 +197,17 @@ def _best_first(
     is_far = np.zeros(len(spots), dtype=np.bool_) if are_near is None else ~are_near(middles)
     seen[is_far] = 0
     is_vessel = world.type_of(receptacle_id) in support_rules().vessels
-    amid = world.box(receptacle_id).mean(axis=0)[:2] if is_vessel else near
+    amid = _beyond_middle(world.box(receptacle_id), near) if is_vessel else near
     away = [math.dist(spot[:2], near if is_seen else amid) for spot, is_seen in zip(spots, seen.tolist(), strict=True)]
     return [spots[i] for i in np.lexsort(np.stack([away, -seen, is_far])).tolist()]
+
+
+def _beyond_middle(box: F64, near: Vec2) -> Vec2:
+    """A point a little farther than the middle of a (2, 3) box, as seen from somewhere."""
+    middle, size = box.mean(axis=0)[:2], np.ptp(box, axis=0)[:2]
+    ahead = middle - near
+    x, y = (middle + BEYOND * size.min() * ahead / max(math.hypot(*ahead.tolist()), 1e-9)).tolist()
+    return x, y
 
 
 def open_spaces(world: World, receptacle_id: str) -> list[Space]:
