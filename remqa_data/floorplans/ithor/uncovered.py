@@ -1,6 +1,7 @@
-"""What worktops and walls cover in some rooms, uncovered: sinks that are let in from below, burners, a sink in a corner.
+"""What is covered in some rooms, uncovered.
 
-Rooms are final in data of version 1, so the dataset keeps such worktops and walls; AI2-THOR's clients get to what is there.
+Worktops cover sinks and burners, walls a sink and windows, and doors that hardly open what is in cabinets. Rooms are final
+in data of version 1, so the dataset has them as they are; AI2-THOR's clients get to what is there.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ IN_SINK_M = 0.05
 HALF_OPEN = 0.5
 """A door or drawer that opens less than this would cover what is in it; it opens all the way, through what is in its way."""
 DEEP_BASIN_M, UNDIVIDED = 0.2, 1
+"""A basin that is deeper than this is not divided, but of that variant."""
 DEEP_M = 0.6
 """A piece of inner wall that is no farther from a window than this hides it."""
 FRAME_M = 0.006
@@ -41,7 +43,8 @@ PROUD_M = 0.004
 def uncovered(scene: Scene) -> Scene:
     """The same room with holes over sinks, in worktops and in what is built in below them, and with burners on worktops.
 
-    A wall that stands in a sink is none, and the window before it is in the outer wall.
+    No wall stands in a sink, and the window that was in it is in the outer wall; none stands before a window, but those that
+    bear something. Deep basins have one bowl, and doors and drawers that would open less than half open all the way.
     """
     scene = _without_walls_in_sinks(scene)
     worktops = [o for o in scene.objects if o.type == "CounterTop" and o.asset.size[2] < THIN_M]

@@ -181,10 +181,11 @@ def _all_spaces(world: World) -> _Spaces:
     middle = (np.array(low).reshape(-1, 3) + np.array(high).reshape(-1, 3)) / 2
     half = np.array(high).reshape(-1, 3) - middle
     centre_z = arithmetic.dot(pose[:, 2, :3], middle) + pose[:, 2, 3]
+    types, basins = [world.type_of(owner) for owner in owners], types_with("basin")
     return _Spaces(
         owners=np.array(owners, dtype=np.object_),
-        is_loose=np.array([object_type(world.type_of(owner)).is_loose for owner in owners], dtype=np.bool_),
-        is_basin=np.array([world.type_of(owner) in types_with("basin") for owner in owners], dtype=np.bool_),
+        is_loose=np.array([object_type(name).is_loose for name in types], dtype=np.bool_),
+        is_basin=np.array([name in basins for name in types], dtype=np.bool_),
         is_floor=np.array(is_floor, dtype=np.bool_),
         enclosed=np.array(enclosed, dtype=np.bool_),
         surrounds=np.array(walled, dtype=np.bool_),
