@@ -29,7 +29,7 @@ from remqa_data.env.recorder import Recorder
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
 from remqa_data.evaluation.submission.reader import Header, write_submission
-from remqa_data.files import atomic_path
+from remqa_data.files import atomic_path, check_is_new
 from remqa_data.limits import MAX_ACTIONS
 from remqa_data.processes.executors import LocalExecutor
 from remqa_data.storage.manifest import load_manifest
@@ -111,10 +111,7 @@ def check_places(paths: Iterable[Path], *, overwrite: bool, resume: bool) -> Non
         If there is any, and neither overwriting nor resuming was asked for.
     """
     for path in paths:
-        if not (overwrite or resume) and any(place.exists() for place in (path, parts_path(path))):
-            raise ConfigError(
-                f"{path} has been played already; use --resume to go on with it, --overwrite to replace it, or another folder"
-            )
+        check_is_new(path, (path, parts_path(path)), "played", overwrite=overwrite, resume=resume)
 
 
 def parts_path(submission: Path) -> Path:

@@ -8,12 +8,12 @@ import os
 import re
 import shutil
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
 
-from remqa_data.errors import OutputError
+from remqa_data.errors import ConfigError, OutputError
 
 CACHE_VARIABLE = "REMQA_CACHE"
 SCHEME = re.compile(r"([a-z][a-z0-9+.-]+):/+", re.IGNORECASE)
@@ -199,6 +199,31 @@ def check_empty(out: Path, option: str) -> None:
     """
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise OutputError(f"{out} is not an empty folder; name a new one with {option}, or remove it")
+
+
+def check_is_new(path: Path, kept: Iterable[Path], done: str, *, overwrite: bool, resume: bool) -> None:
+    """Refuse to write over what a command has done, be it finished or not, unless that or going on with it was asked for.
+
+    Parameters
+    ----------
+    path : Path
+        What is told of.
+    kept : iterable of Path
+        What there is of it if anything has been done.
+    done : str
+        Such as "played".
+    overwrite, resume : bool
+        What was asked for.
+
+    Raises
+    ------
+    ConfigError
+        If there is any of it, and neither was asked for.
+    """
+    if not (overwrite or resume) and any(place.exists() for place in kept):
+        raise ConfigError(
+            f"{path} has been {done} already; use --resume to go on with it, --overwrite to replace it, or another folder"
+        )
 
 
 def name_of_leftover(name: str) -> str | None:

@@ -45,9 +45,8 @@ from remqa_data.agents.training.weights import (
     trained_detector,
     weights_path,
 )
-from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
-from remqa_data.files import sha256_of
+from remqa_data.files import check_is_new, sha256_of
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.views import views_beside
 
@@ -65,11 +64,7 @@ def check_places(names: Iterable[str], folder: Path, *, overwrite: bool, resume:
     """
     for name in names:
         places = (folder / f"{name}{SUFFIX}", folder / name / CHECKPOINT)
-        if not (overwrite or resume) and any(place.exists() for place in places):
-            raise ConfigError(
-                f"{folder / name} has been trained already; use --resume to go on with it, --overwrite to replace it, "
-                "or another folder"
-            )
+        check_is_new(folder / name, places, "trained", overwrite=overwrite, resume=resume)
 
 
 def learn(

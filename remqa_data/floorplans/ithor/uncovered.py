@@ -19,7 +19,7 @@ from remqa_data.catalog import types_with
 from remqa_data.floorplans.ithor.backs import ON_WALLS
 from remqa_data.floorplans.ithor.hosting import THIN_M
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.boxes import corners
+from remqa_data.geometry.boxes import corners, intersection_volume
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Box
 from remqa_data.scene import Scene, SceneObject, StructureBox
@@ -70,12 +70,8 @@ def _undivided(basin: SceneObject) -> SceneObject:
 
 def _around(box: Box, holes: Sequence[Box]) -> list[Box]:
     """A box with holes, of which those that miss it leave it as it is."""
-    met = [hole for hole in holes if _meet(box, hole)]
+    met = [hole for hole in holes if intersection_volume(box, hole).any()]
     return solid_around(box, met) if met else [box]
-
-
-def _meet(a: Box, b: Box) -> bool:
-    return all(a[k] < b[k + 3] and a[k + 3] > b[k] for k in range(3))
 
 
 def _before(window: SceneObject) -> Box:
@@ -127,8 +123,8 @@ def _box(o: SceneObject) -> F64:
 
 def _bears(hole: Box, scene: Scene) -> bool:
     """Whether a wall that is where no wall is to be bears anything but curtains and blinds."""
-    hung = (_box(o) for o in scene.objects if o.type in ON_WALLS - types_with("in_wall"))
-    return any(_meet(hole, box_of(box.ravel())) for box in hung)
+    hung = [_box(o).ravel() for o in scene.objects if o.type in ON_WALLS - types_with("in_wall")]
+    return bool(intersection_volume(hole, np.reshape(hung, (-1, 6))).any())
 
 
 def _missing_holes(worktop: SceneObject) -> list[Box]:

@@ -164,7 +164,8 @@ class _Spaces:
 
 
 def _all_spaces(world: World) -> _Spaces:
-    owners, is_floor, enclosed, walled, poses, low, high = [], [], [], [], [], [], []
+    owners, is_floor, is_loose, is_basin, enclosed, walled, poses, low, high = [], [], [], [], [], [], [], [], []
+    basins = types_with("basin")
     for object_id in world.ids:
         if object_id in world.held or not world.assets[object_id].spaces:
             continue
@@ -172,6 +173,8 @@ def _all_spaces(world: World) -> _Spaces:
         for space in world.assets[object_id].spaces:
             owners.append(object_id)
             is_floor.append(type_name == "Floor")
+            is_loose.append(object_type(type_name).is_loose)
+            is_basin.append(type_name in basins)
             enclosed.append(space.enclosed)
             walled.append(surrounds(type_name, space))
             poses.append(links[space.link])
@@ -181,12 +184,11 @@ def _all_spaces(world: World) -> _Spaces:
     middle = (np.array(low).reshape(-1, 3) + np.array(high).reshape(-1, 3)) / 2
     half = np.array(high).reshape(-1, 3) - middle
     centre_z = arithmetic.dot(pose[:, 2, :3], middle) + pose[:, 2, 3]
-    types, basins = [world.type_of(owner) for owner in owners], types_with("basin")
     return _Spaces(
         owners=np.array(owners, dtype=np.object_),
-        is_loose=np.array([object_type(name).is_loose for name in types], dtype=np.bool_),
-        is_basin=np.array([name in basins for name in types], dtype=np.bool_),
         is_floor=np.array(is_floor, dtype=np.bool_),
+        is_loose=np.array(is_loose, dtype=np.bool_),
+        is_basin=np.array(is_basin, dtype=np.bool_),
         enclosed=np.array(enclosed, dtype=np.bool_),
         surrounds=np.array(walled, dtype=np.bool_),
         poses=pose,

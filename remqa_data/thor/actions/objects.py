@@ -20,7 +20,6 @@ from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.object_states.conditions import BASINS, BROKEN
 from remqa_data.thor.state.dispatch import ActionFunction
-from remqa_data.thor.state.floor_plan import AGENT_MIDDLE_M
 from remqa_data.thor.state.frames import PartialVector, to_thor, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState, generator
 
@@ -136,8 +135,7 @@ def put_object(
 
 def _within_reach(simulator: SimulatorState) -> Callable[[F64], Flags]:
     """What says of (n, 3) points in the room which are no farther from the agent than it sees things to act on, (n,)."""
-    agent, reach = simulator.agent, simulator.settings.visibility_distance
-    here = np.array([agent.x, agent.y, simulator.room.world.scene.floor_z + AGENT_MIDDLE_M])
+    here, reach = simulator.room.agent_position(), simulator.settings.visibility_distance
     return lambda points: np.asarray(arithmetic.length(points - here) <= reach)
 
 
