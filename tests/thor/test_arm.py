@@ -336,3 +336,80 @@ def test_the_hand_takes_all_that_it_touches(before_apple) -> None:
     assert all(event.get_object(name)["parentReceptacles"] for name in touched)
     event = before_apple.step("PickupObject", objectIdCandidates=touched[:1])
     assert event.metadata["arm"]["heldObjects"] == touched[:1]
+
+
+REACHED_OUT = {"x": 0.05, "y": 0.1, "z": 0.45}
+
+
+def from_shoulder(event) -> dict[str, float]:
+    return event.metadata["arm"]["joints"][3]["rootRelativePosition"]
+
+
+def test_the_arm_is_carried_as_it_is_held(before_apple) -> None:
+    assert before_apple.step("Teleport", position={"x": -1.0, "y": 0.9, "z": -0.5}, rotation=180)
+    assert before_apple.step("MoveArmBase", y=1.4, normalizedY=False)
+    before = before_apple.step("MoveArm", position=REACHED_OUT)
+    assert before, before.metadata["errorMessage"]
+    for action in (
+        {"action": "MoveAgent", "ahead": 0.1},
+        {"action": "RotateAgent", "degrees": 30},
+        {"action": "MoveAgent", "ahead": -0.1, "right": 0.05},
+        {"action": "RotateLeft", "degrees": 50},
+        {"action": "MoveBack", "moveMagnitude": 0.05},
+        {"action": "LookDown"},
+        {"action": "Crouch"},
+        {"action": "Teleport", "position": {"x": -1.0, "y": 0.9, "z": -0.25}},
+    ):
+        event = before_apple.step(**action)
+        assert event, (action, event.metadata["errorMessage"])
+        assert from_shoulder(event) == pytest.approx(from_shoulder(before), abs=1e-6), action
+    assert hand(event) != pytest.approx(hand(before), abs=0.1)
+
+
+def test_an_arm_that_is_held_out_meets_what_the_agent_would_pass(before_apple) -> None:
+    """The worktop of the island is ahead, at 1.1 m."""
+    assert before_apple.step("MoveBack", moveMagnitude=0.25)
+    assert before_apple.step("MoveArmBase", y=0.9, normalizedY=False)
+    assert before_apple.step("MoveArm", position={"x": 0.0, "y": 0.0, "z": 0.3})
+    start = before_apple.last_event.metadata["agent"]["position"]
+    event = before_apple.step("MoveAgent", ahead=0.25)
+    assert not event
+    assert "is blocking" in event.metadata["errorMessage"]
+    assert event.metadata["agent"]["position"] == start
+    assert before_apple.step("MoveArmBase", y=1.4, normalizedY=False)
+    assert before_apple.step("MoveAgent", ahead=0.25), "it passes above"
+
+
+def test_an_arm_that_is_held_out_does_not_turn_into_things(before_apple) -> None:
+    before_apple.step("RotateAgent", degrees=180)
+    assert before_apple.step("MoveArmBase", y=0.9, normalizedY=False)
+    assert before_apple.step("MoveArm", position={"x": 0.0, "y": 0.0, "z": 0.5})
+    before = before_apple.last_event.metadata
+    for degrees in (180, -180, 540):
+        event = before_apple.step("RotateAgent", degrees=degrees)
+        assert not event
+        assert "is blocking Agent from turning" in event.metadata["errorMessage"]
+        assert event.metadata["agent"] == before["agent"]
+        assert event.metadata["arm"] == before["arm"]
+    assert before_apple.step("RotateAgent", degrees=20)
+
+
+def test_the_arm_folds_where_it_would_be_in_something_after_a_teleport(armed) -> None:
+    assert armed.step("TeleportFull", **{**BEFORE_APPLE, "rotation": 270})
+    folded = from_shoulder(armed.last_event)
+    assert armed.step("MoveArmBase", y=0.9, normalizedY=False)
+    out = from_shoulder(armed.step("MoveArm", position={"x": 0.0, "y": 0.0, "z": 0.5}))
+    assert from_shoulder(armed.step("RotateLook", horizon=0)) == out
+    event = armed.step("TeleportFull", **BEFORE_APPLE)  # before the island
+    assert event
+    assert from_shoulder(event) == pytest.approx(folded, abs=1e-6)
+
+
+def test_an_arm_that_finds_its_own_way_goes_back(armed) -> None:
+    fridge = "Fridge|-02.10|+00.00|+01.07"
+    pose = armed.step("GetInteractablePoses", objectId=fridge, standings=[True]).metadata["actionReturn"][0]
+    assert armed.step("TeleportFull", **pose)
+    before = armed.last_event.metadata["arm"]["joints"]
+    event = armed.step("OpenObject", objectId=fridge)
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["arm"]["joints"] == before

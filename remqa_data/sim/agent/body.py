@@ -45,7 +45,7 @@ class Body:
     def place(
         self, position: Sequence[float], yaw_deg: float, horizon_deg: float = 0.0, is_standing: bool = True
     ) -> None:
-        """Put the agent somewhere, unchecked, with its arm folded."""
+        """Put the agent somewhere, unchecked."""
         _check_finite(*position, yaw_deg, horizon_deg)
         self._prepare_to_move()
         self.x, self.y = float(position[0]), float(position[1])
@@ -118,6 +118,9 @@ class Body:
     def rotate(self, degrees: float) -> ActionResult:
         """Turn, counter-clockwise."""
         _check_finite(degrees)
+        blocker = self._blocker_of_turn(degrees)
+        if blocker is not None:
+            return ActionResult(False, f"{blocker} is blocking Agent from turning", blocked_by=blocker)
         self._prepare_to_move()
         self._face(self.yaw_deg + degrees)
         return SUCCEEDED
@@ -180,6 +183,10 @@ class Body:
     def _blocker(self, start: Vec2, end: Vec2) -> str | None:
         """What keeps the body from a straight step, by the name that it has in errors."""
         return self.ground.blocker(start, end)
+
+    def _blocker_of_turn(self, degrees: float) -> str | None:
+        """What keeps the body, which is round, from turning."""
+        return None
 
     def _blocker_at(self, x: float, y: float) -> str | None:
         """What keeps the body from standing at a point."""

@@ -6,20 +6,22 @@ lines of its joint space, and stops at the last step before it would push into a
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from remqa_data.assets.core.fitting import vec
 from remqa_data.assets.core.model import Surface
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.body import robot_poses, robot_surfaces
 from remqa_data.sim.arm.elbow import elbow_way
-from remqa_data.sim.arm.obstacles import Obstacles
-from remqa_data.sim.arm.postures import HOME, ArmBase, ArmState, link_poses, postures_at
+from remqa_data.sim.arm.obstacles import OF_AGENT, Boxes, Obstacles, depth, first_push
+from remqa_data.sim.arm.postures import BALL_RADII_M, HOME, ArmBase, ArmState, balls, link_poses, postures_at
 from remqa_data.sim.arm.search import HandGoals, Search, Way
 from remqa_data.sim.arm.targets import Targets
 from remqa_data.sim.navigation.embodiment import AGENT
@@ -99,6 +101,34 @@ class Arm:
         gaps = self._obstacles.gaps(point)
         near = [index for index in np.argsort(gaps, kind="stable").tolist() if gaps[index] <= self.hand_radius_m]
         return [self.world.ids[index] for index in near if self.world.ids[index] not in self.world.held]
+
+    @property
+    def is_folded(self) -> bool:
+        """Whether the whole arm is above the agent's base, and so passes wherever the agent does."""
+        return self.state.joints == HOME.joints
+
+    def blocker(self, bases: Sequence[ArmBase]) -> str | None:
+        """What the arm, held as it is, meets first while its agent walks or turns, by the name that it has in errors.
+
+        What it is in already stops it only after it has come out of that.
+
+        Parameters
+        ----------
+        bases : sequence of ArmBase
+            Where the agent stands now, then wherever it passes, in small steps.
+        """
+        if self.is_folded:
+            return None
+        placed, boxes, owners, spared = self._carried(bases)
+        box = first_push(placed, BALL_RADII_M, boxes, spared)[1]
+        return None if box < 0 else self._obstacles.name(int(owners[box]))
+
+    def is_free(self, base: ArmBase) -> bool:
+        """Whether the arm, held as it is, would be in nothing if the agent stood there."""
+        if self.is_folded:
+            return True
+        placed, boxes, _, spared = self._carried([base])
+        return not depth(placed, BALL_RADII_M, boxes, spared).any()
 
     def move_hand(
         self, base: ArmBase, target: Vec3, *, ignore: Collection[str] = (), free_height: bool = False
@@ -188,6 +218,16 @@ class Arm:
     def poses(self, base: ArmBase, camera_height_m: float = AGENT.camera_height_m) -> F64:
         """(n, 4, 4) poses of the parts in the room; the head is at the camera's height above the floor."""
         return robot_poses(base, self.state, camera_height_m)
+
+    def _carried(self, bases: Sequence[ArmBase]) -> tuple[F64, Boxes, npt.NDArray[np.int64], Flags]:
+        """Balls of the arm at some places of its agent, the boxes around there, whose they are, and pairs that may touch: none."""
+        first, posture = bases[0], self.state.posture()[None]
+        walk = max(math.dist((first.x, first.y), (base.x, base.y)) for base in bases)
+        boxes, owners = self._obstacles.near(first, walk)
+        others = owners != OF_AGENT
+        placed = np.concatenate([balls(link_poses(base, posture)) for base in bases])
+        spared = np.zeros((placed.shape[1], np.count_nonzero(others)), dtype=np.bool_)
+        return placed, Boxes(*(rows[others] for rows in boxes)), owners[others], spared
 
     def _search(self, base: ArmBase, touchable: Collection[str] = ()) -> Search:
         return Search(self._obstacles, base, self.state.posture(), touchable)

@@ -93,8 +93,15 @@ class Obstacles:
         self._axes = np.tile(np.eye(3), (len(owner), 1, 1))
         self._seen: dict[str, ObjectState] = {}
 
-    def near(self, base: ArmBase) -> tuple[Boxes, npt.NDArray[np.int64]]:
+    def near(self, base: ArmBase, walk_m: float = 0.0) -> tuple[Boxes, npt.NDArray[np.int64]]:
         """The boxes that the arm could come near to, the agent's own body among them, and the owner of each.
+
+        Parameters
+        ----------
+        base : ArmBase
+            Where the agent stands.
+        walk_m : float
+            So far it may walk from there, metres.
 
         Returns
         -------
@@ -103,7 +110,7 @@ class Obstacles:
         self._sync()
         around = arithmetic.turned_back(self._halves, np.abs(self._axes))
         gaps = np.maximum(np.abs(self._centres - [base.x, base.y, 0.0]) - around, 0.0)
-        near = arithmetic.length(gaps[:, :2]) < EXTENT_M
+        near = arithmetic.length(gaps[:, :2]) < EXTENT_M + walk_m
         for object_id in self._world.held:
             near &= self._owner != self._world.ids.index(object_id)
         body = _BODY + np.tile([base.x, base.y, base.floor_z], 2)

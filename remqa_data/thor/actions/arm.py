@@ -124,14 +124,14 @@ def set_hand_sphere_radius(simulator: SimulatorState, radius: float) -> ActionRe
 def move_agent(
     simulator: SimulatorState, ahead: float | None = None, right: float | None = None, forceAction: bool = False
 ) -> ActionResult:
-    """Walk straight, metres; the arm folds first."""
+    """Walk straight, metres, with the arm as it is held."""
     if ahead is None and right is None:
         return ActionResult(False, "Must specify ahead or right!")
     return simulator.agent.move(ahead or 0.0, right or 0.0, forceAction)
 
 
 def rotate_agent(simulator: SimulatorState, degrees: float) -> ActionResult:
-    """Turn clockwise; the arm folds first."""
+    """Turn clockwise, with the arm as it is held."""
     return simulator.agent.rotate(-degrees)
 
 

@@ -23,6 +23,7 @@ from remqa_data.sim.agent.agent import Agent, Hands
 from remqa_data.sim.agent.body import direction
 from remqa_data.sim.agent.results import SUCCEEDED, ActionResult
 from remqa_data.sim.arm import jaco
+from remqa_data.sim.arm.postures import HOME as FOLDED
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
 from remqa_data.sim.physics.state import ObjectState
@@ -37,6 +38,8 @@ HAND: Vec3 = (0.0, -0.16, 0.38)
 
 ASIDE_DEG, ASIDE_M, ASIDE_HIGH_M = (0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0), (0.6, 0.8, 1.0), 0.5
 """What would end where an agent stands is let go of in another direction, so far away and so high above the floor."""
+CARRY_STEP_M, CARRY_STEP_DEG = 0.02, 1.0
+"""In such steps of walking and turning an arm that is carried is looked at."""
 RISES_M = (0.0, 0.005, 0.015, 0.03, 0.06)
 """What an arm lets go of where it touches things is let go of so far above."""
 
@@ -207,6 +210,33 @@ class ThorAgent(Agent):
         load = self.world.load_of(self.held)
         return [self.held, *(name for name in self._along if name in load)]
 
+    def teleport(
+        self,
+        x: float | None = None,
+        y: float | None = None,
+        yaw_deg: float | None = None,
+        horizon_deg: float | None = None,
+        is_standing: bool | None = None,
+        force: bool = False,
+    ) -> ActionResult:
+        """See `Body`; the arm folds if, held as it is, it would be in something there."""
+        before = self.base
+        result = super().teleport(x, y, yaw_deg, horizon_deg, is_standing, force)
+        if self.hands == "arm" and self.base != before and not self.arm.is_free(self.base):
+            self.arm.state = FOLDED
+        return result
+
+    def reach(self, object_id: str) -> ActionResult | None:
+        """See `Agent`; an arm goes back to where it was."""
+        before = self.arm.state if self.hands == "arm" else None
+        refusal = super().reach(object_id)
+        if before is not None:
+            self.arm.state = before
+        return refusal
+
+    def _prepare_to_move(self) -> None:
+        """See `Body`; an arm is carried as it is held."""
+
     def _face(self, yaw_deg: float) -> None:
         """See `Body`; what it holds turns with it, and stays upright when it looks up or down."""
         before = self.yaw_deg
@@ -327,8 +357,22 @@ class ThorAgent(Agent):
         return all(Agent._is_beside(who, object_id) for who in self._all or (self,))
 
     def _blocker(self, start: Vec2, end: Vec2) -> str | None:
-        """See `Body`; another agent is in the way, too."""
-        return self._other_between(start, end) or super()._blocker(start, end)
+        """See `Body`; another agent is in the way, too, and what the arm meets."""
+        blocker = self._other_between(start, end) or super()._blocker(start, end)
+        if blocker is not None or self.hands != "arm":
+            return blocker
+        steps = max(1, math.ceil(math.dist(start, end) / CARRY_STEP_M))
+        way = np.linspace(start, end, steps + 1).tolist()
+        return self.arm.blocker([replace(self.base, x=x, y=y) for x, y in way])
+
+    def _blocker_of_turn(self, degrees: float) -> str | None:
+        """See `Body`; the arm turns along."""
+        if self.hands != "arm":
+            return None
+        swept = float(np.clip(degrees, -360.0, 360.0))
+        steps = max(1, math.ceil(abs(swept) / CARRY_STEP_DEG))
+        headings = (self.yaw_deg + np.linspace(0.0, swept, steps + 1)).tolist()
+        return self.arm.blocker([replace(self.base, yaw_deg=heading) for heading in headings])
 
     def _blocker_at(self, x: float, y: float) -> str | None:
         """See `Body`."""

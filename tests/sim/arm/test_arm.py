@@ -190,6 +190,46 @@ def _owned(obstacles: Obstacles) -> tuple[list[int], list[float]]:
     return found, [float(boxes.low[owners == owner, 0].min()) for owner in found]
 
 
+# ---- being carried
+
+
+@pytest.mark.slow
+@settings(max_examples=30)
+@given(st.integers(0, 10_000))
+def test_a_carried_arm_is_stopped_where_pybullet_says_it_touches(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    with World(room(mug(0.6, 0.5, 0.8), drawer(1.2), walls=[(-3, 0.9, 0, 3, 1, 2.5)])) as world:
+        arm = Arm(world)
+        arm.move_hand(BASE, tuple(np.add(arm.shoulder(BASE), rng.uniform((0.2, -0.3, -0.2), (0.6, 0.3, 0.3)))))
+        turn, ahead = rng.uniform(-90, 90), rng.uniform(0.0, 0.4)
+        bases = [ArmBase(share * ahead, 0.0, share * turn, 0.0) for share in np.linspace(0.0, 1.0, 9)]
+        gaps = [gap(world, placed_balls(arm, base), BALL_RADII_M) for base in bases]
+        assume(gaps[0] > 0.0 and all(abs(g) > 2e-3 for g in gaps))
+        stopped = [arm.blocker(bases[: count + 1]) is not None for count in range(len(bases))]
+        assert stopped == np.logical_or.accumulate(np.array(gaps) < 0.0).tolist()
+        assert [arm.is_free(base) for base in bases] == [g > 0.0 for g in gaps]
+
+
+def test_a_carried_arm_comes_out_of_what_it_is_in_and_not_back() -> None:
+    with World(room(walls=[(0.3, -3, 0, 0.4, 3, 2.5)])) as world:
+        arm = Arm(world)
+        with World(room()) as empty:
+            arm.state = Arm(empty).move_hand(BASE, (0.6, 0.0, 0.9)).state
+        back = [ArmBase(-share, 0.0, 0.0, 0.0) for share in np.linspace(0.0, 0.5, 20)]
+        assert not arm.is_free(BASE)
+        assert arm.blocker(back) is None
+        assert arm.blocker([*back, *back[::-1]]) == "structure"
+        assert arm.blocker([BASE]) is None
+
+
+def test_a_folded_arm_passes_wherever_its_agent_does() -> None:
+    with World(room(walls=[(0.2, -3, 0, 0.4, 3, 2.5)])) as world:
+        arm = Arm(world)
+        assert arm.is_folded
+        assert arm.is_free(BASE)
+        assert arm.blocker([BASE, ArmBase(0.0, 0.0, 90.0, 0.0)]) is None
+
+
 # ---- moving the hand
 
 
