@@ -413,3 +413,33 @@ def test_an_arm_that_finds_its_own_way_goes_back(armed) -> None:
     event = armed.step("OpenObject", objectId=fridge)
     assert event, event.metadata["errorMessage"]
     assert event.metadata["arm"]["joints"] == before
+
+
+def test_what_the_hand_holds_stops_before_the_fridge(armed) -> None:
+    bread, fridge = "Bread|-00.52|+01.17|-00.03", "Fridge|-02.10|+00.00|+01.07"
+    middle = armed.last_event.get_object(bread)["axisAlignedBoundingBox"]["center"]
+    stand_before(armed, middle)
+    assert armed.step("MoveArm", position=middle, coordinateSpace="world")
+    assert armed.step("PickupObject", objectIdCandidates=[bread])
+    assert armed.step("MoveArmRelative", offset={"x": 0.0, "y": 0.15, "z": -0.1})
+    assert armed.step("Teleport", position={"x": -1.0, "y": 0.9, "z": 1.0}, rotation=270)
+    reaches = [armed.step("MoveArm", position={"x": 0.0, "y": 0.0, "z": z}) for z in np.arange(0.3, 0.65, 0.05)]
+    assert [bool(event) for event in reaches] == sorted((bool(event) for event in reaches), reverse=True)
+    stopped = armed.last_event
+    assert f"{fridge} is blocking" in stopped.metadata["errorMessage"]
+    load, wall = (stopped.get_object(name)["axisAlignedBoundingBox"] for name in (bread, fridge))
+    front = wall["center"]["x"] + wall["size"]["x"] / 2
+    assert load["center"]["x"] - load["size"]["x"] / 2 > front - 0.06  # its handle stands out
+    assert hand(stopped)["x"] > front + 0.05
+    fell = armed.step("ReleaseObject")
+    assert fell.get_object(bread)["position"]["y"] < stopped.get_object(bread)["position"]["y"]
+
+
+def test_an_arm_does_not_reach_into_another_agent(armed) -> None:
+    armed.reset(agentMode="arm", agentCount=2)
+    for number, z in enumerate((0.5, 1.0)):
+        assert armed.step("TeleportFull", **{**BEFORE_APPLE, "z": z, "rotation": 0}, agentId=number)
+    event = armed.step("MoveArm", position={"x": 0.0, "y": 0.1, "z": 0.35}, agentId=0)
+    assert not event
+    assert "another Agent is blocking" in event.metadata["errorMessage"]
+    armed.initialization_parameters.pop("agentCount")

@@ -7,7 +7,7 @@ lines of its joint space, and stops at the last step before it would push into a
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from remqa_data.geometry.types import F64, Flags, Vec3
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.body import robot_poses, robot_surfaces
 from remqa_data.sim.arm.elbow import elbow_way
+from remqa_data.sim.arm.load import NOTHING, Load
 from remqa_data.sim.arm.obstacles import OF_AGENT, Boxes, Obstacles, depth, first_push
 from remqa_data.sim.arm.postures import BALL_RADII_M, HOME, ArmBase, ArmState, balls, link_poses, postures_at
 from remqa_data.sim.arm.search import HandGoals, Search, Way
@@ -64,6 +65,10 @@ class Arm:
     ----------
     world : World
         The room.
+    load : callable
+        Gives what the hand holds now; by default nothing, whatever it holds.
+    others : callable
+        Gives where other agents stand now.
 
     Attributes
     ----------
@@ -74,8 +79,13 @@ class Arm:
         would be inside of the finger tips.
     """
 
-    def __init__(self, world: World) -> None:
-        self.world = world
+    def __init__(
+        self,
+        world: World,
+        load: Callable[[], Load] = lambda: NOTHING,
+        others: Callable[[], Sequence[ArmBase]] = lambda: (),
+    ) -> None:
+        self.world, self._load, self._others = world, load, others
         self.state = HOME
         self.hand_radius_m = HAND_RADIUS_M
         self._posed: tuple[tuple[ArmBase, ArmState] | None, F64] = (None, np.empty(0))
@@ -119,16 +129,16 @@ class Arm:
         """
         if self.is_folded:
             return None
-        placed, boxes, owners, spared = self._carried(bases)
-        box = first_push(placed, BALL_RADII_M, boxes, spared)[1]
+        placed, radii, boxes, owners, spared = self._carried(bases)
+        box = first_push(placed, radii, boxes, spared)[1]
         return None if box < 0 else self._obstacles.name(int(owners[box]))
 
     def is_free(self, base: ArmBase) -> bool:
         """Whether the arm, held as it is, would be in nothing if the agent stood there."""
         if self.is_folded:
             return True
-        placed, boxes, _, spared = self._carried([base])
-        return not depth(placed, BALL_RADII_M, boxes, spared).any()
+        placed, radii, boxes, _, spared = self._carried([base])
+        return not depth(placed, radii, boxes, spared).any()
 
     def move_hand(
         self, base: ArmBase, target: Vec3, *, ignore: Collection[str] = (), free_height: bool = False
@@ -158,7 +168,7 @@ class Arm:
         point = np.array(target, dtype=np.float64)
         away = point - np.array(self.shoulder(base))
         goals = HandGoals(point[None], away[None] / max(float(arithmetic.length(away)), 1e-9))
-        return self._after(self._search(base, ignore).to(goals, free_column=free_height))
+        return self._after(self._search(base, ignore, self._load()).to(goals, free_column=free_height))
 
     def turn_hand(self, base: ArmBase, rotation: F64) -> ArmMove:
         """Turn the hand by a (3, 3) rotation about axes of the room; its middle and the column stay where they are."""
@@ -180,7 +190,7 @@ class Arm:
             return ArmMove(False, NOT_WITHIN_REACH, self.state)
         posture = self.state.posture()
         posture[0] = height_m
-        return self._after(self._search(base).along(posture))
+        return self._after(self._search(base, load=self._load()).along(posture))
 
     def reach_object(self, base: ArmBase, object_id: str) -> ArmMove:
         """Touch an object with the hand's ball; the column slides and turns as it likes.
@@ -209,7 +219,9 @@ class Arm:
         away = arithmetic.length(goals.points - np.array(near))
         order = np.argsort(np.round(away, 6), kind="stable")[: np.count_nonzero(away <= TOUCH_M)]
         goals = HandGoals(goals.points[order], goals.axes[order])
-        return self._after(self._search(base, [object_id]).to(goals, free_column=False, from_outside=True))
+        return self._after(
+            self._search(base, [object_id], self._load()).to(goals, free_column=False, from_outside=True)
+        )
 
     def parts(self) -> tuple[tuple[Surface, ...], ...]:
         """Surfaces of the whole agent, part by part: base, column, head, carriage, the arm's foot and links."""
@@ -219,18 +231,23 @@ class Arm:
         """(n, 4, 4) poses of the parts in the room; the head is at the camera's height above the floor."""
         return robot_poses(base, self.state, camera_height_m)
 
-    def _carried(self, bases: Sequence[ArmBase]) -> tuple[F64, Boxes, npt.NDArray[np.int64], Flags]:
-        """Balls of the arm at some places of its agent, the boxes around there, whose they are, and pairs that may touch: none."""
-        first, posture = bases[0], self.state.posture()[None]
+    def _carried(self, bases: Sequence[ArmBase]) -> tuple[F64, F64, Boxes, npt.NDArray[np.int64], Flags]:
+        """Balls of the arm and its load at some places of the agent, as `first_push` takes them, and whose the boxes are."""
+        first, load = bases[0], self._load()
         walk = max(math.dist((first.x, first.y), (base.x, base.y)) for base in bases)
-        boxes, owners = self._obstacles.near(first, walk)
+        boxes, owners = self._obstacles.near(first, walk, self._others())
         others = owners != OF_AGENT
-        placed = np.concatenate([balls(link_poses(base, posture)) for base in bases])
-        spared = np.zeros((placed.shape[1], np.count_nonzero(others)), dtype=np.bool_)
-        return placed, Boxes(*(rows[others] for rows in boxes)), owners[others], spared
+        boxes, owners = Boxes(*(rows[others] for rows in boxes)), owners[others]
+        links = self.link_poses(first)
+        here = np.vstack([balls(links[None])[0], links[jaco.HAND, :3, 3] + load.offsets])
+        frames = np.stack([base.pose() for base in bases])
+        placed = arithmetic.moved(arithmetic.moved_back(here, frames[0]), frames[:, None])
+        spared = np.zeros((len(here), len(owners)), dtype=np.bool_)
+        spared[len(BALL_RADII_M) :] = self._obstacles.lets_load_pass(owners)
+        return placed, np.concatenate([BALL_RADII_M, load.radii]), boxes, owners, spared
 
-    def _search(self, base: ArmBase, touchable: Collection[str] = ()) -> Search:
-        return Search(self._obstacles, base, self.state.posture(), touchable)
+    def _search(self, base: ArmBase, touchable: Collection[str] = (), load: Load = NOTHING) -> Search:
+        return Search(self._obstacles, base, self.state.posture(), touchable, load, self._others())
 
     def _after(self, way: Way | None) -> ArmMove:
         if way is None:

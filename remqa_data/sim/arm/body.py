@@ -6,6 +6,7 @@ room. The head is where the camera is and looks where the agent looks; the arm's
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,8 +16,6 @@ from remqa_data.assets.core.model import Material, Surface
 from remqa_data.assets.looks.materials import BLACK_PLASTIC, DARK_GLASS, RUBBER, WHITE_PLASTIC, paint
 from remqa_data.assets.mesh import primitives
 from remqa_data.assets.mesh.primitives import Mesh
-from remqa_data.geometry import arithmetic
-from remqa_data.geometry.rotations import about_z
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.postures import BASE_TOP_M, COLUMN_TOP_M, ArmBase, ArmState, foot_poses, link_poses
@@ -44,10 +43,10 @@ def robot_poses(base: ArmBase, state: ArmState, camera_height_m: float) -> F64:
     """(n, 4, 4) poses in the room of the parts of `robot_surfaces`."""
     posture = state.posture()[None]
     links = link_poses(base, posture)[0]
-    chassis = _upright(base.x, base.y, base.floor_z, base.yaw_deg)
+    chassis = base.pose()
     head = chassis.copy()
     head[2, 3] += camera_height_m
-    column = arithmetic.product(chassis, _upright(0.0, 0.0, 0.0, state.turn_deg))
+    column = replace(base, yaw_deg=base.yaw_deg + state.turn_deg).pose()
     carriage = foot_poses(base, posture)[0]
     return np.stack([chassis, column, head, carriage, *links[: jaco.HAND]])
 
@@ -200,10 +199,3 @@ def _surfaces(drawing: Drawing) -> tuple[Surface, ...]:
     for mesh, material in drawing:
         by_material.setdefault(material, []).append(with_uv(mesh, material, None))
     return tuple(surface(primitives.joined(meshes), material) for material, meshes in by_material.items())
-
-
-def _upright(x: float, y: float, z: float, yaw_deg: float) -> F64:
-    pose = np.eye(4)
-    pose[:3, :3] = about_z(yaw_deg)
-    pose[:3, 3] = x, y, z
-    return pose

@@ -6,12 +6,13 @@ PyBullet has, but they are read from the world's own poses, so that a test leave
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from remqa_data.catalog import object_type
 from remqa_data.compiled import exact
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
@@ -23,9 +24,9 @@ from remqa_data.sim.physics.world import World
 
 EXTENT_M = 1.3
 """No part of the arm is farther than this from the middle of the agent's base, seen from above."""
-OF_BUILDING, OF_AGENT = -1, -2
-"""Owners of boxes that are no object's: the building, and the agent's own body."""
-AGENT_NAME = "Agent"
+OF_BUILDING, OF_AGENT, OF_OTHER = -1, -2, -3
+"""Owners of boxes that are no object's: the building, the agent's own body, and those of others."""
+NAMES = {OF_BUILDING: STRUCTURE_NAME, OF_AGENT: "Agent", OF_OTHER: "another Agent"}
 _BODY = np.array(
     [
         [-0.055, -0.055, 0.0, 0.055, 0.055, COLUMN_TOP_M],
@@ -93,7 +94,9 @@ class Obstacles:
         self._axes = np.tile(np.eye(3), (len(owner), 1, 1))
         self._seen: dict[str, ObjectState] = {}
 
-    def near(self, base: ArmBase, walk_m: float = 0.0) -> tuple[Boxes, npt.NDArray[np.int64]]:
+    def near(
+        self, base: ArmBase, walk_m: float = 0.0, others: Sequence[ArmBase] = ()
+    ) -> tuple[Boxes, npt.NDArray[np.int64]]:
         """The boxes that the arm could come near to, the agent's own body among them, and the owner of each.
 
         Parameters
@@ -102,10 +105,12 @@ class Obstacles:
             Where the agent stands.
         walk_m : float
             So far it may walk from there, metres.
+        others : sequence of ArmBase
+            Where other agents stand.
 
         Returns
         -------
-        Boxes, and (n,) owners: index of the object in the scene, or `OF_BUILDING`, or `OF_AGENT`.
+        Boxes, and (n,) owners: index of the object in the scene, or `OF_BUILDING`, `OF_AGENT` or `OF_OTHER`.
         """
         self._sync()
         around = arithmetic.turned_back(self._halves, np.abs(self._axes))
@@ -113,12 +118,14 @@ class Obstacles:
         near = arithmetic.length(gaps[:, :2]) < EXTENT_M + walk_m
         for object_id in self._world.held:
             near &= self._owner != self._world.ids.index(object_id)
-        body = _BODY + np.tile([base.x, base.y, base.floor_z], 2)
+        body = np.vstack([_BODY + np.tile([agent.x, agent.y, agent.floor_z], 2) for agent in (base, *others)])
         halves = np.vstack([self._halves[near], (body[:, 3:] - body[:, :3]) / 2])
         centres = np.vstack([self._centres[near], (body[:, 3:] + body[:, :3]) / 2])
         axes = np.vstack([self._axes[near], np.tile(np.eye(3), (len(body), 1, 1))])
         around = np.vstack([around[near], halves[-len(body) :]])
-        owners = np.append(self._owner[near], np.full(len(body), OF_AGENT))
+        agents = np.full(len(body), OF_OTHER)
+        agents[: len(_BODY)] = OF_AGENT
+        owners = np.append(self._owner[near], agents)
         return Boxes(centres, axes, halves, centres - around, centres + around), owners
 
     def gaps(self, point: Vec3) -> F64:
@@ -132,7 +139,12 @@ class Obstacles:
 
     def name(self, owner: int) -> str:
         """Id of the object that is an owner, or what the building or the agent's body is called."""
-        return {OF_BUILDING: STRUCTURE_NAME, OF_AGENT: AGENT_NAME}.get(owner) or self._world.ids[owner]
+        return NAMES.get(owner) or self._world.ids[owner]
+
+    def lets_load_pass(self, owners: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+        """(n,) of which owners what the hand holds may be in the boxes: the agent itself, and what a hand could pick up."""
+        pickupable = [object_type(self._world.type_of(object_id)).pickupable for object_id in self._world.ids]
+        return np.isin(owners, [OF_AGENT, *np.flatnonzero(pickupable)])
 
     def indices(self, object_ids: Collection[str]) -> npt.NDArray[np.int64]:
         """Indices of objects in the scene.

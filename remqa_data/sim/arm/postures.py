@@ -14,6 +14,7 @@ import numpy as np
 
 from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import about_z
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.navigation.embodiment import AGENT
@@ -37,6 +38,13 @@ class ArmBase:
     y: float
     yaw_deg: float
     floor_z: float
+
+    def pose(self) -> F64:
+        """(4, 4) of its middle on the floor in the room, x ahead."""
+        pose = np.eye(4)
+        pose[:3, :3] = about_z(self.yaw_deg)
+        pose[:3, 3] = self.x, self.y, self.floor_z
+        return pose
 
 
 @dataclass(frozen=True)

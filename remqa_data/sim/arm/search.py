@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple, TypeVar
@@ -18,7 +18,9 @@ import numpy.typing as npt
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64
+from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.joint_paths import path, ways
+from remqa_data.sim.arm.load import NOTHING, Load
 from remqa_data.sim.arm.obstacles import Obstacles, depth, first_push
 from remqa_data.sim.arm.postures import (
     BALL_RADII_M,
@@ -96,13 +98,28 @@ class Search:
         The arm's posture.
     touchable : collection of str
         Objects that the hand may touch, but not the rest of the arm.
+    load : Load
+        What the hand holds; it does not turn with the hand.
+    others : sequence of ArmBase
+        Where other agents stand.
     """
 
-    def __init__(self, obstacles: Obstacles, base: ArmBase, start: F64, touchable: Collection[str] = ()) -> None:
-        self.base, self.start = base, start
-        self.boxes, self.owners = obstacles.near(base)
+    def __init__(
+        self,
+        obstacles: Obstacles,
+        base: ArmBase,
+        start: F64,
+        touchable: Collection[str] = (),
+        load: Load = NOTHING,
+        others: Sequence[ArmBase] = (),
+    ) -> None:
+        self.base, self.start, self.load = base, start, load
+        self.boxes, self.owners = obstacles.near(base, others=others)
         may_touch = np.isin(self.owners, obstacles.indices(touchable))
         self.spared = HAND_BALLS[:, None] & may_touch[None]
+        self._load_spared = np.tile(obstacles.lets_load_pass(self.owners), (len(load.radii), 1))
+        self._radii = np.concatenate([BALL_RADII_M, load.radii])
+        self._all_spared = np.vstack([self.spared, self._load_spared])
 
     def along(self, *waypoints: F64) -> Way:
         """Go through postures in straight lines, as far as it is free."""
@@ -128,6 +145,9 @@ class Search:
         """
         spared = np.zeros_like(self.spared[-1:]) if from_outside else self.spared[-1:]
         tip_is_free = depth(goals.points[:, None], BALL_RADII_M[-1:], self.boxes, spared) <= 0.0
+        tip_is_free &= (
+            depth(goals.points[:, None] + self.load.offsets, self.load.radii, self.boxes, self._load_spared) <= 0.0
+        )
         hopeful = [(goals.points[i], goals.axes[i]) for i in np.flatnonzero(tip_is_free)[:MAX_GOALS]]
         tries = POSTURES_PER_BATCH if free_column else None
         batches = [self._free_batches(point, axis, free_column=free_column) for point, axis in hopeful]
@@ -191,13 +211,16 @@ class Search:
         return np.asarray(stacked[is_near])
 
     def _touches_nothing(self, postures: F64) -> npt.NDArray[np.bool_]:
-        placed = balls(link_poses(self.base, postures))
-        return np.asarray(depth(placed, BALL_RADII_M, self.boxes, self.spared) <= 0.0)
+        return np.asarray(depth(self._placed(postures), self._radii, self.boxes, self._all_spared) <= 0.0)
 
     def _first_push(self, postures: F64) -> tuple[int, int]:
         """The first of successive postures that pushes into a box, and the box; see `first_push`."""
-        placed = balls(link_poses(self.base, postures))
-        return first_push(placed, BALL_RADII_M, self.boxes, self.spared)
+        return first_push(self._placed(postures), self._radii, self.boxes, self._all_spared)
+
+    def _placed(self, postures: F64) -> F64:
+        """(n, b, 3) balls of the arm and its load in (n, 8) postures."""
+        links = link_poses(self.base, postures)
+        return np.concatenate([balls(links), links[:, jaco.HAND, None, :3, 3] + self.load.offsets], axis=1)
 
 
 def _in_turns(iterators: Iterable[Iterator[T]]) -> Iterator[T]:

@@ -101,7 +101,8 @@ def pick_up_object(
     fit = [name for name in touched if object_type(world.type_of(name)).pickupable]
     chosen = [name for name in fit if names is None or name in names]
     if not chosen:
-        return ActionResult(False, "no pickupable object is within the hand's sphere")
+        named = "" if names is None else " (specified by objectId)"
+        return ActionResult(False, f"No objects{named} were valid to be picked up by the arm")
     return agent.pick_up(chosen[0], force=True, along=chosen[1:])
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from itertools import product
 from typing import Any
 
@@ -23,7 +23,9 @@ from remqa_data.sim.agent.agent import Agent, Hands
 from remqa_data.sim.agent.body import direction
 from remqa_data.sim.agent.results import SUCCEEDED, ActionResult
 from remqa_data.sim.arm import jaco
-from remqa_data.sim.arm.postures import HOME as FOLDED
+from remqa_data.sim.arm.arm import HOME as FOLDED
+from remqa_data.sim.arm.arm import Arm, ArmBase
+from remqa_data.sim.arm.load import NOTHING, Load, load_of
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
 from remqa_data.sim.physics.state import ObjectState
@@ -97,6 +99,18 @@ class ThorAgent(Agent):
         self._grasp: F64 = np.zeros(3)
         self._usual_turn: F64 | None = None
         self._sight = Sight(world, view, body)
+
+    @cached_property
+    def arm(self) -> Arm:
+        """See `Agent`; what the hand holds and other agents are in its way."""
+
+        def load() -> Load:
+            return load_of(self.world, self.states_of_held(), self.hand_at()) if self.held else NOTHING
+
+        def others() -> list[ArmBase]:
+            return [other.base for other in self._all if other is not self and not self._passes_agents]
+
+        return Arm(self.world, load, others)
 
     def take_over(self, before: ThorAgent) -> None:
         """Hold the hand, and what is in it, as an agent did in whose place it comes, if that had the same kind of hand."""
