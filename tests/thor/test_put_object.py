@@ -1,5 +1,6 @@
 """PutObject finds a place where AI2-THOR would, and what was put lies there without being in anything else."""
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -129,3 +130,34 @@ def test_a_plate_is_not_put_into_the_hollow_foot_of_a_machine(controller) -> Non
     before = {"x": 0.75, "y": y, "z": 1.5, "rotation": {"x": 0, "y": 90, "z": 0}, "horizon": 30, "standing": True}
     assert controller.step("TeleportFull", **before, renderImage=False)
     assert controller.step("PutObject", objectId=counter, renderImage=False).get_object(plate)["visible"]
+
+
+def test_what_is_put_into_a_drawer_sticks_in_nothing_when_it_is_closed(kitchen) -> None:
+    thing, drawer = "PepperShaker|+00.47|+01.31|-03.00", "Drawer|+00.65|+01.07|+01.02"
+    kitchen.reset("FloorPlan3")
+    poses = kitchen.step("GetInteractablePoses", objectId=drawer, maxPoses=1, horizons=[30, 45])
+    assert kitchen.step("TeleportFull", **poses.metadata["actionReturn"][0])
+    assert kitchen.step("PickupObject", objectId=thing, forceAction=True)
+    assert kitchen.step("OpenObject", objectId=drawer)
+    assert kitchen.step("PutObject", objectId=drawer, forceAction=True)
+    closed = kitchen.step("CloseObject", objectId=drawer)
+    assert closed.get_object(thing)["parentReceptacles"] == [drawer]
+    world = kitchen.server.session._simulator.room.world
+    assert min((gap for _, gap in world.overlapping(thing)), default=0.0) > -0.01
+
+
+def test_a_pot_is_picked_up_with_what_metadata_say_is_in_it_and_nothing_else_moves(kitchen) -> None:
+    """The spatula is so near to the burner, through the pot's floor, that it would seem to rest on that."""
+    before = kitchen.reset("FloorPlan14")
+    pot = next(o for o in before.metadata["objects"] if o["objectType"] == "Pot" and o["receptacleObjectIds"])
+    [spatula] = pot["receptacleObjectIds"]
+    event = kitchen.step("PickupObject", objectId=pot["objectId"], forceAction=True)
+    assert event.get_object(pot["objectId"])["receptacleObjectIds"] == [spatula]
+    away = [
+        math.dist(*(at.get_object(name)["position"].values() for name in (pot["objectId"], spatula)))
+        for at in (before, event)
+    ]
+    assert away[0] == pytest.approx(away[1], abs=1e-4)
+    for was in before.metadata["objects"]:
+        if was["objectId"] not in (pot["objectId"], spatula):
+            assert event.get_object(was["objectId"])["position"] == was["position"]

@@ -7,7 +7,7 @@ openness of 2, is an exception. A refused action changes nothing, but for an arm
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -151,12 +151,16 @@ class Agent(Body):
         refusal = self.access_refusal(object_id, force)
         if refusal is None:
             taken = (object_id, *along)
-            bears = any(self.world.bears_something(name) for name in taken)
+            borne = {other for name in taken for other in self.world.borne(name)}
             _, *load = dict.fromkeys(name for one in taken for name in (one, *self.load(one)))
             self.world.pick_up(object_id, self.number, load)
-            if bears:
-                handling.settle(self.world)
+            if borne:
+                self._let_fall(borne.difference(self.world.held))
         return refusal or SUCCEEDED
+
+    def _let_fall(self, names: Collection[str]) -> None:
+        """Let fall what lay on what was taken, and all else that is not at rest."""
+        handling.settle(self.world)
 
     def load(self, object_id: str) -> list[str]:
         """Ids of what comes along when an object is picked up."""

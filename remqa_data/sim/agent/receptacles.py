@@ -18,8 +18,8 @@ from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, sunk_into, support_of, touched
 from remqa_data.sim.navigation.grid import collision_corners
-from remqa_data.sim.physics.support import support_rules, supports, surrounds
-from remqa_data.sim.physics.world import World
+from remqa_data.sim.physics.support import contents_of, support_rules, supports, surrounds
+from remqa_data.sim.physics.world import Snapshot, World
 
 LATTICE_M = 0.05
 FINE_PITCHES_M, FINE_STEPS = (0.01, 0.025), 20
@@ -30,6 +30,8 @@ TRIES, MOST_TRIES = 3, 12
 NEAR_SPOTS, FAR_STRIDE = 800, 40
 """So many of the nearest places are looked at, and of the others, which a floor has by ten thousands, one of so many."""
 CLOSED = "closed"
+STICKS_M = 0.01
+"""What lies in a drawer or cabinet is in something by less than that when it is closed."""
 OPEN_ENOUGH = 0.15
 """A thing can be put into a closed space that is open at least this much, or as far as it opens at all."""
 HANGS_M = 0.006
@@ -138,8 +140,12 @@ def _is_put(
     is_clear: Callable[[str], bool],
     are_near: Callable[[F64], Flags] | None,
 ) -> bool:
-    """Put what is held into one of some spaces of a receptacle, if that can be; else all is as before."""
+    """Put what is held into one of some spaces of a receptacle, if that can be; else all is as before.
+
+    Rather where it would stick in nothing if the receptacle were closed.
+    """
     before, load, tries = world.save(), world.load_of(held), [MOST_TRIES, MOST_TRIES]
+    second_best: Snapshot | None = None
     for way in _ways(world, held):
         spots = _spots(world, receptacle_id, spaces, way)
         if not spots:
@@ -151,13 +157,17 @@ def _is_put(
         for spot in islice(free, min(TRIES, tries[way.is_last])):
             tries[way.is_last] -= 1
             world.put(held, spot)
-            settle(world, awake=[held, *world.contents(held)])
+            settle(world, awake=[held, *load])
             if _stays(world, held, receptacle_id, load) and is_clear(held):
-                return True
+                if _fits_closed(world, held, receptacle_id):
+                    return True
+                second_best = second_best or world.save()
             world.restore(before)
             world.move_alone(held, world.state(held).position, way.quaternion)
         world.restore(before)
-    return False
+    if second_best is not None:
+        world.restore(second_best)
+    return second_best is not None
 
 
 def _stays(world: World, held: str, receptacle_id: str, load: Sequence[str]) -> bool:
@@ -170,7 +180,19 @@ def _stays(world: World, held: str, receptacle_id: str, load: Sequence[str]) -> 
     is_floor = world.type_of(receptacle_id) == "Floor"  # where furniture stands, which is open below
     machines = [name for name in others if not (is_floor or object_type(world.type_of(name)).pickupable)]
     is_swallowed = any(_is_within(boxes[held], boxes[name]) for name in machines)
-    return not is_swallowed and set(load) <= set(world.contents(held))
+    is_whole = set(load) <= {*world.contents(held), *contents_of(held_by, held)}
+    return not is_swallowed and is_whole
+
+
+def _fits_closed(world: World, held: str, receptacle_id: str) -> bool:
+    """Whether what lies in or on a receptacle would still do so if that were closed, and stick in nothing."""
+    if not world.state(receptacle_id).openness:
+        return True
+    before = world.save()
+    world.open(receptacle_id, 0.0)
+    fits = support_of(world, held, by_agents=True) == receptacle_id and not sunk_into(world, held, STICKS_M)
+    world.restore(before)
+    return fits
 
 
 def _is_within(box: F64, other: F64) -> bool:

@@ -129,6 +129,18 @@ def supports(world: World, boxes: Mapping[str, F64], *, by_agents: bool = False)
     return held_by
 
 
+def contents_of(found: Mapping[str, Support], object_id: str) -> list[str]:
+    """Ids of what rests in or on an object, and of what rests in or on that, of what has been found to support what."""
+    names: list[str] = []
+    waiting = [object_id]
+    while waiting:
+        holder = waiting.pop()
+        news = [name for name, support in found.items() if support.id == holder and name not in names]
+        names += news
+        waiting += news
+    return names
+
+
 def _leave_out_lower_ones(fits: Flags, names: Sequence[str], bottom: F64, owners: npt.NDArray[np.object_]) -> None:
     """Of two things each of which fits into a space of the other, let the one that reaches farther down not fit."""
     place = {name: i for i, name in enumerate(names)}

@@ -131,9 +131,10 @@ class World:
         """The object, or "structure", whose collision boxes a ray meets first, and where, metres; None if none."""
         return self._bodies.first_hit(start, end)
 
-    def bears_something(self, object_id: str) -> bool:
-        """Whether anything rests on or in an object, if only partly, and would fall without it."""
-        return bool(riders(self, self._bodies, object_id, or_lean=True))
+    def borne(self, object_id: str) -> list[str]:
+        """Ids of what rests on or in an object, if only partly, and would fall without it, in the scene's order."""
+        found = riders(self, self._bodies, object_id, or_lean=True)
+        return [other for other in self._objects if other in found]
 
     def to_scene(self) -> Scene:
         """The world as it is now, as data; loading it gives this world again."""

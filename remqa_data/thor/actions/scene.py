@@ -202,10 +202,10 @@ def _remove(room: LoadedFloorPlan, names: Sequence[str]) -> ActionResult:
     for name in dict.fromkeys(names):
         if name in room.records.away:
             continue  # it was held with one before
-        bears = room.world.bears_something(name)
+        borne = set(room.world.borne(name)) - room.world.held.keys()
         room.take_away(name)
-        if bears:
-            handling.settle(room.world)
+        if borne:
+            handling.settle(room.world, awake=borne)
     return ActionResult(True)
 
 

@@ -29,6 +29,7 @@ from remqa_data.sim.arm.load import NOTHING, Load, load_of
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
 from remqa_data.sim.physics.state import ObjectState
+from remqa_data.sim.physics.support import contents_of, supports
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import Observation, WorldView
@@ -212,9 +213,16 @@ class ThorAgent(Agent):
 
     def load(self, object_id: str) -> list[str]:
         """See `Agent`: what lies in or on a receptacle, if a hand can pick it up."""
-        if not object_type(self.world.type_of(object_id)).receptacle:
+        world = self.world
+        if not object_type(world.type_of(object_id)).receptacle:
             return []
-        return [name for name in self.world.contents(object_id) if object_type(self.world.type_of(name)).pickupable]
+        found = supports(world, {name: world.box(name) for name in world.ids}, by_agents=True)
+        comes = {*world.contents(object_id), *contents_of(found, object_id)} - world.held.keys()
+        return [name for name in world.ids if name in comes and object_type(world.type_of(name)).pickupable]
+
+    def _let_fall(self, names: Collection[str]) -> None:
+        """See `Agent`; what has nothing to do with it stays as it is."""
+        handling.settle(self.world, awake=names)
 
     @property
     def in_hand(self) -> list[str]:

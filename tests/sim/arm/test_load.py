@@ -44,7 +44,7 @@ def test_a_load_is_where_the_thing_is_held_and_turned() -> None:
         load = load_of(world, {"Mug|1": state}, (0.5, 0.0, 1.0))
         world.move_alone("Mug|1", (0.5, 0.1, 1.0), turned)
         low, high = world.box("Mug|1")
-        found = load.offsets + (0.5, 0.0, 1.0)
+        found = load.offsets + np.array([0.5, 0.0, 1.0])
         assert (found > low - 0.01).all()
         assert (found < high + 0.01).all()
         assert found.max(axis=0) == pytest.approx(high, abs=0.03)
@@ -67,7 +67,9 @@ def test_a_hand_that_holds_something_stops_earlier_before_a_wall_and_after_a_tur
         assert not loaded.is_free(BASE)
         turned = [ArmBase(0.0, 0.0, yaw, 0.0) for yaw in range(60, -1, -2)]
         assert empty.blocker(turned) is None
-        sideways = Arm(world, load=lambda: Load(np.array([[0.1, 0.17, 0.0]]), np.array([0.02])))  # ahead, where it is turned
+        sideways = Arm(
+            world, load=lambda: Load(np.array([[0.1, 0.17, 0.0]]), np.array([0.02]))
+        )  # ahead, where it is turned
         sideways.state = empty.state
         assert sideways.blocker(turned) == "structure"
 

@@ -78,7 +78,7 @@ def test_what_rests_partly_on_something_else_stays() -> None:
     across = thing("Book|2", (0.2, 0.1, 0.02), (1.085, 1.0, 0.045))
     with settled(room(low, beside, across)) as world:
         assert world.contents("Book|0") == []
-        assert world.bears_something("Book|0")
+        assert world.borne("Book|0")
 
 
 def test_what_stands_before_a_thing_or_under_it_stays() -> None:
