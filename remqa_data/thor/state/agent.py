@@ -44,7 +44,8 @@ ASIDE_DEG, ASIDE_M, ASIDE_HIGH_M = (0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0
 CARRY_STEP_M, CARRY_STEP_DEG = 0.02, 1.0
 """In such steps of walking and turning an arm that is carried is looked at."""
 RISES_M = (0.0, 0.005, 0.015, 0.03, 0.06)
-"""What an arm lets go of where it touches things is let go of so far above."""
+BACK_M = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3)
+"""What an arm lets go of where it touches things is let go of so far above, or so far back towards the agent."""
 
 
 class ThorAgent(Agent):
@@ -360,13 +361,17 @@ class ThorAgent(Agent):
         return (None if force else self.refusal(object_id)) or SUCCEEDED
 
     def drop_spots(self) -> list[Vec3]:
-        """Where it lets go: where its hand is, if it has been moved, or where its arm holds the thing, or just above."""
+        """Where it lets go: where its hand is, if it was moved, or where its arm holds the thing, a little above, or nearer."""
         if self.hands != "arm":
             return ([self.hand_at()] if self.hand_offset != HAND else []) + super().drop_spots()
         held = str(self.held)
         origin = np.asarray(self.world.state(held).position) - self.world.box(held).mean(axis=0)
         x, y, z = arithmetic.snapped(np.asarray(self.held_at()) + origin).tolist()
-        return [(x, y, z + rise) for rise in RISES_M] + super().drop_spots()
+        away = math.dist((x, y), (self.x, self.y))
+        nearer = [back / away for back in BACK_M if back < away]
+        spots = [(x, y, z + rise) for rise in RISES_M]
+        spots += [(x + share * (self.x - x), y + share * (self.y - y), z) for share in nearer]
+        return spots + super().drop_spots()
 
     def _until_it_meets_an_agent(self, object_id: str, was: float, goal: float, position: Vec2) -> float:
         """See `Agent`; nothing opens through another agent either."""
