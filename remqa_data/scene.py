@@ -46,8 +46,8 @@ class SceneObject:
     is_fixed : bool
         Whether physics leaves it where it is until something acts on it: furniture, and things that hang or lean.
     parents : tuple of str
-        Ids of the receptacles that held it where it was first put. Actions and physics leave them as they are: what holds a thing
-        now, `remqa_data.sim.physics.support.supports` tells, and the dataset's `support`.
+        Ids of the receptacles that held it where it was first put, whatever has happened since: what holds a thing now,
+        `remqa_data.sim.physics.support.supports` tells, and the dataset's `support`.
     most_open : float
         How far it opens where it stands, as a share of what it could: less than 1 where a wall is in the way.
     """
