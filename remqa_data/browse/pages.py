@@ -154,6 +154,7 @@ class Pages:
             siblings=[(other in self._in_scope, brief) for other, brief in siblings],
             shown={"start": self._legend(start, asked["object_ids"]), "end": self._legend(end, asked["object_ids"])},
             map=None if room is None else self._question_map(room, asked),
+            legend=[] if room is None else plan_legend(room.plan),
             graph=None if room is None else neighbourhood(room, asked["target_id"]),
             given=given_answers(self._agents, asked["question_id"], asked["answer"]),
             has_agents=bool(self._agents),

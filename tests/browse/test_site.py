@@ -103,6 +103,7 @@ def test_every_object_of_a_view_and_every_colour_of_a_map_is_told(hostile: Path,
     site = Site(BrowsedDataset(copy.root))
     assert "<summary>20 objects</summary>" in text(site, "q/Kitchen1-q3.html")
     for address in ("q/Kitchen1-q3.html", "w/Kitchen1-c0.html"):
+        assert "<summary>Colours of the map</summary>" in text(site, address)
         assert all(f"</svg>{name}</li>" in text(site, address) for name in names)
 
 
