@@ -156,3 +156,17 @@ def test_marks_and_randomised_colours_survive_a_change_of_condition() -> None:
         act(kitchen, "FillObjectWithLiquid", bowl)
         assert pan not in [o["objectId"] for o in kitchen.last_event.metadata["objects"]]
         assert not (seen(kitchen, bowl) == [255, 0, 255]).all(axis=-1).any()
+
+
+def test_what_is_built_lit_is_dark_until_it_is_switched_on(kitchen) -> None:
+    loaded = kitchen.reset("FloorPlan301", renderInstanceSegmentation=True)
+    laptop = next(o["objectId"] for o in loaded.metadata["objects"] if o["objectType"] == "Laptop")
+    poses = kitchen.step("GetInteractablePoses", objectId=laptop, horizons=[30], standings=[True], renderImage=False)
+    views = [kitchen.step("TeleportFull", **pose) for pose in poses.metadata["actionReturn"][::4]]
+    seen = [int(view.instance_masks[laptop].sum()) if laptop in view.instance_masks else 0 for view in views]
+    before = kitchen.step("TeleportFull", **poses.metadata["actionReturn"][::4][int(np.argmax(seen))])
+    assert not before.get_object(laptop)["isToggled"]
+    lit = kitchen.step("ToggleObjectOn", objectId=laptop)
+    mask = before.instance_masks[laptop]
+    assert lit.frame[mask].mean() > before.frame[mask].mean() + 5
+    assert np.array_equal(kitchen.step("ToggleObjectOff", objectId=laptop).frame, before.frame)

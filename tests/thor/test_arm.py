@@ -260,14 +260,24 @@ def test_the_agent_sees_its_arm(armed) -> None:
     assert np.array_equal(event.frame, hidden.frame)
 
 
-def test_what_the_arm_holds_turns_with_the_agent(armed) -> None:
-    world = armed.server.session._simulator.room.world
-    agent = armed.server.session._simulator.agent
-    assert agent.pick_up(APPLE, force=True).success
+def take_apple(controller) -> None:
+    """Take the apple from the island, lift it, and step back."""
+    middle = controller.last_event.get_object(APPLE)["axisAlignedBoundingBox"]["center"]
+    assert controller.step("MoveArmBase", y=middle["y"] + 0.1, normalizedY=False)
+    assert controller.step("MoveArm", position=middle, coordinateSpace="world")
+    assert controller.step("PickupObject", objectIdCandidates=[APPLE])
+    assert controller.step("MoveArmRelative", offset={"x": 0.0, "y": 0.2, "z": 0.0})
+    assert controller.step("MoveAgent", ahead=-0.2)
+
+
+def test_what_the_arm_holds_turns_with_the_agent(before_apple) -> None:
+    armed, world = before_apple, before_apple.server.session._simulator.room.world
+    take_apple(armed)
     before = armed.step("Pass")
     from_hand = np.subtract(place(before), list(hand(before).values()))
     quaternion = world.state(APPLE).quaternion
     turned = armed.step("RotateRight", degrees=90)
+    assert turned, turned.metadata["errorMessage"]
     x, y, z = np.subtract(place(turned), list(hand(turned).values()))
     assert (x, y, z) == pytest.approx((from_hand[2], from_hand[1], -from_hand[0]), abs=2e-3)
     armed.step("RotateLeft", degrees=90)
@@ -443,3 +453,29 @@ def test_an_arm_does_not_reach_into_another_agent(armed) -> None:
     assert not event
     assert "another Agent is blocking" in event.metadata["errorMessage"]
     armed.initialization_parameters.pop("agentCount")
+
+
+def test_what_a_folded_arm_holds_is_in_the_way(armed) -> None:
+    """The hand's ball is made so large that the folded arm takes what stands before the agent."""
+    apple = armed.last_event.get_object(APPLE)["axisAlignedBoundingBox"]["center"]
+    stand_before(armed, apple)
+    assert armed.step("MoveArmBase", y=apple["y"], normalizedY=False)
+    assert armed.step("SetHandSphereRadius", radius=0.5)
+    assert armed.step("PickupObject", objectIdCandidates=[APPLE])
+    agent = armed.server.session._simulator.agent
+    assert agent.arm.is_folded
+    wall = np.array(agent.held_at()) - agent.position
+    ahead = next(k * 0.02 for k in range(1, 200) if not armed.step("MoveAgent", ahead=0.02))
+    assert ahead
+    assert "is blocking" in armed.last_event.metadata["errorMessage"]
+    assert np.allclose(np.array(agent.held_at()) - agent.position, wall, atol=1e-6)
+
+
+def test_a_door_that_opens_to_where_the_hand_is_folds_the_arm(armed) -> None:
+    fridge = "Fridge|-02.10|+00.00|+01.07"
+    assert armed.step("TeleportFull", x=-1.5, y=0.9, z=2.0, rotation=180, horizon=0, standing=True)
+    assert armed.step("MoveArm", position={"x": 0.0, "y": 0.1, "z": 0.35})
+    assert armed.step("OpenObject", objectId=fridge)
+    agent = armed.server.session._simulator.agent
+    assert agent.arm.is_free(agent.base)
+    assert agent.arm.is_folded

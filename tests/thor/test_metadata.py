@@ -226,3 +226,11 @@ def test_filter(kitchen) -> None:
     assert [record["objectId"] for record in event.metadata["objects"]] == some
     assert kitchen.step("SetObjectFilter", objectIds=[]).metadata["objects"] == []
     assert len(kitchen.step("ResetObjectFilter").metadata["objects"]) > 3
+
+
+@pytest.mark.slow
+def test_what_is_taller_than_the_space_it_stands_in_has_a_parent(kitchen) -> None:
+    event = kitchen.reset("FloorPlan217")
+    laptop, dresser = "Laptop|-04.87|+00.98|+03.44", "Dresser|-04.74|00.00|+02.60"
+    assert event.get_object(laptop)["parentReceptacles"] == [dresser]
+    assert laptop in event.get_object(dresser)["receptacleObjectIds"]

@@ -155,11 +155,11 @@ class Agent(Body):
             _, *load = dict.fromkeys(name for one in taken for name in (one, *self.load(one)))
             self.world.pick_up(object_id, self.number, load)
             if borne:
-                self._let_fall(borne.difference(self.world.held))
+                self._let_fall(borne)
         return refusal or SUCCEEDED
 
-    def _let_fall(self, names: Collection[str]) -> None:
-        """Let fall what lay on what was taken, and all else that is not at rest."""
+    def _let_fall(self, borne: Collection[str]) -> None:
+        """Let fall what lay on what was taken and has not come along, and all else that is not at rest."""
         handling.settle(self.world)
 
     def load(self, object_id: str) -> list[str]:

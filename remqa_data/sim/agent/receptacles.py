@@ -32,6 +32,8 @@ NEAR_SPOTS, FAR_STRIDE = 800, 40
 CLOSED = "closed"
 STICKS_M = 0.01
 """What lies in a drawer or cabinet is in something by less than that when it is closed."""
+MISFITS = 8
+"""In so many ways it is put where it is in something then, before the first of these is taken."""
 OPEN_ENOUGH = 0.15
 """A thing can be put into a closed space that is open at least this much, or as far as it opens at all."""
 HANGS_M = 0.006
@@ -145,7 +147,7 @@ def _is_put(
     Rather where it would stick in nothing if the receptacle were closed.
     """
     before, load, tries = world.save(), world.load_of(held), [MOST_TRIES, MOST_TRIES]
-    second_best: Snapshot | None = None
+    second_best: list[Snapshot] = []
     for way in _ways(world, held):
         spots = _spots(world, receptacle_id, spaces, way)
         if not spots:
@@ -158,16 +160,20 @@ def _is_put(
             tries[way.is_last] -= 1
             world.put(held, spot)
             settle(world, awake=[held, *load])
-            if _stays(world, held, receptacle_id, load) and is_clear(held):
-                if _fits_closed(world, held, receptacle_id):
-                    return True
-                second_best = second_best or world.save()
+            stays = _stays(world, held, receptacle_id, load) and is_clear(held)
+            if stays and _fits_closed(world, held, receptacle_id):
+                return True
+            second_best += [world.save()] if stays else []
             world.restore(before)
+            if stays:
+                break  # the next way, as it is mostly too high for the drawer
             world.move_alone(held, world.state(held).position, way.quaternion)
         world.restore(before)
-    if second_best is not None:
-        world.restore(second_best)
-    return second_best is not None
+        if len(second_best) == MISFITS:
+            break
+    if second_best:
+        world.restore(second_best[0])
+    return bool(second_best)
 
 
 def _stays(world: World, held: str, receptacle_id: str, load: Sequence[str]) -> bool:

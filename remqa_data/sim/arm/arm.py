@@ -114,7 +114,7 @@ class Arm:
 
     @property
     def is_folded(self) -> bool:
-        """Whether the whole arm is above the agent's base, and so passes wherever the agent does."""
+        """Whether the whole arm is above the agent's base, and so passes wherever the agent does, but for what it holds."""
         return self.state.joints == HOME.joints
 
     def blocker(self, bases: Sequence[ArmBase]) -> str | None:
@@ -127,7 +127,7 @@ class Arm:
         bases : sequence of ArmBase
             Where the agent stands now, then wherever it passes, in small steps.
         """
-        if self.is_folded:
+        if self.is_folded and not len(self._load().radii):
             return None
         placed, radii, boxes, owners, spared = self._carried(bases)
         box = first_push(placed, radii, boxes, spared)[1]
@@ -135,7 +135,7 @@ class Arm:
 
     def is_free(self, base: ArmBase) -> bool:
         """Whether the arm, held as it is, would be in nothing if the agent stood there."""
-        if self.is_folded:
+        if self.is_folded and not len(self._load().radii):
             return True
         placed, radii, boxes, _, spared = self._carried([base])
         return not depth(placed, radii, boxes, spared).any()
@@ -235,7 +235,7 @@ class Arm:
         """Balls of the arm and its load at some places of the agent, as `first_push` takes them, and whose the boxes are."""
         first, load = bases[0], self._load()
         walk = max(math.dist((first.x, first.y), (base.x, base.y)) for base in bases)
-        boxes, owners = self._obstacles.near(first, walk, self._others())
+        boxes, owners = self._obstacles.near(first, walk + load.reach_m, self._others())
         others = owners != OF_AGENT
         boxes, owners = Boxes(*(rows[others] for rows in boxes)), owners[others]
         links = self.link_poses(first)

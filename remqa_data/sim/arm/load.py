@@ -37,6 +37,11 @@ class Load(NamedTuple):
     offsets: F64
     radii: F64
 
+    @property
+    def reach_m(self) -> float:
+        """How far from the hand's middle it reaches."""
+        return float((arithmetic.length(self.offsets) + self.radii).max(initial=0.0))
+
 
 NOTHING = Load(np.zeros((0, 3)), np.zeros(0))
 

@@ -95,7 +95,7 @@ class Obstacles:
         self._seen: dict[str, ObjectState] = {}
 
     def near(
-        self, base: ArmBase, walk_m: float = 0.0, others: Sequence[ArmBase] = ()
+        self, base: ArmBase, beyond_m: float = 0.0, others: Sequence[ArmBase] = ()
     ) -> tuple[Boxes, npt.NDArray[np.int64]]:
         """The boxes that the arm could come near to, the agent's own body among them, and the owner of each.
 
@@ -103,8 +103,8 @@ class Obstacles:
         ----------
         base : ArmBase
             Where the agent stands.
-        walk_m : float
-            So far it may walk from there, metres.
+        beyond_m : float
+            So far it may walk from there, or reaches beyond its hand what that holds, metres.
         others : sequence of ArmBase
             Where other agents stand.
 
@@ -115,7 +115,7 @@ class Obstacles:
         self._sync()
         around = arithmetic.turned_back(self._halves, np.abs(self._axes))
         gaps = np.maximum(np.abs(self._centres - [base.x, base.y, 0.0]) - around, 0.0)
-        near = arithmetic.length(gaps[:, :2]) < EXTENT_M + walk_m
+        near = arithmetic.length(gaps[:, :2]) < EXTENT_M + beyond_m
         for object_id in self._world.held:
             near &= self._owner != self._world.ids.index(object_id)
         body = np.vstack([_BODY + np.tile([agent.x, agent.y, agent.floor_z], 2) for agent in (base, *others)])

@@ -114,7 +114,7 @@ class Search:
         others: Sequence[ArmBase] = (),
     ) -> None:
         self.base, self.start, self.load = base, start, load
-        self.boxes, self.owners = obstacles.near(base, others=others)
+        self.boxes, self.owners = obstacles.near(base, load.reach_m, others)
         may_touch = np.isin(self.owners, obstacles.indices(touchable))
         self.spared = HAND_BALLS[:, None] & may_touch[None]
         self._load_spared = np.tile(obstacles.lets_load_pass(self.owners), (len(load.radii), 1))

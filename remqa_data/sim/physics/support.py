@@ -80,8 +80,9 @@ def supports(world: World, boxes: Mapping[str, F64], *, by_agents: bool = False)
     boxes : mapping of str to (2, 3) array
         `world.box` of every object.
     by_agents : bool
-        Whether what lies across the rim of a basin, and is not in or on something loose, is in it; and whether of two things
-        of which each seems to be in the other the lower one is not.
+        Whether what lies across the rim of a basin, and is not in or on something loose, is in it; whether of two things of
+        which each seems to be in the other the lower one is not; and whether what stands on a space's floor is on it, however
+        high it is, if nothing else holds it.
 
     Returns
     -------
@@ -111,6 +112,9 @@ def supports(world: World, boxes: Mapping[str, F64], *, by_agents: bool = False)
     fits &= np.where(is_loose, lies_there, spaces.is_floor & (above <= rules.contact_m))
     if by_agents:
         _leave_out_lower_ones(fits, names, bottom[:, 0], spaces.owners)
+        stands_there = is_loose & beside.all(axis=-1) & ~spaces.enclosed & (np.abs(above) <= rules.contact_m)
+        stands_there &= np.array(names, dtype=np.object_)[:, None] != spaces.owners
+        fits |= stands_there & ~fits.any(axis=1)[:, None]
     order = np.lexsort((spaces.volume, -spaces.floor_z))
     first = order[np.argmax(fits[:, order], axis=1)]
     if by_agents:

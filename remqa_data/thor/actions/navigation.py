@@ -1,6 +1,7 @@
 """Walking, turning and looking.
 
-`forceAction` lets nobody through anything: in AI2-THOR it only ignores what the held object meets, which is nothing here.
+`forceAction` lets nobody through anything: in AI2-THOR it only ignores what the held object meets, which is nothing here
+without an arm.
 """
 
 from __future__ import annotations

@@ -279,6 +279,7 @@ def get_spawn_coordinates_above_receptacle(
             hit = world.first_hit((x, y, z + space.box[5] - space.box[2]), (x, y, z - ON_FLOOR_M))
             if hit is not None and hit[0] == objectId and abs(hit[1][2] - z) <= ON_FLOOR_M:
                 found.append(hit[1])
+    found = [point for point in found if _is_within(simulator.room, point)]
     if not anywhere:
         offsets = [agent.offset_of(np.asarray(point)) for point in found]
         reach = simulator.settings.visibility_distance
@@ -338,11 +339,15 @@ def _first_that_works(tries: Iterable[ActionResult]) -> ActionResult:
 
 def _out_of_bounds(room: LoadedFloorPlan, position: PartialVector) -> ActionResult | None:
     """That a position is not in the room, if it is not."""
-    (low, high), point = room.box(), to_room(whole(position))
-    if (low - BESIDE_M <= point).all() and (point <= high + BESIDE_M).all():
+    if _is_within(room, to_room(whole(position))):
         return None
     words = ", ".join(f"{value:g}" for value in whole(position).values())
     return ActionResult(False, f"Position coordinate ({words}) is not within scene bounds")
+
+
+def _is_within(room: LoadedFloorPlan, point: Vec3) -> bool:
+    low, high = room.box()
+    return bool((low - BESIDE_M <= point).all() and (point <= high + BESIDE_M).all())
 
 
 def _is_same(state: ObjectState, position: Vec3, quaternion: Quaternion) -> bool:

@@ -202,7 +202,7 @@ def _remove(room: LoadedFloorPlan, names: Sequence[str]) -> ActionResult:
     for name in dict.fromkeys(names):
         if name in room.records.away:
             continue  # it was held with one before
-        borne = set(room.world.borne(name)) - room.world.held.keys()
+        borne = [other for other in room.world.borne(name) if other not in room.world.held]
         room.take_away(name)
         if borne:
             handling.settle(room.world, awake=borne)

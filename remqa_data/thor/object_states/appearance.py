@@ -18,7 +18,7 @@ from remqa_data.assets.core.model import Asset, Material, Surface
 from remqa_data.assets.looks import materials
 from remqa_data.assets.looks.textures import repeats, texture
 from remqa_data.assets.mesh import primitives
-from remqa_data.catalog import types_with
+from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Vec3
@@ -68,11 +68,20 @@ Paint = Callable[[Material], Material]
 def shapes_of(world: World, conditions: Conditions) -> Shapes:
     """What is drawn otherwise than it was built, because of the condition that it is in."""
     found: dict[str, Sequence[tuple[Surface, ...]]] = {}
+    shown = {name: {"isToggled": False} for name in world.ids if _is_built_lit(world.assets[name], world.type_of(name))}
     for object_id, values in conditions.shown().items():
+        shown[object_id] = {**shown.get(object_id, {}), **values}
+    for object_id, values in shown.items():
         asset, type_ = world.assets[object_id], world.type_of(object_id)
         first, *others = _painted(asset, type_, tuple(sorted(values.items())))
         found[object_id] = [(*first, *_added(world, object_id, values)), *others]
     return found
+
+
+@lru_cache(maxsize=1024)
+def _is_built_lit(asset: Asset, type_: str) -> bool:
+    """Whether something glows as it is built that can be switched, and is off, therefore, until it is switched on."""
+    return object_type(type_).toggleable and any(one.material.glow for link in asset.links for one in link.surfaces)
 
 
 @lru_cache(maxsize=256)

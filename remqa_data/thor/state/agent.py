@@ -221,9 +221,10 @@ class ThorAgent(Agent):
         comes = {*world.contents(object_id), *contents_of(found, object_id)} - world.held.keys()
         return [name for name in world.ids if name in comes and object_type(world.type_of(name)).pickupable]
 
-    def _let_fall(self, names: Collection[str]) -> None:
+    def _let_fall(self, borne: Collection[str]) -> None:
         """See `Agent`; what has nothing to do with it stays as it is."""
-        handling.settle(self.world, awake=names)
+        if falling := [name for name in self.world.ids if name in borne and name not in self.world.held]:
+            handling.settle(self.world, awake=falling)
 
     @property
     def in_hand(self) -> list[str]:
@@ -245,9 +246,13 @@ class ThorAgent(Agent):
         """See `Body`; the arm folds if, held as it is, it would be in something there."""
         before = self.base
         result = super().teleport(x, y, yaw_deg, horizon_deg, is_standing, force)
-        if self.hands == "arm" and self.base != before and not self.arm.is_free(self.base):
-            self.arm.state = FOLDED
+        if self.base != before:
+            self._fold_if_in_something()
         return result
+
+    def _fold_if_in_something(self) -> None:
+        if self.hands == "arm" and not self.arm.is_free(self.base):
+            self.arm.state = FOLDED
 
     def reach(self, object_id: str) -> ActionResult | None:
         """See `Agent`; an arm goes back to where it was."""
@@ -351,7 +356,11 @@ class ThorAgent(Agent):
         """See `Agent`; with `force` it opens through what is in its way."""
         is_openable = object_id in self.world.ids and self.world.assets[object_id].is_openable
         if not force or not is_openable or not self.world.most_open(object_id) < openness <= 1.0:
-            return super().open(object_id, openness, force)
+            was_free = self.hands != "arm" or self.arm.is_free(self.base)
+            result = super().open(object_id, openness, force)
+            if result.success and was_free:
+                self._fold_if_in_something()  # such as a door that has come to where the hand is
+            return result
         if self.world.state(object_id).openness == openness:
             return SUCCEEDED
         return ActionResult(True, value=self.world.open(object_id, openness, force=True))

@@ -97,7 +97,7 @@ class LoadedFloorPlan:
         self.view = WorldView(world)
         self._hides_room = _parts_that_hide_it(self.view)
         self.looks = Looks(self.view)
-        self._conditions_shown: tuple[object, int | None] = ({}, None)
+        self._conditions_shown: tuple[object, int | None] | None = None
         self.palette = Palette(world.ids, [world.type_of(object_id) for object_id in world.ids], world.scene)
         self.records = ObjectRecords(world)
         self.pictures, self._pictured = Pictures(self.view, PICTURE_BYTES), self.view.version
