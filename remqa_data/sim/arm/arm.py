@@ -49,7 +49,7 @@ class ArmMove:
     state : ArmState
         How the arm is held now.
     blocked_by : str or None
-        Id of the object that the arm met; "structure" for the building, "Agent" for its own column and base.
+        Id of the object that the arm met; "structure" for the building, "Agent" for its own column and base, "another Agent".
     """
 
     success: bool
