@@ -150,7 +150,10 @@ class Body:
         refusal = None if force else self.tilt_refusal(horizon)
         result = refusal or self._go(x, y, None if force or stays else self._blocker_at(x, y))
         if result.success:
+            turns = _turn(yaw) != self.yaw_deg
             self.place((x, y), yaw, horizon, self.is_standing if is_standing is None else is_standing)
+            if turns or not stays:
+                self._arrive()
         return result
 
     def crouch(self) -> ActionResult:
@@ -175,6 +178,9 @@ class Body:
 
     def _prepare_to_move(self) -> None:
         """Called before the body moves."""
+
+    def _arrive(self) -> None:
+        """Called when the body has been put somewhere else, or faces another way there."""
 
     def _face(self, yaw_deg: float) -> None:
         """Have a heading."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import Vec3
-from remqa_data.sim.physics.support import supports
+from remqa_data.sim.physics.support import Support, contents_of, supports
 from remqa_data.sim.physics.world import SETTLE_STEPS, World
 
 DROP_SPOTS_M = ((0.45, 0.9), (0.6, 0.9), (0.45, 1.3), (0.35, 1.1), (0.6, 0.4), (0.75, 0.9))
@@ -223,6 +223,11 @@ def support_of(world: World, object_id: str, *, by_agents: bool = False) -> str 
     """Id of what holds an object, if anything does; `by_agents` as for `supports`."""
     found = supports(world, {name: world.box(name) for name in world.ids}, by_agents=by_agents).get(object_id)
     return found.id if found else None
+
+
+def comes_along(world: World, object_id: str, held_by: Mapping[str, Support]) -> set[str]:
+    """Ids of what is picked up with an object: what goes along by contact, and what is said to be in or on it."""
+    return {*world.contents(object_id), *contents_of(held_by, object_id)}
 
 
 def is_in_room(world: World, object_id: str) -> bool:

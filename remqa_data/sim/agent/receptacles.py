@@ -16,9 +16,9 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, quaternion_of, rotation_of, snapped_quaternion
 from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.scene import Quaternion
-from remqa_data.sim.agent.handling import GAP_M, Release, is_free, settle, sunk_into, support_of, touched
+from remqa_data.sim.agent.handling import GAP_M, Release, comes_along, is_free, settle, sunk_into, support_of, touched
 from remqa_data.sim.navigation.grid import collision_corners
-from remqa_data.sim.physics.support import contents_of, support_rules, supports, surrounds
+from remqa_data.sim.physics.support import support_rules, supports, surrounds
 from remqa_data.sim.physics.world import Snapshot, World
 
 LATTICE_M = 0.05
@@ -163,10 +163,10 @@ def _is_put(
             stays = _stays(world, held, receptacle_id, load) and is_clear(held)
             if stays and _fits_closed(world, held, receptacle_id):
                 return True
-            second_best += [world.save()] if stays else []
-            world.restore(before)
             if stays:
+                second_best.append(world.save())
                 break  # the next way, as it is mostly too high for the drawer
+            world.restore(before)
             world.move_alone(held, world.state(held).position, way.quaternion)
         world.restore(before)
         if len(second_best) == MISFITS:
@@ -186,8 +186,7 @@ def _stays(world: World, held: str, receptacle_id: str, load: Sequence[str]) -> 
     is_floor = world.type_of(receptacle_id) == "Floor"  # where furniture stands, which is open below
     machines = [name for name in others if not (is_floor or object_type(world.type_of(name)).pickupable)]
     is_swallowed = any(_is_within(boxes[held], boxes[name]) for name in machines)
-    is_whole = set(load) <= {*world.contents(held), *contents_of(held_by, held)}
-    return not is_swallowed and is_whole
+    return not is_swallowed and set(load) <= comes_along(world, held, held_by)
 
 
 def _fits_closed(world: World, held: str, receptacle_id: str) -> bool:
@@ -243,8 +242,13 @@ def open_spaces(world: World, receptacle_id: str) -> list[Space]:
     asset = world.assets[receptacle_id]
     enough, openness = min(OPEN_ENOUGH, world.most_open(receptacle_id)), world.state(receptacle_id).openness
     is_open = asset.is_openable and openness > 0.0 and openness >= enough
+    return [space for space in spaces_for_things(world, receptacle_id) if is_open or not space.enclosed]
+
+
+def spaces_for_things(world: World, receptacle_id: str) -> list[Space]:
+    """The spaces of a receptacle where things may be if it is open: not the top of what takes things in, as microwaves do."""
     takes_in = world.type_of(receptacle_id) in types_with("takes_in")
-    return [space for space in asset.spaces if (is_open if space.enclosed else not takes_in)]
+    return [space for space in world.assets[receptacle_id].spaces if space.enclosed or not takes_in]
 
 
 def lattice(link: F64, space: Space, half: ArrayLike = (0.0, 0.0), is_fine: bool = False) -> Iterator[Vec3]:

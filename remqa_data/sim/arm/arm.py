@@ -11,18 +11,17 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from remqa_data.assets.core.fitting import vec
 from remqa_data.assets.core.model import Surface
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64, Flags, Vec3
+from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.body import robot_poses, robot_surfaces
 from remqa_data.sim.arm.elbow import elbow_way
 from remqa_data.sim.arm.load import NOTHING, Load
-from remqa_data.sim.arm.obstacles import OF_AGENT, Boxes, Obstacles, depth, first_push
-from remqa_data.sim.arm.postures import BALL_RADII_M, HOME, ArmBase, ArmState, balls, link_poses, postures_at
+from remqa_data.sim.arm.obstacles import Obstacles
+from remqa_data.sim.arm.postures import HOME, ArmBase, ArmState, link_poses, postures_at
 from remqa_data.sim.arm.search import HandGoals, Search, Way
 from remqa_data.sim.arm.targets import Targets
 from remqa_data.sim.navigation.embodiment import AGENT
@@ -127,18 +126,17 @@ class Arm:
         bases : sequence of ArmBase
             Where the agent stands now, then wherever it passes, in small steps.
         """
-        if self.is_folded and not len(self._load().radii):
+        load, start = self._load(), bases[0]
+        if self._passes_everywhere(load):
             return None
-        placed, radii, boxes, owners, spared = self._carried(bases)
-        box = first_push(placed, radii, boxes, spared)[1]
-        return None if box < 0 else self._obstacles.name(int(owners[box]))
+        walk = max(math.dist((start.x, start.y), (base.x, base.y)) for base in bases)
+        owner = self._search(start, load=load, walk_m=walk).met_on_the_way(bases)
+        return None if owner is None else self._obstacles.name(owner)
 
     def is_free(self, base: ArmBase) -> bool:
         """Whether the arm, held as it is, would be in nothing if the agent stood there."""
-        if self.is_folded and not len(self._load().radii):
-            return True
-        placed, radii, boxes, _, spared = self._carried([base])
-        return not depth(placed, radii, boxes, spared).any()
+        load = self._load()
+        return self._passes_everywhere(load) or self._search(base, load=load).starts_free()
 
     def move_hand(
         self, base: ArmBase, target: Vec3, *, ignore: Collection[str] = (), free_height: bool = False
@@ -231,23 +229,14 @@ class Arm:
         """(n, 4, 4) poses of the parts in the room; the head is at the camera's height above the floor."""
         return robot_poses(base, self.state, camera_height_m)
 
-    def _carried(self, bases: Sequence[ArmBase]) -> tuple[F64, F64, Boxes, npt.NDArray[np.int64], Flags]:
-        """Balls of the arm and its load at some places of the agent, as `first_push` takes them, and whose the boxes are."""
-        first, load = bases[0], self._load()
-        walk = max(math.dist((first.x, first.y), (base.x, base.y)) for base in bases)
-        boxes, owners = self._obstacles.near(first, walk + load.reach_m, self._others())
-        others = owners != OF_AGENT
-        boxes, owners = Boxes(*(rows[others] for rows in boxes)), owners[others]
-        links = self.link_poses(first)
-        here = np.vstack([balls(links[None])[0], links[jaco.HAND, :3, 3] + load.offsets])
-        frames = np.stack([base.pose() for base in bases])
-        placed = arithmetic.moved(arithmetic.moved_back(here, frames[0]), frames[:, None])
-        spared = np.zeros((len(here), len(owners)), dtype=np.bool_)
-        spared[len(BALL_RADII_M) :] = self._obstacles.lets_load_pass(owners)
-        return placed, np.concatenate([BALL_RADII_M, load.radii]), boxes, owners, spared
+    def _passes_everywhere(self, load: Load) -> bool:
+        """Whether the arm and what it holds pass wherever the agent does."""
+        return self.is_folded and not len(load.radii)
 
-    def _search(self, base: ArmBase, touchable: Collection[str] = (), load: Load = NOTHING) -> Search:
-        return Search(self._obstacles, base, self.state.posture(), touchable, load, self._others())
+    def _search(
+        self, base: ArmBase, touchable: Collection[str] = (), load: Load = NOTHING, walk_m: float = 0.0
+    ) -> Search:
+        return Search(self._obstacles, base, self.state.posture(), touchable, load, self._others(), walk_m)
 
     def _after(self, way: Way | None) -> ArmMove:
         if way is None:

@@ -67,6 +67,11 @@ class Obstacles:
     ----------
     world : World
         What to keep in step with.
+
+    Attributes
+    ----------
+    let_loads_pass : list of int
+        Owners of the boxes in which what a hand holds may be: the agent itself, and what a hand could pick up.
     """
 
     def __init__(self, world: World) -> None:
@@ -93,6 +98,8 @@ class Obstacles:
         self._centres[:count] = (solid[:, 3:] + solid[:, :3]) / 2
         self._axes = np.tile(np.eye(3), (len(owner), 1, 1))
         self._seen: dict[str, ObjectState] = {}
+        pickupable = (object_type(world.type_of(object_id)).pickupable for object_id in world.ids)
+        self.let_loads_pass = [OF_AGENT, *(index for index, can_be in enumerate(pickupable) if can_be)]
 
     def near(
         self, base: ArmBase, beyond_m: float = 0.0, others: Sequence[ArmBase] = ()
@@ -140,11 +147,6 @@ class Obstacles:
     def name(self, owner: int) -> str:
         """Id of the object that is an owner, or what the building or the agent's body is called."""
         return NAMES.get(owner) or self._world.ids[owner]
-
-    def lets_load_pass(self, owners: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-        """(n,) of which owners what the hand holds may be in the boxes: the agent itself, and what a hand could pick up."""
-        pickupable = [object_type(self._world.type_of(object_id)).pickupable for object_id in self._world.ids]
-        return np.isin(owners, [OF_AGENT, *np.flatnonzero(pickupable)])
 
     def indices(self, object_ids: Collection[str]) -> npt.NDArray[np.int64]:
         """Indices of objects in the scene.

@@ -21,7 +21,7 @@ from remqa_data.geometry.types import F64
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.joint_paths import path, ways
 from remqa_data.sim.arm.load import NOTHING, Load
-from remqa_data.sim.arm.obstacles import Obstacles, depth, first_push
+from remqa_data.sim.arm.obstacles import OF_AGENT, Obstacles, depth, first_push
 from remqa_data.sim.arm.postures import (
     BALL_RADII_M,
     HAND_BALLS,
@@ -102,6 +102,8 @@ class Search:
         What the hand holds; it does not turn with the hand.
     others : sequence of ArmBase
         Where other agents stand.
+    walk_m : float
+        How far the agent may walk from there with the arm as it is, metres.
     """
 
     def __init__(
@@ -112,12 +114,13 @@ class Search:
         touchable: Collection[str] = (),
         load: Load = NOTHING,
         others: Sequence[ArmBase] = (),
+        walk_m: float = 0.0,
     ) -> None:
         self.base, self.start, self.load = base, start, load
-        self.boxes, self.owners = obstacles.near(base, load.reach_m, others)
+        self.boxes, self.owners = obstacles.near(base, load.reach_m + walk_m, others)
         may_touch = np.isin(self.owners, obstacles.indices(touchable))
         self.spared = HAND_BALLS[:, None] & may_touch[None]
-        self._load_spared = np.tile(obstacles.lets_load_pass(self.owners), (len(load.radii), 1))
+        self._load_spared = np.tile(np.isin(self.owners, obstacles.let_loads_pass), (len(load.radii), 1))
         self._radii = np.concatenate([BALL_RADII_M, load.radii])
         self._all_spared = np.vstack([self.spared, self._load_spared])
 
@@ -126,6 +129,19 @@ class Search:
         postures = path([self.start, *waypoints])
         stop, box = self._first_push(postures)
         return Way(postures[stop - 1], box < 0, None if box < 0 else int(self.owners[box]))
+
+    def met_on_the_way(self, bases: Sequence[ArmBase]) -> int | None:
+        """The owner of what the arm meets first, held as it is, while its agent is at some places in turn; None if nothing."""
+        here = self._placed(self.start[None])[0]
+        frames = np.stack([base.pose() for base in bases])
+        carried = arithmetic.moved(arithmetic.moved_back(here, self.base.pose()), frames[:, None])
+        box = first_push(carried, self._radii, self.boxes, self._spared_with_agent())[1]
+        return None if box < 0 else int(self.owners[box])
+
+    def starts_free(self) -> bool:
+        """Whether the arm is in nothing as it is held."""
+        here = self._placed(self.start[None])
+        return bool((depth(here, self._radii, self.boxes, self._spared_with_agent()) <= 0.0).all())
 
     def to(self, goals: HandGoals, *, free_column: bool, from_outside: bool = False) -> Way | None:
         """Bring the hand to one of some goals.
@@ -216,6 +232,10 @@ class Search:
     def _first_push(self, postures: F64) -> tuple[int, int]:
         """The first of successive postures that pushes into a box, and the box; see `first_push`."""
         return first_push(self._placed(postures), self._radii, self.boxes, self._all_spared)
+
+    def _spared_with_agent(self) -> npt.NDArray[np.bool_]:
+        """Pairs that may touch while the arm is carried: the agent's own body is carried along."""
+        return np.asarray(self._all_spared | (self.owners == OF_AGENT))
 
     def _placed(self, postures: F64) -> F64:
         """(n, b, 3) balls of the arm and its load in (n, 8) postures."""

@@ -102,18 +102,17 @@ def supports(world: World, boxes: Mapping[str, F64], *, by_agents: bool = False)
     is_loose = np.array([kind.is_loose for kind in kinds])[:, None]
     centre, bottom = (low + high) / 2, low[:, 2, None]
     local = arithmetic.moved_back(centre[:, None], spaces.poses)
-    beside = np.abs(local[..., :2] - spaces.middle[:, :2]) <= spaces.half[:, :2] + rules.side_margin_m
-    fits = beside.all(axis=-1) & (bottom >= spaces.floor_z - rules.sunk_m)
+    beside = (np.abs(local[..., :2] - spaces.middle[:, :2]) <= spaces.half[:, :2] + rules.side_margin_m).all(axis=-1)
+    beside &= np.array(names, dtype=np.object_)[:, None] != spaces.owners
+    fits = beside & (bottom >= spaces.floor_z - rules.sunk_m)
     fits &= local[..., 2] <= spaces.middle[:, 2] + spaces.half[:, 2] + rules.overhang_m
-    fits &= np.array(names, dtype=np.object_)[:, None] != spaces.owners
     fits &= centre[:, 2, None] >= undersides  # what lies beneath is not in it
     above = bottom - spaces.floor_z
     lies_there = spaces.enclosed | (above <= rules.pile_m)
     fits &= np.where(is_loose, lies_there, spaces.is_floor & (above <= rules.contact_m))
     if by_agents:
         _leave_out_lower_ones(fits, names, bottom[:, 0], spaces.owners)
-        stands_there = is_loose & beside.all(axis=-1) & ~spaces.enclosed & (np.abs(above) <= rules.contact_m)
-        stands_there &= np.array(names, dtype=np.object_)[:, None] != spaces.owners
+        stands_there = is_loose & beside & ~spaces.enclosed & (np.abs(above) <= rules.contact_m)
         fits |= stands_there & ~fits.any(axis=1)[:, None]
     order = np.lexsort((spaces.volume, -spaces.floor_z))
     first = order[np.argmax(fits[:, order], axis=1)]

@@ -11,10 +11,10 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from typing_extensions import TypedDict
 
-from remqa_data.catalog import object_type, types_with
+from remqa_data.catalog import object_type
 from remqa_data.floorplans.loose_objects import OpenSurface, put_anew
 from remqa_data.sim.agent import handling
-from remqa_data.sim.agent.receptacles import open_spaces
+from remqa_data.sim.agent.receptacles import open_spaces, spaces_for_things
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.world import AWAY, World
 from remqa_data.thor.actions.compatible import is_compatible
@@ -150,8 +150,7 @@ def _surfaces(
     return [
         OpenSurface(name, space)
         for name in owners
-        for space in (open_spaces(world, name) if force_visible else world.assets[name].spaces)
-        if space.enclosed or world.type_of(name) not in types_with("takes_in")  # nothing comes onto a microwave
+        for space in (open_spaces if force_visible else spaces_for_things)(world, name)
     ]
 
 

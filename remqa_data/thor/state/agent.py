@@ -29,7 +29,7 @@ from remqa_data.sim.arm.load import NOTHING, Load, load_of
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
 from remqa_data.sim.physics.state import ObjectState
-from remqa_data.sim.physics.support import contents_of, supports
+from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera
 from remqa_data.sim.render.view import Observation, WorldView
@@ -218,7 +218,7 @@ class ThorAgent(Agent):
         if not object_type(world.type_of(object_id)).receptacle:
             return []
         found = supports(world, {name: world.box(name) for name in world.ids}, by_agents=True)
-        comes = {*world.contents(object_id), *contents_of(found, object_id)} - world.held.keys()
+        comes = handling.comes_along(world, object_id, found) - world.held.keys()
         return [name for name in world.ids if name in comes and object_type(world.type_of(name)).pickupable]
 
     def _let_fall(self, borne: Collection[str]) -> None:
@@ -234,21 +234,9 @@ class ThorAgent(Agent):
         load = self.world.load_of(self.held)
         return [self.held, *(name for name in self._along if name in load)]
 
-    def teleport(
-        self,
-        x: float | None = None,
-        y: float | None = None,
-        yaw_deg: float | None = None,
-        horizon_deg: float | None = None,
-        is_standing: bool | None = None,
-        force: bool = False,
-    ) -> ActionResult:
+    def _arrive(self) -> None:
         """See `Body`; the arm folds if, held as it is, it would be in something there."""
-        before = self.base
-        result = super().teleport(x, y, yaw_deg, horizon_deg, is_standing, force)
-        if self.base != before:
-            self._fold_if_in_something()
-        return result
+        self._fold_if_in_something()
 
     def _fold_if_in_something(self) -> None:
         if self.hands == "arm" and not self.arm.is_free(self.base):

@@ -8,21 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from remqa_data.assets.core.model import AssetSpec
-from remqa_data.assets.looks.materials import OAK
 from remqa_data.geometry.rotations import quaternion_of, rotation_of
-from remqa_data.scene import Scene, SceneObject, StructureBox
+from remqa_data.scene import SceneObject
 from remqa_data.sim.arm.arm import Arm, ArmBase
 from remqa_data.sim.arm.load import BALL_M, MARGIN_M, NOTHING, Load, _balls_in, load_of
 from remqa_data.sim.physics.world import World
+from tests.sim.arm.test_arm import BASE, mug, room
 
-BASE = ArmBase(0.0, 0.0, 0.0, 0.0)
 SIDE = st.floats(0.004, 0.4)
-
-
-def room(*objects: SceneObject, walls=()) -> Scene:
-    floor = StructureBox("floor", (-3, -3, -0.1, 3, 3, 0), OAK)
-    extra = tuple(StructureBox("wall", box, OAK) for box in walls)
-    return Scene("Test", "kitchen", (-3, -3, 3, 3), 0.0, 2.5, ((0, 0, 2.4),), (floor, *extra), objects)
 
 
 @given(st.tuples(SIDE, SIDE, SIDE), st.integers(0, 1000))
@@ -37,8 +30,7 @@ def test_balls_lie_in_their_box_and_are_everywhere_near_its_faces(size, seed: in
 
 
 def test_a_load_is_where_the_thing_is_held_and_turned() -> None:
-    mug = SceneObject("Mug|1", AssetSpec("Mug", (0.12, 0.09, 0.1)), (0.4, 0.5, 0.8))
-    with World(room(mug)) as world:
+    with World(room(mug(0.4, 0.5, 0.8))) as world:
         turned = quaternion_of(rotation_of((0.0, math.sin(0.4), 0.0, math.cos(0.4))))
         state = world.state("Mug|1").elsewhere((0.5, 0.1, 1.0), turned)
         load = load_of(world, {"Mug|1": state}, (0.5, 0.0, 1.0))
