@@ -7,6 +7,7 @@ import pytest
 pytest.importorskip("ai2thor")
 
 from remqa_data.thor import Controller
+from tests.helpers.thor_arm import BEFORE_APPLE
 
 
 @pytest.fixture(scope="session")
@@ -29,3 +30,10 @@ def armed(kitchen: Controller) -> Controller:
     """FloorPlan1 with an agent that has an arm."""
     kitchen.reset(agentMode="arm")
     return kitchen
+
+
+@pytest.fixture
+def before_apple(armed: Controller) -> Controller:
+    """The same, before an apple."""
+    assert armed.step("TeleportFull", **BEFORE_APPLE)
+    return armed

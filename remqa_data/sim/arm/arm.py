@@ -21,7 +21,7 @@ from remqa_data.sim.arm.body import robot_poses, robot_surfaces
 from remqa_data.sim.arm.elbow import elbow_way
 from remqa_data.sim.arm.load import NOTHING, Load
 from remqa_data.sim.arm.obstacles import Obstacles
-from remqa_data.sim.arm.postures import HOME, ArmBase, ArmState, link_poses, postures_at
+from remqa_data.sim.arm.postures import BALL_RADII_M, HOME, ArmBase, ArmState, balls, link_poses, postures_at
 from remqa_data.sim.arm.search import HandGoals, Search, Way
 from remqa_data.sim.arm.targets import Targets
 from remqa_data.sim.navigation.embodiment import AGENT
@@ -104,6 +104,15 @@ class Arm:
         if self._posed[0] != (base, self.state):
             self._posed = ((base, self.state), link_poses(base, self.state.posture()[None])[0])
         return self._posed[1].copy()
+
+    def held_out(self, base: ArmBase) -> tuple[F64, F64]:
+        """(n, 3) middles and (n,) radii of balls in the room that the arm and what it holds fill: none while it is folded."""
+        load = self._load()
+        if self._passes_everywhere(load):
+            return NOTHING
+        links = self.link_poses(base)
+        middles = np.concatenate([balls(links[None])[0], np.asarray(self.hand(base)) + load.offsets])
+        return middles, np.concatenate([BALL_RADII_M, load.radii])
 
     def touched(self, point: Vec3) -> list[str]:
         """Ids of the objects that the hand's ball would touch if it were at a point, nearest first; not of what is held."""

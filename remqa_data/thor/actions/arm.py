@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import cast
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.actions import navigation
 from remqa_data.thor.actions import objects as actions_objects
 from remqa_data.thor.state.agent import ThorAgent
+from remqa_data.thor.state.arm_agent import ArmAgent
 from remqa_data.thor.state.arm_metadata import hand_facing
 from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import SWAP, PartialVector, Vector, facing, to_room, turn_of_euler, whole
@@ -140,7 +142,7 @@ def rotate_wrist_relative(
     simulator: SimulatorState, pitch: float = 0.0, yaw: float = 0.0, roll: float = 0.0, returnToStart: bool = True
 ) -> ActionResult:
     """Turn the hand about its own axes, degrees, and what it holds with it; its middle stays where it is."""
-    agent = simulator.agent
+    agent = _with_arm(simulator)
     hand = _hand_axes(agent)
     local = arithmetic.product(arithmetic.product(SWAP, turn_of_euler({"x": pitch, "y": yaw, "z": -roll})), SWAP)
     rotation = arithmetic.product(arithmetic.product(hand, local), hand.T)
@@ -149,7 +151,7 @@ def rotate_wrist_relative(
 
 def rotate_elbow_relative(simulator: SimulatorState, degrees: float, returnToStart: bool = True) -> ActionResult:
     """Turn the elbow about the line from the shoulder to the hand, whose middle stays where it is; the hand turns with it."""
-    agent = simulator.agent
+    agent = _with_arm(simulator)
     return _or_back(simulator, returnToStart, lambda: agent.turn_elbow(-math.radians(degrees)))
 
 
@@ -168,6 +170,11 @@ ACTIONS: dict[str, ActionFunction] = {
     "RotateWristRelative": rotate_wrist_relative,
     "SetHandSphereRadius": set_hand_sphere_radius,
 }
+
+
+def _with_arm(simulator: SimulatorState) -> ArmAgent:
+    """Who acts; these actions exist only in arm mode, in which all agents have arms."""
+    return cast(ArmAgent, simulator.agent)
 
 
 def _in_room(simulator: SimulatorState, position: Vector, space: str, origin: Vec3) -> Vec3:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache, cached_property, partial
+from functools import cache, partial
 from itertools import product
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,10 +21,6 @@ from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.agent import Agent, Hands
 from remqa_data.sim.agent.body import direction
 from remqa_data.sim.agent.results import SUCCEEDED, ActionResult
-from remqa_data.sim.arm import jaco
-from remqa_data.sim.arm.arm import HOME as FOLDED
-from remqa_data.sim.arm.arm import Arm, ArmBase
-from remqa_data.sim.arm.load import NOTHING, Load, load_of
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.navigation.viewpoints import pixel_counts
 from remqa_data.sim.physics.state import ObjectState
@@ -41,22 +36,17 @@ HAND: Vec3 = (0.0, -0.16, 0.38)
 
 ASIDE_DEG, ASIDE_M, ASIDE_HIGH_M = (0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0), (0.6, 0.8, 1.0), 0.5
 """What would end where an agent stands is let go of in another direction, so far away and so high above the floor."""
-CARRY_STEP_M, CARRY_STEP_DEG = 0.02, 1.0
-"""In such steps of walking and turning an arm that is carried is looked at."""
-RISES_M = (0.0, 0.005, 0.015, 0.03, 0.06)
-BACK_M = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3)
-"""What an arm lets go of where it touches things is let go of so far above, or so far back towards the agent."""
 
 
 class ThorAgent(Agent):
-    """An agent whose sight is that of the frames that are sent.
+    """An agent whose sight is that of the frames that are sent; its hand is before its camera.
 
     Parameters
     ----------
     world, view, position, yaw_deg
         As of `Agent`.
     settings : Settings
-        Field of view, visibility distance, and whether it has an arm.
+        Field of view, visibility distance, steps.
     frame : FrameSize
         Of its pictures; may change later.
     number : int
@@ -69,8 +59,10 @@ class ThorAgent(Agent):
     Attributes
     ----------
     hand_offset : tuple of float
-        Where the hand is without an arm, metres to the right of the camera, above and ahead of it.
+        Where the hand is, metres to the right of the camera, above and ahead of it.
     """
+
+    KIND_OF_HANDS: ClassVar[Hands] = "near"
 
     def __init__(
         self,
@@ -96,46 +88,26 @@ class ThorAgent(Agent):
             least_horizon_deg=-settings.look_up_deg,
             most_horizon_deg=settings.look_down_deg,
         )
-        hands: Hands = "arm" if settings.has_arm else "near"
-        super().__init__(world, view, position, yaw_deg, embodiment=body, hands=hands, number=number, **pose)
-        self._grasp: F64 = np.zeros(3)
+        super().__init__(
+            world, view, position, yaw_deg, embodiment=body, hands=self.KIND_OF_HANDS, number=number, **pose
+        )
         self._usual_turn: F64 | None = None
         self._sight = Sight(world, view, body)
 
-    @cached_property
-    def arm(self) -> Arm:
-        """See `Agent`; what the hand holds and other agents are in its way."""
-
-        def load() -> Load:
-            return load_of(self.world, self.states_of_held(), self.hand_at()) if self.held else NOTHING
-
-        def others() -> list[ArmBase]:
-            return [other.base for other in self._all if other is not self and not self._passes_agents]
-
-        return Arm(self.world, load, others)
-
-    def take_over(self, before: ThorAgent) -> None:
-        """Hold the hand, and what is in it, as an agent did in whose place it comes, if that had the same kind of hand."""
-        if self.hands != before.hands:
-            return
-        self.hand_offset, self._grasp, self._usual_turn = before.hand_offset, before._grasp, before._usual_turn
-        self._along = before._along
-        if "arm" in vars(before):  # it has been used
-            self.arm.state, self.arm.hand_radius_m = before.arm.state, before.arm.hand_radius_m
+    def take_over(self, before: Self) -> None:
+        """Hold the hand, and what is in it, as an agent with the same kind of hands did in whose place it comes."""
+        self.hand_offset, self._usual_turn, self._along = before.hand_offset, before._usual_turn, before._along
 
     @contextmanager
     def elsewhere(self) -> Iterator[None]:
-        """For the length of a block, it may be placed anywhere; then it, its arm and what it holds are as they were."""
+        """For the length of a block, it may be placed anywhere; then it and what it holds are as they were."""
         pose, saved = ((self.x, self.y), self.yaw_deg, self.horizon_deg, self.is_standing), self.world.save()
-        arm = self.arm.state if "arm" in vars(self) else None
         try:
             yield
         finally:
             self.place(*pose)
             if not self.world.is_as(saved):
                 self.world.restore(saved)
-            if arm is not None:
-                self.arm.state = arm
 
     def camera(self, width: int | None = None, height: int | None = None) -> Camera:
         """Its eye, by default with the size of its frames."""
@@ -143,8 +115,6 @@ class ThorAgent(Agent):
 
     def hand_at(self, offset: Vec3 | None = None) -> Vec3:
         """Where the hand is, or with an offset would be; metres in the room."""
-        if self.hands == "arm":
-            return self.arm.hand(self.base)
         camera = self.camera()
         x, y, z = arithmetic.snapped(
             camera.position + arithmetic.turned(offset or self.hand_offset, camera.rotation().T)
@@ -187,13 +157,9 @@ class ThorAgent(Agent):
 
     def pick_up(self, object_id: str, force: bool = False, along: Sequence[str] = ()) -> ActionResult:
         """Take an object into the hand, which is where it usually is, and others along; all turn with the agent then."""
-        middle = self.world.box(object_id).mean(axis=0)
         result = super().pick_up(object_id, force, along)
         if result.success:
-            self._along = tuple(along)
-            self.hand_offset = HAND
-            self._grasp = middle - np.asarray(self.hand_at()) if self.hands == "arm" else np.zeros(3)
-            self._usual_turn = None
+            self._along, self.hand_offset, self._usual_turn = tuple(along), HAND, None
         return result
 
     def tilt_held(self, quaternion: Quaternion) -> None:
@@ -204,9 +170,7 @@ class ThorAgent(Agent):
         self.world.move_alone(str(self.held), state.position, quaternion)
 
     def rest_hand(self) -> None:
-        """Have the hand, if it is no arm's, where it usually is, and what it holds turned as before `tilt_held`."""
-        if self.hands == "arm":
-            return
+        """Have the hand where it usually is, and what it holds turned as before `tilt_held`."""
         self.hand_offset, turn, self._usual_turn = HAND, self._usual_turn, None
         if self.held is not None and turn is not None:
             quaternion = snapped_quaternion(quaternion_of(arithmetic.product(about_z(self.yaw_deg), turn)))
@@ -234,25 +198,6 @@ class ThorAgent(Agent):
         load = self.world.load_of(self.held)
         return [self.held, *(name for name in self._along if name in load)]
 
-    def _arrive(self) -> None:
-        """See `Body`; the arm folds if, held as it is, it would be in something there."""
-        self._fold_if_in_something()
-
-    def _fold_if_in_something(self) -> None:
-        if self.hands == "arm" and not self.arm.is_free(self.base):
-            self.arm.state = FOLDED
-
-    def reach(self, object_id: str) -> ActionResult | None:
-        """See `Agent`; an arm goes back to where it was."""
-        before = self.arm.state if self.hands == "arm" else None
-        refusal = super().reach(object_id)
-        if before is not None:
-            self.arm.state = before
-        return refusal
-
-    def _prepare_to_move(self) -> None:
-        """See `Body`; an arm is carried as it is held."""
-
     def _face(self, yaw_deg: float) -> None:
         """See `Body`; what it holds turns with it, and stays upright when it looks up or down."""
         before = self.yaw_deg
@@ -260,41 +205,16 @@ class ThorAgent(Agent):
         if self.yaw_deg != before:
             self.turn_held(about_z(self.yaw_deg - before))
 
-    def turn_hand(self, rotation: F64) -> ActionResult:
-        """Turn the arm's hand, and what it holds with it, by a (3, 3) rotation about axes of the room."""
-        turned = self.arm.turn_hand(self.base, rotation)
-        if turned.success:
-            self.turn_held(rotation)
-        return ActionResult(turned.success, turned.error)
-
-    def turn_elbow(self, angle: float) -> ActionResult:
-        """Lead the arm's elbow round the line from shoulder to hand, radians; what the hand holds turns with it."""
-        before = self.arm.link_poses(self.base)[jaco.HAND][:3, :3]
-        turned = self.arm.turn_elbow(self.base, angle)
-        after = self.arm.link_poses(self.base)[jaco.HAND][:3, :3]
-        if turned.success:
-            self.turn_held(arithmetic.product(after, before.T))
-        return ActionResult(turned.success, turned.error)
-
     def turn_held(self, rotation: F64) -> None:
-        """Turn what is held, if anything, by a (3, 3) rotation about axes of the room.
-
-        An arm's hand turns about its middle, with what it holds; without an arm the middle of what is held stays there.
-        """
-        world, held = self.world, self.held
-        if held is None:
-            return
-        state = world.state(held)
-        from_hand = self._grasp + state.position - world.box(held).mean(axis=0)
-        quaternion = snapped_quaternion(quaternion_of(arithmetic.product(rotation, rotation_of(state.quaternion))))
-        world.move_alone(held, state.position, quaternion)
-        if self.hands == "arm":
-            self._grasp = arithmetic.turned(from_hand, rotation) - state.position + world.box(held).mean(axis=0)
+        """Turn what is held, if anything, by a (3, 3) rotation about axes of the room; its middle stays in the hand."""
+        if self.held is not None:
+            state = self.world.state(self.held)
+            quaternion = snapped_quaternion(quaternion_of(arithmetic.product(rotation, rotation_of(state.quaternion))))
+            self.world.move_alone(self.held, state.position, quaternion)
 
     def held_at(self) -> Vec3:
         """Where the middle of the box of what it holds is, metres in the room."""
-        x, y, z = arithmetic.snapped(np.asarray(self.hand_at()) + self._grasp).tolist()
-        return x, y, z
+        return self.hand_at()
 
     def states_of_held(self) -> dict[str, ObjectState]:
         """How what it holds, and its load, would be in the room if they were in the room where they are held, by their ids."""
@@ -344,11 +264,7 @@ class ThorAgent(Agent):
         """See `Agent`; with `force` it opens through what is in its way."""
         is_openable = object_id in self.world.ids and self.world.assets[object_id].is_openable
         if not force or not is_openable or not self.world.most_open(object_id) < openness <= 1.0:
-            was_free = self.hands != "arm" or self.arm.is_free(self.base)
-            result = super().open(object_id, openness, force)
-            if result.success and was_free:
-                self._fold_if_in_something()  # such as a door that has come to where the hand is
-            return result
+            return super().open(object_id, openness, force)
         if self.world.state(object_id).openness == openness:
             return SUCCEEDED
         return ActionResult(True, value=self.world.open(object_id, openness, force=True))
@@ -358,17 +274,8 @@ class ThorAgent(Agent):
         return (None if force else self.refusal(object_id)) or SUCCEEDED
 
     def drop_spots(self) -> list[Vec3]:
-        """Where it lets go: where its hand is, if it was moved, or where its arm holds the thing, a little above, or nearer."""
-        if self.hands != "arm":
-            return ([self.hand_at()] if self.hand_offset != HAND else []) + super().drop_spots()
-        held = str(self.held)
-        origin = np.asarray(self.world.state(held).position) - self.world.box(held).mean(axis=0)
-        x, y, z = arithmetic.snapped(np.asarray(self.held_at()) + origin).tolist()
-        away = math.dist((x, y), (self.x, self.y))
-        nearer = [back / away for back in BACK_M if back < away]
-        spots = [(x, y, z + rise) for rise in RISES_M]
-        spots += [(x + share * (self.x - x), y + share * (self.y - y), z) for share in nearer]
-        return spots + super().drop_spots()
+        """See `Agent`; where its hand is comes first, if it was moved."""
+        return ([self.hand_at()] if self.hand_offset != HAND else []) + super().drop_spots()
 
     def _until_it_meets_an_agent(self, object_id: str, was: float, goal: float, position: Vec2) -> float:
         """See `Agent`; nothing opens through another agent either."""
@@ -381,22 +288,8 @@ class ThorAgent(Agent):
         return all(Agent._is_beside(who, object_id) for who in self._all or (self,))
 
     def _blocker(self, start: Vec2, end: Vec2) -> str | None:
-        """See `Body`; another agent is in the way, too, and what the arm meets."""
-        blocker = self._other_between(start, end) or super()._blocker(start, end)
-        if blocker is not None or self.hands != "arm":
-            return blocker
-        steps = max(1, math.ceil(math.dist(start, end) / CARRY_STEP_M))
-        way = np.linspace(start, end, steps + 1).tolist()
-        return self.arm.blocker([replace(self.base, x=x, y=y) for x, y in way])
-
-    def _blocker_of_turn(self, degrees: float) -> str | None:
-        """See `Body`; the arm turns along."""
-        if self.hands != "arm":
-            return None
-        swept = float(np.clip(degrees, -360.0, 360.0))
-        steps = max(1, math.ceil(abs(swept) / CARRY_STEP_DEG))
-        headings = (self.yaw_deg + np.linspace(0.0, swept, steps + 1)).tolist()
-        return self.arm.blocker([replace(self.base, yaw_deg=heading) for heading in headings])
+        """See `Body`; another agent is in the way, too."""
+        return self._other_between(start, end) or super()._blocker(start, end)
 
     def _blocker_at(self, x: float, y: float) -> str | None:
         """See `Body`."""
@@ -404,16 +297,17 @@ class ThorAgent(Agent):
 
     def _other_between(self, start: Vec2, end: Vec2) -> str | None:
         """The agent that stands on a straight way, if any; one may walk away from who is too near."""
+        if self._passes_agents:
+            return None
+        radius = self.embodiment.radius_m
         for number, other in enumerate(self._all):
-            if other is self or self._passes_agents:
-                continue
-            way, there = np.subtract(end, start), np.subtract((other.x, other.y), start)
-            far = float(way @ way)
-            nearest = way * float(np.clip(way @ there / far, 0.0, 1.0)) if far else way
-            is_nearer = not far or way @ there > 0
-            if is_nearer and math.dist(nearest, there) < 2 * self.embodiment.radius_m:
+            if other is not self and _meets(start, end, radius, other.outline(self.embodiment.height_m)):
                 return f"Agent {number}"
         return None
+
+    def outline(self, below_m: float) -> F64:
+        """(n, 3) x, y and radius of discs that others do not walk into, metres: its body, what of an arm is below a height."""
+        return np.array([(self.x, self.y, self.embodiment.radius_m)])
 
     def visible_objects(self, distance_m: float | None = None) -> list[str]:
         """Ids of the objects that its frame shows, in the scene's order; with a distance, those nearer in plan."""
@@ -450,3 +344,12 @@ class ThorAgent(Agent):
         camera = self.camera()
         pixels = self.view.pixels_of(camera, [object_id])[index]
         return int(pixels) >= enough_pixels((camera.height, camera.width))
+
+
+def _meets(start: Vec2, end: Vec2, radius_m: float, discs: F64) -> bool:
+    """Whether who walks straight runs into one of (n, 3) discs; not into those that the way leads away from at once."""
+    way, away = np.subtract(end, start), discs[:, :2] - start
+    far, along = float(way @ way), away @ way
+    nearest = np.clip(along / far, 0.0, 1.0)[:, None] * way if far else np.zeros_like(away)
+    is_met = arithmetic.length(away - nearest) < radius_m + discs[:, 2]
+    return bool((is_met & ((along > 0.0) | (far == 0.0))).any())

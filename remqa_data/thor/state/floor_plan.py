@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +30,7 @@ from remqa_data.sim.render.view import Figure, Observation, WorldView
 from remqa_data.thor.object_states.appearance import shapes_of
 from remqa_data.thor.object_states.conditions import Conditions
 from remqa_data.thor.state.agent import ThorAgent
+from remqa_data.thor.state.arm_agent import ArmAgent
 from remqa_data.thor.state.cameras import ThirdPartyCamera
 from remqa_data.thor.state.frames import to_thor
 from remqa_data.thor.state.images import Palette
@@ -122,17 +124,23 @@ class LoadedFloorPlan:
         position, yaw_deg = self._start
         for number in range(len(self.agents), settings.agent_count):
             place = position if not self.agents else self._free_place(settings)
-            agent = ThorAgent(
-                self.world,
-                self.view,
-                place,
-                yaw_deg,
-                settings=settings,
-                frame=frame,
-                number=number,
-                others=self.agents,
-            )
-            self.agents.append(agent)
+            self.agents.append(self._agent(settings, frame, number, place, yaw_deg))
+
+    def _agent(
+        self, settings: Settings, frame: FrameSize, number: int, position: Vec2, yaw_deg: float, **pose: Any
+    ) -> ThorAgent:
+        kind = ArmAgent if settings.has_arm else ThorAgent
+        return kind(
+            self.world,
+            self.view,
+            position,
+            yaw_deg,
+            settings=settings,
+            frame=frame,
+            number=number,
+            others=self.agents,
+            **pose,
+        )
 
     def _free_place(self, settings: Settings) -> Vec2:
         """Of the reachable cells that no agent is near, the one nearest to the first agent."""
@@ -228,19 +236,10 @@ class LoadedFloorPlan:
         """Give the agents other settings, where they are; and let there be more or fewer of them."""
         frame = self.agent.frame
         for number, old in enumerate(self.agents):
-            new = ThorAgent(
-                self.world,
-                self.view,
-                (old.x, old.y),
-                old.yaw_deg,
-                settings=settings,
-                frame=frame,
-                number=number,
-                others=self.agents,
-                horizon_deg=old.horizon_deg,
-                is_standing=old.is_standing,
-            )
-            new.take_over(old)
+            pose = {"horizon_deg": old.horizon_deg, "is_standing": old.is_standing}
+            new = self._agent(settings, frame, number, (old.x, old.y), old.yaw_deg, **pose)
+            if type(new) is type(old):
+                new.take_over(old)
             self.agents[number] = new
         self._add_agents(settings, frame)
         self.active = min(self.active, len(self.agents) - 1)
