@@ -22,7 +22,8 @@ from remqa_data.generators import scene_job as room
 from remqa_data.generators import scene_plan as room_plan
 from remqa_data.generators.config import load_config
 from remqa_data.generators.pipeline import RoomJob, make_part
-from remqa_data.generators.questions.allotment import allot, capacities
+from remqa_data.generators.questions.allotment import allot
+from remqa_data.generators.questions.capacity_table import capacities
 from remqa_data.generators.questions.expressions import Expressions
 from remqa_data.generators.scene_plan import Job
 from remqa_data.scene_graph.graph import SceneGraph

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
+from remqa_data.generators.arrangement.hiding_place import HidingPlace, PlaceKey
 from remqa_data.generators.arrangement.interior_view import depth_looks, looks_about
 from remqa_data.generators.provable import seen_share
 from remqa_data.generators.questions.expressions import Expressions

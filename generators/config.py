@@ -19,7 +19,8 @@ from pydantic import (
 from remqa_data.errors import ConfigError, UnknownNameError
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
-from remqa_data.generators.questions.allotment import LOT_SIZE, SPLITS, QuestionSplit, choose_scenes, split_of
+from remqa_data.generators.questions.allotment import LOT_SIZE
+from remqa_data.generators.questions.splits import QUESTION_SPLITS, QuestionSplit, choose_scenes, split_of
 from remqa_data.generators.walks.walk import WalkSettings
 from remqa_data.limits import MOST_IMAGE_PX, MOST_SEED
 from remqa_data.scene import Light
@@ -182,7 +183,7 @@ class Config(_Section):
     @property
     def totals(self) -> dict[QuestionSplit, dict[QuestionKind, int]]:
         """Questions by split and kind."""
-        return {split: getattr(self.questions, split).by_kind() for split in SPLITS}
+        return {split: getattr(self.questions, split).by_kind() for split in QUESTION_SPLITS}
 
     @property
     def sha256(self) -> str:
@@ -210,7 +211,7 @@ class Config(_Section):
             )
         after = _first_rooms(self.layouts, count) if isinstance(self.scenes, int) else before[:count]
         totals = {}
-        for split in SPLITS:
+        for split in QUESTION_SPLITS:
             had, has = (sum(split_of(name) == split for name in names) for names in (before, after))
             counts = {kind: _in_proportion(n, has, had) for kind, n in self.totals[split].items()}
             where = f"scenes: {count:,} rooms would be asked {max(counts.values()):,} questions of a kind"

@@ -12,8 +12,8 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from remqa_data.errors import ArrangementError
-from remqa_data.generators.arrangement.hiding_check import Hidden
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_check import HidingWish
+from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, plan_ratio
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.questions import confusable, mentioned_types
@@ -37,7 +37,7 @@ def distractors(
     clashes: Mapping[SiteKey, Collection[frozenset[str]]],
     rng: np.random.Generator,
     before: Mapping[SiteKey, Sequence[Sequence[str]]] | None = None,
-) -> list[list[Hidden]]:
+) -> list[list[HidingWish]]:
     """What is hidden beside what is asked for, by configuration.
 
     Parameters
@@ -74,7 +74,7 @@ def distractors(
     named = {name for group in groups for name in mentioned_types(group.question.expression.program)}
     asked = {group.question.type for group in groups}
     used: Counter[str] = Counter()
-    made: list[list[Hidden]] = [[] for _ in range(configurations)]
+    made: list[list[HidingWish]] = [[] for _ in range(configurations)]
     for key, own in sites.items():
         place = own[0].question.place
         counts = np.sum([group.counts for group in own], axis=0)
@@ -83,7 +83,7 @@ def distractors(
         stay = (before or {}).get(key, ())
         if stay and not any(confusable(name, other) for names in stay for name in names for other in taken):
             for number, names in enumerate(stay):
-                made[number] += [Hidden(place, name, count) for name, count in sorted(Counter(names).items())]
+                made[number] += [HidingWish(place, name, count) for name, count in sorted(Counter(names).items())]
                 used.update(names)
             continue
         for number in range(configurations):
@@ -106,7 +106,7 @@ def distractors(
                     raise ArrangementError(msg, *key, at_site)
                 chosen.append(name)
                 used[name] += 1
-            made[number] += [Hidden(place, name, count) for name, count in sorted(Counter(chosen).items())]
+            made[number] += [HidingWish(place, name, count) for name, count in sorted(Counter(chosen).items())]
     return made
 
 

@@ -14,8 +14,10 @@ from pathlib import Path
 
 from remqa_data.floorplans.ithor.scenes import scene_names
 from remqa_data.generators.config import stored_config
-from remqa_data.generators.questions.allotment import LOT_SIZE, SPLITS, SceneCapacity, SceneQuota, allot, capacities
+from remqa_data.generators.questions.allotment import LOT_SIZE, SceneQuota, allot
 from remqa_data.generators.questions.capacities import table_path, write_capacities
+from remqa_data.generators.questions.capacity_table import SceneCapacity, capacities
+from remqa_data.generators.questions.splits import QUESTION_SPLITS
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.rows import KINDS
@@ -50,7 +52,7 @@ def lowered(
 def lowered_by(dataset: Path) -> list[SceneCapacity]:
     """The table's capacities, no larger than what the rooms of a dataset had that was made with them."""
     config = stored_config(load_manifest(dataset).config)
-    tables = [read_table(dataset, "questions", split, ["scene", "kind"]) for split in SPLITS]
+    tables = [read_table(dataset, "questions", split, ["scene", "kind"]) for split in QUESTION_SPLITS]
     had = Counter((row["scene"], row["kind"]) for table in tables for row in table.to_pylist())
     return lowered(capacities(scene_names()), allot(capacities(config.scene_names), config.totals), had)
 

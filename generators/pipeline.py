@@ -15,7 +15,8 @@ from pydantic import TypeAdapter
 
 from remqa_data.errors import DamagedShardError, DatasetError, one_line
 from remqa_data.generators.config import Config
-from remqa_data.generators.questions.allotment import SceneQuota, allot, capacities
+from remqa_data.generators.questions.allotment import SceneQuota, allot
+from remqa_data.generators.questions.capacity_table import capacities
 from remqa_data.generators.questions.shortfalls import Answers, Deal, dealt_anew
 from remqa_data.generators.scene_job import make_room
 from remqa_data.generators.scene_plan import Job

@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from remqa_data.errors import ActionError
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, share_in_view
 from remqa_data.generators.audited_room import AuditedRoom

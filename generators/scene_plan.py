@@ -13,10 +13,11 @@ import numpy as np
 from remqa_data.errors import ArrangementError, QuotaError
 from remqa_data.generators.arrangement.configurations import Configuration, arrange
 from remqa_data.generators.arrangement.fitting_types import fitting_types
-from remqa_data.generators.arrangement.hiding_check import Hidden
-from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey, hiding_places
+from remqa_data.generators.arrangement.hiding_check import HidingWish
+from remqa_data.generators.arrangement.hiding_place import HidingPlace, PlaceKey
+from remqa_data.generators.arrangement.hiding_places import hiding_places
 from remqa_data.generators.arrangement.inner_packing import inner_fits
-from remqa_data.generators.arrangement.wished_things import has_room, misfits
+from remqa_data.generators.arrangement.wished_things import has_room, infeasible_wishes
 from remqa_data.generators.config import Config
 from remqa_data.generators.distractors import distractors
 from remqa_data.generators.questions.allotment import SceneQuota
@@ -90,6 +91,16 @@ class RoomPlanner:
         How often the audit refused samples, by the truth that they would have broken.
     hopeless : set of PlaceKey
         Places of which samples were refused again when the room was arranged anew for them: it is not for these.
+    misfits, clashes
+        What was learnt: types that cannot be hidden in or under an object, and by object those that cannot be together.
+    failures : Counter
+        How often something could not be arranged, by object and relation.
+    groups, kept : list of GroupPlan
+        The last plan, and what of it the next one keeps.
+    beside : dict
+        What comes to light besides what is asked for, with the questions that it was chosen for.
+    fits : set
+        Wishes for a place, by configuration, that were found to be feasible.
     """
 
     def __init__(self, job: Job, base: Scene, *, may_fall_short: bool = False) -> None:
@@ -97,7 +108,7 @@ class RoomPlanner:
         self.places = hiding_places(base)
         self.expressions = expressions_of_places(base, self.places)
         self.plans_made = 0
-        self.failures: Counter[tuple[str, str]] = Counter()
+        self.failures: Counter[SiteKey] = Counter()
         self.refused: Counter[str] = Counter()
         self.hopeless: set[PlaceKey] = set()
         self._fitting_at_first = cache(
@@ -108,6 +119,8 @@ class RoomPlanner:
         self.kept: list[GroupPlan[HidingPlace]] = []
         self.beside: dict[SiteKey, tuple[_Asked, list[list[str]]]] = {}
         self.fits: set[tuple[int, PlaceKey, tuple[object, ...]]] = set()
+        self.misfits: set[tuple[SiteKey, str]] = set()
+        self.clashes: defaultdict[SiteKey, set[frozenset[str]]] = defaultdict(set)
         self._start_over()
 
     def next(self) -> RoomPlan:
@@ -166,7 +179,7 @@ class RoomPlanner:
                 raise unfit[0]
             self._learn(unfit)
 
-    def _hidden(self, groups: Sequence[GroupPlan[HidingPlace]]) -> list[list[Hidden]]:
+    def _hidden(self, groups: Sequence[GroupPlan[HidingPlace]]) -> list[list[HidingWish]]:
         """What is to be hidden in each configuration: what is asked for, and what else comes to light with it."""
         others = distractors(
             groups,
@@ -183,22 +196,22 @@ class RoomPlanner:
         }
         return [[*wishes(groups, number), *beside] for number, beside in enumerate(others)]
 
-    def _unfit(self, number: int, wishes: Sequence[Hidden]) -> list[ArrangementError]:
+    def _unfit(self, number: int, wishes: Sequence[HidingWish]) -> list[ArrangementError]:
         """What of some wishes cannot be; what was found to fit before, in the same place, is not tried again."""
-        by_place: defaultdict[PlaceKey, list[Hidden]] = defaultdict(list)
+        by_place: defaultdict[PlaceKey, list[HidingWish]] = defaultdict(list)
         for wish in wishes:
             by_place[wish.place.key].append(wish)
         keys = {key: (number, key, tuple(map(_without_place, own))) for key, own in by_place.items()}
         new = [wish for wish in wishes if keys[wish.place.key] not in self.fits]
-        errors = misfits(self.base, new, self.job.rng(f"arrange {number}")) if new else []
-        failed = {(error.place_id, error.relation) for error in errors}
+        errors = infeasible_wishes(self.base, new, self.job.rng(f"arrange {number}")) if new else []
+        failed = set(map(_site_of, errors))
         self.fits |= {keys[w.place.key] for w in new if site_key(w.place) not in failed}
         return errors
 
     def avoid(self, groups: Iterable[GroupPlan[HidingPlace]]) -> None:
         """Ask some of the last plan's questions no more, and nothing else about the same types there."""
         questions = [group.question for group in groups]
-        self.misfits |= {(*site_key(q.place), q.type) for q in questions}
+        self.misfits |= {(site_key(q.place), q.type) for q in questions}
         self.kept = [group for group in self.groups if group.question not in questions]
 
     def _planned(self) -> list[GroupPlan[HidingPlace]]:
@@ -233,14 +246,14 @@ class RoomPlanner:
 
     def _fitting(self, place: HidingPlace, count: int, others: bool = False) -> list[tuple[str, float]]:
         found = self._fitting_at_first(replace(place, spots=()), count, others)
-        return [pair for pair in found if (*site_key(place), pair[0]) not in self.misfits]
+        return [pair for pair in found if (site_key(place), pair[0]) not in self.misfits]
 
     def arranged_anew(self, configuration: Configuration, number: int, attempt: int) -> Configuration:
         """The same things hidden in the same places, but otherwise; ArrangementError if that cannot be done."""
         hidden = [wish for wish, _ in configuration.hidden]
         return arrange(self.base, self.places, hidden, self.job.rng(f"arrange {number} again {attempt}"))
 
-    def _arranged(self, hidden: list[Hidden], number: int) -> Configuration:
+    def _arranged(self, hidden: list[HidingWish], number: int) -> Configuration:
         return arrange(self.base, self.places, hidden, self.job.rng(f"arrange {number}"))
 
     @property
@@ -249,14 +262,13 @@ class RoomPlanner:
         return bool(self.misfits or self.clashes)
 
     def _forget(self) -> None:
-        self.misfits: set[tuple[str, str, str]] = set()
-        self.clashes: defaultdict[SiteKey, set[frozenset[str]]] = defaultdict(set)
+        self.misfits, self.clashes = set(), defaultdict(set)
 
     def _learn(self, errors: Iterable[ArrangementError]) -> None:
         """Rule out what could not be arranged, and keep the other questions."""
-        failed, self.kept = set(), list(self.groups)
+        failed, self.kept = set[SiteKey](), list(self.groups)
         for error in errors:
-            key = error.place_id, error.relation
+            key = _site_of(error)
             self.beside.pop(key, None)
             self.kept = [
                 g
@@ -266,10 +278,15 @@ class RoomPlanner:
             if len(error.types) > 1:
                 self.clashes[key].add(frozenset(error.types))
             else:
-                self.misfits.add((*key, error.types[0]))
+                self.misfits.add((key, error.types[0]))
                 failed.add(key)
         self.failures.update(failed)
         self.places = [p for p in self.places if self.failures[site_key(p)] < FAILURES]
+
+
+def _site_of(error: ArrangementError) -> SiteKey:
+    """Where something could not be arranged."""
+    return SiteKey((error.place_id, error.relation))
 
 
 def _asked_at(groups: Iterable[GroupPlan[HidingPlace]], key: SiteKey) -> _Asked:
@@ -277,11 +294,11 @@ def _asked_at(groups: Iterable[GroupPlan[HidingPlace]], key: SiteKey) -> _Asked:
     return [(group.question, group.answers) for group in groups if site_key(group.question.place) == key]
 
 
-def _without_place(wish: Hidden) -> tuple[object, ...]:
+def _without_place(wish: HidingWish) -> tuple[object, ...]:
     return wish.type, wish.count, wish.partner, wish.holds, wish.is_asked
 
 
-def _types_at(wishes: Iterable[Hidden], key: SiteKey) -> list[str]:
+def _types_at(wishes: Iterable[HidingWish], key: SiteKey) -> list[str]:
     """The types of which things are to lie in a place, each named as often as there are."""
     return [w.type for w in wishes if site_key(w.place) == key for _ in range(w.count)]
 

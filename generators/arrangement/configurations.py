@@ -15,14 +15,14 @@ import numpy as np
 
 from remqa_data.floorplans.loose_objects import open_surfaces, put_anew
 from remqa_data.generators.arrangement.hiding_check import (
-    Hidden,
+    FulfilledWishes,
+    HidingWish,
     Violation,
-    Wished,
     blockers,
     in_sight_violations,
     violations,
 )
-from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
+from remqa_data.generators.arrangement.hiding_place import HidingPlace, PlaceKey
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.wished_things import PACKED, WishedThings, parking
 from remqa_data.geometry.types import Box, Vec3
@@ -44,18 +44,18 @@ class Configuration:
     ----------
     scene : Scene
         The room at rest with everything closed.
-    hidden : tuple of (Hidden, tuple of str)
+    hidden : tuple of (HidingWish, tuple of str)
         Each wish and the ids of the things that fulfil it, in the order of the wishes.
     """
 
     scene: Scene
-    hidden: tuple[tuple[Hidden, tuple[str, ...]], ...]
+    hidden: tuple[tuple[HidingWish, tuple[str, ...]], ...]
 
 
 def arrange(
     scene: Scene,
     places: Sequence[HidingPlace],
-    wishes: Sequence[Hidden],
+    wishes: Sequence[HidingWish],
     rng: np.random.Generator,
 ) -> Configuration:
     """One arrangement of a room that fulfils wishes.
@@ -66,7 +66,7 @@ def arrange(
         The room as recorded.
     places : sequence of HidingPlace
         All its hiding places; things of the recording that are places stay where they are.
-    wishes : sequence of Hidden
+    wishes : sequence of HidingWish
         What to hide. A place can occur several times, with different types.
     rng : numpy.random.Generator
         Draws looks, places and turns; the same state gives the same arrangement.
@@ -118,7 +118,7 @@ def _move_loose_things(
     view: WorldView,
     scene: Scene,
     places: Sequence[HidingPlace],
-    hidden: Wished,
+    hidden: FulfilledWishes,
     rng: np.random.Generator,
 ) -> set[str]:
     """Clear the asked places and the views of them, and move a share of the other things; ids that found no place."""
@@ -167,7 +167,7 @@ def _keep_out(world: World, places: Sequence[HidingPlace]) -> list[Box]:
     return boxes
 
 
-def _strayed(world: World, before: dict[str, Vec3], hidden: Wished, scene: Scene) -> set[str]:
+def _strayed(world: World, before: dict[str, Vec3], hidden: FulfilledWishes, scene: Scene) -> set[str]:
     """Loose things that did not stay where they were put."""
     mine = {object_id for _, ids in hidden for object_id in ids} | {wish.place.object_id for wish, _ in hidden}
     return {

@@ -8,7 +8,7 @@ from remqa_data.floorplans.ithor.placements import probability
 from remqa_data.generators.arrangement.areas import Area
 from remqa_data.generators.arrangement.fill_ratios import fill_ratios
 from remqa_data.generators.arrangement.hiding_check import goal_camera
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules, largest_size
 from remqa_data.generators.arrangement.plausible import plausible_types, types_beside
 from remqa_data.geometry import arithmetic

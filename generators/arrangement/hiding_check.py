@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
+from remqa_data.generators.arrangement.hiding_place import HidingPlace, PlaceKey
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, depth_looks, looks_about, share_in_view
 from remqa_data.geometry import arithmetic
@@ -34,7 +34,7 @@ CLEAR_DE = 13.0
 
 
 @dataclass(frozen=True)
-class Hidden:
+class HidingWish:
     """A wish for one configuration: so many things of a type in or under a place; 0 asks that there be none.
 
     Attributes
@@ -63,7 +63,7 @@ class Hidden:
 
 
 Pixels = npt.NDArray[np.int64]
-Wished = Sequence[tuple[Hidden, tuple[str, ...]]]
+FulfilledWishes = Sequence[tuple[HidingWish, tuple[str, ...]]]
 """Each wish, and the ids of the things that fulfil it."""
 
 
@@ -100,7 +100,7 @@ def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[l
         world.restore(snapshot)
 
 
-def in_sight_violations(world: World, view: WorldView, hidden: Wished) -> list[Violation]:
+def in_sight_violations(world: World, view: WorldView, hidden: FulfilledWishes) -> list[Violation]:
     """What is seen before the manipulation, or not after it, or may be missed there; at most one violation for each wish."""
     looks, found = _Looks(world, view, hidden), []
     for wish, ids in hidden:
@@ -114,7 +114,7 @@ def in_sight_violations(world: World, view: WorldView, hidden: Wished) -> list[V
     return found
 
 
-def faint_violations(world: World, view: WorldView, hidden: Wished) -> list[Violation]:
+def faint_violations(world: World, view: WorldView, hidden: FulfilledWishes) -> list[Violation]:
     """Which wished things do not stand out from what is around them once they come to light; pictures with light take long."""
     found = []
     places = {wish.place.key: wish.place for wish, ids in hidden if wish.is_asked and ids}
@@ -136,14 +136,14 @@ def faint_violations(world: World, view: WorldView, hidden: Wished) -> list[Viol
     return found
 
 
-def violations(world: World, view: WorldView, hidden: Wished, put_at: Mapping[str, Vec3]) -> list[Violation]:
+def violations(world: World, view: WorldView, hidden: FulfilledWishes, put_at: Mapping[str, Vec3]) -> list[Violation]:
     """What is wrong with the hidden things of a settled world, at most one violation for each wish.
 
     Parameters
     ----------
     world, view : World, WorldView
         The room with everything closed.
-    hidden : sequence of (Hidden, tuple of str)
+    hidden : sequence of (HidingWish, tuple of str)
         Each wish and the ids that fulfil it.
     put_at : mapping of str to Vec3
         Where everything was before physics.
@@ -171,7 +171,7 @@ def violations(world: World, view: WorldView, hidden: Wished, put_at: Mapping[st
     return found
 
 
-def partner_ids(hidden: Wished, wish: Hidden) -> tuple[str, ...]:
+def partner_ids(hidden: FulfilledWishes, wish: HidingWish) -> tuple[str, ...]:
     """What a wished thing is to lie to: the things of its partner's type that are wished for in the same place."""
     if wish.partner is None:
         return ()
@@ -205,7 +205,7 @@ def _unrest(world: World, place: HidingPlace, ids: Sequence[str], put_at: Mappin
 class _Looks:
     """How many pixels each object of a world shows at the goals of places; each is looked at once, for all its wishes."""
 
-    def __init__(self, world: World, view: WorldView, hidden: Wished) -> None:
+    def __init__(self, world: World, view: WorldView, hidden: FulfilledWishes) -> None:
         self.world, self.view = world, view
         self._things: defaultdict[PlaceKey, list[str]] = defaultdict(list)
         for wish, ids in hidden:
@@ -258,7 +258,7 @@ def _ill_seen(looks: _Looks, place: HidingPlace, ids: Sequence[str]) -> str | No
     return None
 
 
-def blockers(world: World, view: WorldView, hidden: Wished) -> set[str]:
+def blockers(world: World, view: WorldView, hidden: FulfilledWishes) -> set[str]:
     """Loose things that stand in front of asked places, or where their doors and drawers go."""
     found: set[str] = set()
     mine = {object_id for _, ids in hidden for object_id in ids}

@@ -8,15 +8,15 @@ out of sight before the manipulation and in sight after it.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import islice
 from typing import Literal
 
 import numpy as np
 
 from remqa_data.catalog import Manipulation, object_type, question_types, types_with
-from remqa_data.generators.arrangement.areas import Area, Spot
+from remqa_data.generators.arrangement.areas import Area
 from remqa_data.generators.arrangement.hiding_goals import (
     Front,
     GoalPose,
@@ -25,22 +25,20 @@ from remqa_data.generators.arrangement.hiding_goals import (
     out_of_sight,
     poses_that_reach,
 )
+from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import HidingRules, hiding_rules
 from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, depth_looks, looks_about, share_in_view
 from remqa_data.generators.arrangement.plausible import plausible_types
 from remqa_data.generators.arrangement.push_targets import push_targets
 from remqa_data.generators.arrangement.sightlines import Sightlines
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F32, F64, Vec3
+from remqa_data.geometry.types import F32, Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import Outline, object_outlines, reachable_grid
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, front_points
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, front_points, surface_points
 from remqa_data.sim.physics.support import Support, supports
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
-
-PlaceKey = tuple[str, str]
-"""An object and what is done with it: what is in it and what is under it are brought to light in two ways."""
 
 SOLID_M = 0.02
 """The bottom of a space is this near to what physics lets things rest on."""
@@ -54,57 +52,6 @@ EMPTY_SHARE = 0.05
 """So much more of an empty place is seen than is asked for, as other things will lie in it."""
 SWEPT = tuple(k / 10 for k in range(1, 11))
 """At these opennesses what opens stays clear of the agent."""
-
-
-@dataclass(frozen=True)
-class HidingPlace:
-    """An object in or under which things can be hidden.
-
-    Attributes
-    ----------
-    object_id, type : str
-        The object.
-    manipulation : {"Open", "Pickup", "Move"}
-        What brings the hidden things to light.
-    relation : {"in", "under"}
-        Where they are.
-    goal : AgentPose
-        A standing pose before the object's front that sees the object, from which the arm reaches it, and which sees the
-        hidden things after the manipulation, but not before: of all such, the one to which they look largest. What the
-        manipulation moves stays clear of the agent there.
-    other_goals : tuple of AgentPose
-        Up to four more, the best first.
-    spots : tuple of Spot
-        Room for that many things of middling size at the same time, in the room with everything closed.
-    areas : tuple of Area
-        Where hidden things may lie: all of it is in sight from the goal after the manipulation.
-    interior : tuple of Area
-        Where anything could lie that the manipulation reveals, in sight or not.
-    provable : frozenset of str
-        Types kept there of which one would see from the goal that none is there, if the place were empty.
-    floor_z : float
-        Height of the room's floor, on which the agent stands, metres.
-    move_to : tuple of float or None
-        Where the centre of the object goes when it is moved aside.
-    """
-
-    object_id: str
-    type: str
-    manipulation: Manipulation
-    relation: Literal["in", "under"]
-    goal: AgentPose
-    other_goals: tuple[AgentPose, ...]
-    spots: tuple[Spot, ...]
-    areas: tuple[Area, ...]
-    interior: tuple[Area, ...]
-    provable: frozenset[str]
-    floor_z: float
-    move_to: Vec3 | None = None
-
-    @property
-    def key(self) -> PlaceKey:
-        """What tells it from the room's other places."""
-        return self.object_id, self.manipulation
 
 
 def hiding_places(scene: Scene) -> list[HidingPlace]:
@@ -132,17 +79,6 @@ def hiding_places(scene: Scene) -> list[HidingPlace]:
     return found
 
 
-def surface_points(world: World, object_id: str, count: int = 4) -> F64:
-    """(n, 3) points spread over the sides and the top of an object's box in the room."""
-    low, high = world.box(object_id)
-    spread = np.linspace(-0.9, 0.9, count)
-    a, b = (axis.ravel() for axis in np.meshgrid(spread, spread))
-    one = np.ones_like(a)
-    faces = [(a, b, one), (one, a, b), (-one, a, b), (a, one, b), (a, -one, b)]
-    unit = np.vstack([np.column_stack(face) for face in faces])
-    return np.asarray((low + high) / 2 + unit * (high - low) / 2)
-
-
 def _hide_loose_things(view: WorldView) -> None:
     """Leave out of the pictures what can lie elsewhere in a configuration."""
     for object_id in view.world.ids:
@@ -168,7 +104,7 @@ class _Finder:
         areas = _inner_areas(world, object_id, rules)
         if not areas:
             return None
-        with _Shown(self.sight.view, world, object_id):
+        with _shown(self.sight.view, object_id):
             closed, front = world.link_poses(object_id), front_points(self.sight.view, object_id)
             swept: list[Outline] = []
             for openness in SWEPT:
@@ -279,11 +215,11 @@ class _Finder:
         x, y, z = world.state(object_id).position
         before: dict[AgentPose, F32] = {}
         found: list[tuple[list[GoalPose], Vec3 | None]] = []
-        with _Shown(view, world, object_id):
+        with _shown(view, object_id):
             raised = (x, y, z + (rules.max_under_height_m if world.assets[object_id].hollow is None else 0.0))
             world.move_alone(object_id, raised)
-            hidden = out_of_sight(self.sight, rules, area)
-            if hidden is None:
+            unseen = out_of_sight(self.sight, rules, area)
+            if unseen is None:
                 world.restore(snapshot)
                 return []
             points = surface_points(world, object_id)
@@ -294,16 +230,16 @@ class _Finder:
                     outlines = object_outlines(world, object_id)
                     world.move_alone(object_id, raised)
                 front = self._front(object_id)
-                poses = poses_that_reach(self.sight, points, [hidden], rules.max_poses, outlines, front)
-                before |= {pose: self.sight.depth(pose, hidden.corners) for pose in poses if pose not in before}
+                poses = poses_that_reach(self.sight, points, [unseen], rules.max_poses, outlines, front)
+                before |= {pose: self.sight.depth(pose, unseen.corners) for pose in poses if pose not in before}
                 if move_to is None:
                     view.hide(object_id)
                 else:
                     world.move_alone(object_id, move_to)
-                after = {pose: self.sight.depth(pose, hidden.corners) for pose in poses}
-                found.append((best_goals(self.sight, rules, [hidden], before, after, np.eye(4)[None]), move_to))
+                after = {pose: self.sight.depth(pose, unseen.corners) for pose in poses}
+                found.append((best_goals(self.sight, rules, [unseen], before, after, np.eye(4)[None]), move_to))
             world.restore(snapshot)
-        places = (self._place(object_id, manipulation, "under", [hidden], goals, to) for goals, to in found)
+        places = (self._place(object_id, manipulation, "under", [unseen], goals, to) for goals, to in found)
         return [place for place in places if place is not None]
 
     # ---- goals
@@ -319,7 +255,7 @@ class _Finder:
 
     def _shows(self, object_id: str, pose: AgentPose) -> bool:
         """Whether the object, at rest, is well seen from a pose: it is no sliver."""
-        with _Shown(self.sight.view, self.world, object_id):
+        with _shown(self.sight.view, object_id):
             camera = pose.camera(self.sight.grid, FRAME_PX)
             view = self.sight.view
             image = view.instances(camera, scissor=view.scissor_around(camera, [object_id]))
@@ -339,7 +275,7 @@ class _Finder:
         """The types kept there of which one would see, looking about from a pose after the manipulation, that there is none."""
         world, view = self.world, self.sight.view
         snapshot, closed = world.save(), world.link_poses(object_id)
-        with _Shown(view, world, object_id):
+        with _shown(view, object_id):
             if manipulation == "Open":
                 world.open(object_id, 1.0)
             elif move_to is not None:
@@ -398,18 +334,16 @@ def _area_of(place: HidingPlace) -> float:
     return sum(4 * area.half[0] * area.half[1] for area in place.areas)
 
 
-class _Shown:
+@contextmanager
+def _shown(view: WorldView, object_id: str) -> Iterator[None]:
     """For the length of a block a loose object is in the pictures."""
-
-    def __init__(self, view: WorldView, world: World, object_id: str) -> None:
-        self.view, self.object_id, self.is_loose = view, object_id, not world.state(object_id).is_fixed
-
-    def __enter__(self) -> None:
-        self.view.hide(self.object_id, False)
-
-    def __exit__(self, *_: object) -> None:
-        if self.is_loose:
-            self.view.hide(self.object_id)
+    is_loose = not view.world.state(object_id).is_fixed
+    view.hide(object_id, False)
+    try:
+        yield
+    finally:
+        if is_loose:
+            view.hide(object_id)
 
 
 def _inner_areas(world: World, object_id: str, rules: HidingRules) -> list[Area]:

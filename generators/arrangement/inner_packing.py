@@ -12,7 +12,7 @@ import numpy as np
 from remqa_data.catalog import types_with
 from remqa_data.floorplans.loose_objects import SKIN_M
 from remqa_data.generators.arrangement.areas import Area
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules, largest_size
 from remqa_data.generators.arrangement.packing import Outline, Put, free_put, outline_of, packed, put_at, turned_half
 from remqa_data.geometry import arithmetic

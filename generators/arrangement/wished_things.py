@@ -16,14 +16,14 @@ from remqa_data.catalog import object_type
 from remqa_data.errors import ArrangementError
 from remqa_data.floorplans.loose_objects import SKIN_M
 from remqa_data.generators.arrangement.hiding_check import (
-    Hidden,
+    FulfilledWishes,
+    HidingWish,
     Violation,
-    Wished,
     faint_violations,
     in_sight_violations,
     partner_ids,
 )
-from remqa_data.generators.arrangement.hiding_places import HidingPlace, PlaceKey
+from remqa_data.generators.arrangement.hiding_place import HidingPlace, PlaceKey
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules, largest_size
 from remqa_data.generators.arrangement.inner_packing import Link, packed_with_link
 from remqa_data.generators.arrangement.packing import Put, packed
@@ -55,7 +55,7 @@ class WishedThings:
         The room as recorded.
     scene : Scene
         The room with everything closed, and with the things, which wait far below it.
-    hidden : tuple of (Hidden, tuple of str)
+    hidden : tuple of (HidingWish, tuple of str)
         Each wish and the ids of its things.
     by_place : mapping of PlaceKey to (HidingPlace, tuple of str)
         Each place and the ids of all its things.
@@ -65,12 +65,12 @@ class WishedThings:
 
     recorded: Scene
     scene: Scene
-    hidden: tuple[tuple[Hidden, tuple[str, ...]], ...]
+    hidden: tuple[tuple[HidingWish, tuple[str, ...]], ...]
     by_place: Mapping[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]
     links: Mapping[PlaceKey, Link]
 
     @classmethod
-    def made(cls, scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> WishedThings:
+    def made(cls, scene: Scene, wishes: Sequence[HidingWish], rng: np.random.Generator) -> WishedThings:
         """Make them; sizes and looks vary."""
         made, base = _make(scene, wishes, rng), _closed(scene)
         hidden = tuple((wish, tuple(o.id for o in things)) for wish, things in zip(wishes, made, strict=True))
@@ -145,8 +145,8 @@ def has_room(place: HidingPlace, types: Sequence[str], asked: Sequence[str] = ()
     return packed(place.areas, sizes, hiding_rules().gap_m, np.random.default_rng(0)) is not None
 
 
-def misfits(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> list[ArrangementError]:
-    """What of some wishes cannot be, wherever things lie: for want of room, or because one sees too much or too little.
+def infeasible_wishes(scene: Scene, wishes: Sequence[HidingWish], rng: np.random.Generator) -> list[ArrangementError]:
+    """The wishes that cannot be fulfilled, wherever things lie: for want of room, or because one sees too much or too little.
 
     All of it is found at once, in the room without its loose things; what physics does with them is not tried.
 
@@ -154,7 +154,7 @@ def misfits(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) ->
     ----------
     scene : Scene
         The room as recorded.
-    wishes : sequence of Hidden
+    wishes : sequence of HidingWish
         What to hide.
     rng : Generator
         As for `configurations.arrange`: with the same state the same things are made.
@@ -188,7 +188,7 @@ def misfits(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) ->
     return found + [things.error(violation, PACKED) for violation in seen_ill]
 
 
-def _make(scene: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> list[list[SceneObject]]:
+def _make(scene: Scene, wishes: Sequence[HidingWish], rng: np.random.Generator) -> list[list[SceneObject]]:
     """New things for each wish; sizes and looks vary.
 
     With the same state of `rng`, the first cup in a place comes in the same size and looks whatever else is wished for: what
@@ -266,7 +266,7 @@ def _closed(scene: Scene) -> Scene:
     )
 
 
-def _by_place(hidden: Wished) -> dict[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]:
+def _by_place(hidden: FulfilledWishes) -> dict[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]:
     grouped: dict[PlaceKey, tuple[HidingPlace, tuple[str, ...]]] = {}
     for wish, ids in hidden:
         key = wish.place.key
@@ -274,7 +274,9 @@ def _by_place(hidden: Wished) -> dict[PlaceKey, tuple[HidingPlace, tuple[str, ..
     return grouped
 
 
-def _links(hidden: Wished, by_place: Mapping[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]) -> dict[PlaceKey, Link]:
+def _links(
+    hidden: FulfilledWishes, by_place: Mapping[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]
+) -> dict[PlaceKey, Link]:
     found: dict[PlaceKey, Link] = {}
     for wish, ids in hidden:
         if wish.partner is not None:

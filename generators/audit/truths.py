@@ -18,7 +18,6 @@ import numpy as np
 from remqa_data.catalog import Manipulation
 from remqa_data.errors import NoPathError, RemqaError, UnknownNameError, one_line
 from remqa_data.generators.arrangement.hiding_goals import FRONT_DEG
-from remqa_data.generators.arrangement.hiding_places import surface_points
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
 from remqa_data.generators.audit.question_words import asked, understood
 from remqa_data.generators.provable import LEAST_SHARE, seen_share
@@ -47,7 +46,7 @@ from remqa_data.sim.metadata import (
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import reach_distance, reachable_grid
 from remqa_data.sim.navigation.paths import path_length_m, poses_along, shortest_actions
-from remqa_data.sim.navigation.viewpoints import FRAME_PX, front_points
+from remqa_data.sim.navigation.viewpoints import FRAME_PX, front_points, surface_points
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.contrast import contrast_de
 from remqa_data.tables.images import (

@@ -7,26 +7,18 @@ room; what a total leaves over becomes one smaller lot.
 
 from __future__ import annotations
 
-import csv
 import heapq
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import Literal, get_args
+from dataclasses import dataclass
 
-from remqa_data.errors import QuotaError, UnknownNameError, counted
-from remqa_data.floorplans.ithor.table import scene_names
-from remqa_data.floorplans.sampled.naming import PREFIX, is_sampled, room_type_of, sampled_index, sampled_split
+from remqa_data.errors import QuotaError, counted
+from remqa_data.floorplans.sampled.naming import is_sampled
+from remqa_data.generators.questions.capacity_table import SceneCapacity, recorded_capacities
+from remqa_data.generators.questions.splits import QUESTION_SPLITS, QuestionSplit, split_of
 from remqa_data.language.question_rules import question_rules
-from remqa_data.published import QUESTIONS
-from remqa_data.tables.rows import KINDS, QuestionKind, Split
-from remqa_data.yaml_files import template_text
+from remqa_data.tables.rows import KINDS, QuestionKind
 
-SOURCE = "capacities.csv"
-SAMPLED_SOURCE = "sampled_capacities.csv"
-QuestionSplit = Literal["train", "test"]
-SPLITS: tuple[QuestionSplit, ...] = get_args(QuestionSplit)
 Totals = Mapping[QuestionKind, int]
 Lots = dict[QuestionKind, dict[str, int]]
 """By kind and room."""
@@ -37,29 +29,6 @@ LOT_SIZE = 4
 """Samples of a whole lot: as many as there are answers to a COUNTING question."""
 FEWEST_LOTS, MOST_LOTS = 4, 15
 """Of a room, of all kinds together, as far as the totals allow."""
-ROOMS_OF_A_TYPE, VAL_ROOMS_OF_A_TYPE, TEST_ROOMS_OF_A_TYPE = 30, 5, 5
-ROOM_OFFSETS = (0, 200, 300, 400)
-"""iTHOR's numbers: kitchens 1 to 30, living rooms 201 to 230, bedrooms 301 to 330, bathrooms 401 to 430."""
-
-
-@dataclass(frozen=True)
-class SceneCapacity:
-    """How many lots of questions of each kind a room can take.
-
-    Attributes
-    ----------
-    scene, room_type : str
-        The room.
-    lots : mapping
-        By kind, how many it takes easily.
-    most : mapping
-        By kind, how many it takes at all: with more questions about one place, and longer ones, than there should be.
-    """
-
-    scene: str
-    room_type: str
-    lots: Mapping[QuestionKind, int]
-    most: Mapping[QuestionKind, int]
 
 
 @dataclass(frozen=True)
@@ -74,84 +43,6 @@ class SceneQuota:
     def total(self, kind: QuestionKind) -> int:
         """Samples of a kind."""
         return sum(self.answers[kind].values())
-
-
-def split_of(scene: str) -> QuestionSplit:
-    """The split of a room: the last five of each room type are for testing; of sampled rooms, one in six.
-
-    Which rooms REMQA tests on is not published. AI2-THOR's own convention, kept by AllenAct and others, takes rooms 1 to 20
-    of each type for training, 21 to 25 for validation and 26 to 30 for testing; so nothing that was trained in the usual
-    way has seen our test rooms.
-
-    >>> split_of("FloorPlan25"), split_of("FloorPlan226")
-    ('train', 'test')
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such room.
-    """
-    if not is_sampled(scene) and scene not in scene_names():
-        raise UnknownNameError("scene", scene, scene_names())
-    return "test" if expression_split(scene) == "test" else "train"
-
-
-def expression_split(scene: str) -> Split:
-    """The split of a room's referring expressions: AI2-THOR's usual one, 1-20 train, 21-25 val, 26-30 test of each type.
-
-    >>> [expression_split(f"FloorPlan{n}") for n in (20, 221, 430)]
-    ['train', 'val', 'test']
-    """
-    if is_sampled(scene):
-        return sampled_split(scene)
-    before_test = ROOMS_OF_A_TYPE - TEST_ROOMS_OF_A_TYPE
-    number = _number(scene) % 100
-    if number > before_test:
-        return "test"
-    return "val" if number > before_test - VAL_ROOMS_OF_A_TYPE else "train"
-
-
-def choose_scenes(count: int) -> tuple[str, ...]:
-    """So many rooms, of all types alike, a sixth of them for testing, in iTHOR's order.
-
-    Those come first of which most can be asked, as few rooms must take their share of all kinds of question.
-
-    >>> choose_scenes(4)
-    ('FloorPlan27', 'FloorPlan213', 'FloorPlan325', 'FloorPlan421')
-
-    Raises
-    ------
-    QuotaError
-        If there are not so many.
-    """
-    most = len(ROOM_OFFSETS) * ROOMS_OF_A_TYPE
-    if not 1 <= count <= most:
-        raise QuotaError(f"{count} scenes: iTHOR has {most} rooms; ask for 1 to {most}")
-    tests = round(count * TEST_ROOMS_OF_A_TYPE / ROOMS_OF_A_TYPE)
-    if count > 1:
-        tests = max(tests, 1)
-    numbers: list[int] = []
-    for index, offset in enumerate(ROOM_OFFSETS):
-        rooms, tested = _share(count, index), _share(tests, TEST_TURNS.index(index))
-        first_test = offset + ROOMS_OF_A_TYPE - TEST_ROOMS_OF_A_TYPE + 1
-        for first, last, wanted in (
-            (offset + 1, first_test, rooms - tested),
-            (first_test, offset + 1 + ROOMS_OF_A_TYPE, tested),
-        ):
-            order = sorted(range(first, last), key=_what_can_be_asked, reverse=True)
-            numbers += sorted(order[:wanted])
-    return tuple(f"FloorPlan{number}" for number in numbers)
-
-
-def capacities(scenes: Sequence[str]) -> list[SceneCapacity]:
-    """What some rooms can take, from `templates/capacities.csv`; what sampled rooms must take, by their type.
-
-    Raises
-    ------
-    UnknownNameError
-        If a room is not in the table.
-    """
-    return [_sampled_capacity(scene) if is_sampled(scene) else _recorded_capacity(scene) for scene in scenes]
 
 
 def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]) -> list[SceneQuota]:
@@ -178,7 +69,7 @@ def allot(rooms: Sequence[SceneCapacity], totals: Mapping[QuestionSplit, Totals]
     """
     splits = {room.scene: split_of(room.scene) for room in rooms}
     answers: dict[str, dict[QuestionKind, dict[str, int]]] = {room.scene: {} for room in rooms}
-    for split in SPLITS:
+    for split in QUESTION_SPLITS:
         own = [room for room in rooms if splits[room.scene] == split]
         asked = {kind: totals.get(split, {}).get(kind, 0) for kind in KINDS}
         for kind, lots in _dealt(own, split, asked).items():
@@ -241,7 +132,7 @@ def _other_rooms(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind)
         return f"{more} or "
     given = {room.scene for room in rooms}
     others = [
-        room for room in _capacities(SOURCE).values() if room.scene not in given and split_of(room.scene) == split
+        room for room in recorded_capacities().values() if room.scene not in given and split_of(room.scene) == split
     ]
     best = max(others, key=lambda room: room.most[kind], default=None)
     return f"{more}, such as {best.scene}, or " if best is not None and best.most[kind] else ""
@@ -356,48 +247,5 @@ def _deal_lots(limits: Sequence[Mapping[str, int]], count: int, first: Mapping[s
     return dealt
 
 
-TEST_TURNS = (0, 1, 2, 3)
-"""Room types by index, in the order in which they get a test room that is one too many: those first that can be asked most."""
-
-
-def _what_can_be_asked(number: int) -> float:
-    """How much of a room's share of each kind of question it takes, of the kind of which it takes least."""
-    most, wanted = _capacities(SOURCE)[f"FloorPlan{number}"].most, QUESTIONS["test"]
-    return min(most[kind] / wanted[kind] for kind in KINDS)
-
-
-def _share(count: int, turn: int) -> int:
-    """How many of some things the room type gets whose turn it is, when they are dealt out in turns."""
-    return count // len(ROOM_OFFSETS) + (turn < count % len(ROOM_OFFSETS))
-
-
 def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
-
-
-def _recorded_capacity(scene: str) -> SceneCapacity:
-    known = _capacities(SOURCE)
-    if scene not in known:
-        raise UnknownNameError("scene", scene, known)
-    return known[scene]
-
-
-def _sampled_capacity(scene: str) -> SceneCapacity:
-    of_type = _capacities(SAMPLED_SOURCE)[PREFIX + room_type_of(sampled_index(scene))]
-    return replace(of_type, scene=scene)
-
-
-@lru_cache(maxsize=2)
-def _capacities(source: str) -> Mapping[str, SceneCapacity]:
-    lines = template_text(source).splitlines()
-    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
-    return {row["scene"]: _capacity(row) for row in rows}
-
-
-def _capacity(row: Mapping[str, str]) -> SceneCapacity:
-    easy = {kind: int(row[kind]) for kind in KINDS}
-    return SceneCapacity(row["scene"], row["room_type"], easy, {kind: int(row[f"{kind}_most"]) for kind in KINDS})
-
-
-def _number(scene: str) -> int:
-    return int(scene.removeprefix("FloorPlan"))

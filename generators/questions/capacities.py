@@ -22,11 +22,8 @@ from remqa_data.floorplans.ithor.scenes import load_scene, scene_names
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_places import hiding_places
 from remqa_data.generators.arrangement.wished_things import has_room
-from remqa_data.generators.questions.allotment import (
-    LOT_SIZE,
-    SOURCE,
-    SceneCapacity,
-)
+from remqa_data.generators.questions.allotment import LOT_SIZE
+from remqa_data.generators.questions.capacity_table import TABLE, SceneCapacity
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import shapes_of
 from remqa_data.generators.questions.planning import Planner
@@ -126,7 +123,7 @@ def write_capacities(rooms: Iterable[SceneCapacity], path: Path) -> None:
 
 def table_path() -> Path:
     """Where the table is in a checkout."""
-    return Path(__file__).parents[2] / "templates" / SOURCE
+    return Path(__file__).parents[2] / "templates" / TABLE
 
 
 if __name__ == "__main__":

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Generic
 
 from remqa_data.errors import QuotaError
-from remqa_data.generators.arrangement.hiding_check import Hidden
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_check import HidingWish
+from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.questions.questions import Candidate, P
 from remqa_data.language.question_rules import NO, YES
 from remqa_data.tables.rows import QuestionKind
@@ -51,19 +51,19 @@ class GroupPlan(Generic[P]):
         return things_of(self.question, self.answers[configuration])
 
 
-def wishes(groups: Sequence[GroupPlan[HidingPlace]], configuration: int) -> list[Hidden]:
+def wishes(groups: Sequence[GroupPlan[HidingPlace]], configuration: int) -> list[HidingWish]:
     """What one configuration of the room must hold for all groups to have their answers."""
     return [wish for group in groups for wish in _wishes(group, configuration)]
 
 
-def _wishes(group: GroupPlan[HidingPlace], configuration: int) -> list[Hidden]:
+def _wishes(group: GroupPlan[HidingPlace], configuration: int) -> list[HidingWish]:
     question, answer, is_asked = group.question, group.answers[configuration], configuration in group.asked
     if question.partner is None:
-        return [Hidden(question.place, question.type, things_for(answer), is_asked=is_asked)]
+        return [HidingWish(question.place, question.type, things_for(answer), is_asked=is_asked)]
     partner = question.partner
     return [
-        Hidden(question.place, partner.type, partner.count, is_asked=is_asked),
-        Hidden(question.place, question.type, 1, partner, answer == YES, is_asked),
+        HidingWish(question.place, partner.type, partner.count, is_asked=is_asked),
+        HidingWish(question.place, question.type, 1, partner, answer == YES, is_asked),
     ]
 
 

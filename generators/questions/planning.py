@@ -12,17 +12,12 @@ from typing import Generic
 
 import numpy as np
 
-from remqa_data.catalog import Manipulation
 from remqa_data.errors import QuotaError
 from remqa_data.generators.questions.allotment import SceneQuota
+from remqa_data.generators.questions.chosen_groups import ChosenGroups
 from remqa_data.generators.questions.expressions import Expression
 from remqa_data.generators.questions.groups import GroupPlan, shapes_of, things_for, things_of
-from remqa_data.generators.questions.questions import (
-    Candidate,
-    P,
-    confusable,
-    mentioned_types,
-)
+from remqa_data.generators.questions.questions import Candidate, P, any_confusable, confusable, mentioned_types
 from remqa_data.generators.questions.sites import (
     FittingTypes,
     InnerFits,
@@ -35,7 +30,6 @@ from remqa_data.generators.questions.sites import (
     sites_of,
 )
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import F64
 from remqa_data.language.inner import InnerRelation, Partner
 from remqa_data.language.question_rules import QuestionRules, question_rules
 from remqa_data.tables.rows import QuestionKind
@@ -118,7 +112,7 @@ def plan_groups(
                 spare = sum(group.question.kind == kind and not group.asked for group in kept)
                 for _ in range((spare_groups or {}).get(kind, 0) - spare):
                     planner.add(kind, {})
-            return planner.groups
+            return planner.chosen.groups
         refusal, hardest = planner.refusal(failed, quota.answers[failed]), failed
         order = (failed, *(kind for kind in order if kind != failed))  # what found no room comes first
     raise QuotaError(refusal, hardest)
@@ -153,7 +147,7 @@ def _fill(
 
 @dataclass(eq=False)
 class Planner(Generic[P]):
-    """The groups so far, and what they leave room for."""
+    """Draws one group after the other, each of which goes with those that have been chosen."""
 
     sites: list[Site[P]]
     scene: str
@@ -162,23 +156,15 @@ class Planner(Generic[P]):
     clashes: Clashes = field(default_factory=dict)
     inner_fits: InnerFits[P] | None = None
     has_room: TakesThings[P] = field(default_factory=lambda: any_room)
-    groups: list[GroupPlan[P]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.rules: QuestionRules = question_rules()
-        self.filled: dict[SiteKey, F64] = {site.key: np.zeros(self.configurations) for site in self.sites}
-        self.at_site: Counter[tuple[QuestionKind, SiteKey]] = Counter()
-        self.per_kind: Counter[QuestionKind] = Counter()
-        self.asked_for: Counter[str] = Counter()
-        self.mentioned: set[str] = set()
-        self.texts: set[str] = set()
-        self.samples: Counter[tuple[QuestionKind, Manipulation]] = Counter()
-        self.excess_words: Counter[QuestionKind] = Counter()
+        self.chosen: ChosenGroups[P] = ChosenGroups([site.key for site in self.sites], self.configurations)
         self.options = {kind: list(self._options(kind)) for kind in PLAN_ORDER}
 
     def keep(self, group: GroupPlan[P]) -> None:
         """Ask what an earlier plan asked."""
-        self._add(replace(group, name=self._name(group.question.kind)))
+        self.chosen.add(replace(group, name=self._name(group.question.kind)))
 
     def add(self, kind: QuestionKind, shape: Mapping[str, int], crowd: bool = True) -> bool:
         """Ask for so many samples of each answer; False if there is no room.
@@ -226,15 +212,15 @@ class Planner(Generic[P]):
     def _is_free(self, option: Option[P]) -> bool:
         """Whether a question about how two things lie to one another goes with those that have been chosen."""
         question, key = option.question, option.site.key
-        here = [g.question for g in self.groups if g.question.place.object_id == option.site.place.object_id]
-        others: set[str] = set(option.named | self.mentioned).union(*(other.types for other in here))
+        here = [g.question for g in self.chosen.groups if g.question.place.object_id == option.site.place.object_id]
+        others: set[str] = set(option.named | self.chosen.mentioned).union(*(other.types for other in here))
         return (
             option.words <= self.rules.inner_longest_words
-            and option.text not in self.texts
+            and option.text not in self.chosen.texts
             and all(other.place.relation == "in" and other.partner is None for other in here)
             and not confusable(*question.types)
-            and not _any_confusable(question.types, others)
-            and not _any_confusable(option.named, self.asked_for)
+            and not any_confusable(question.types, others)
+            and not any_confusable(option.named, self.chosen.asked_for)
             and not self._clash(key, set(question.types).union(*(other.types for other in here)))
         )
 
@@ -260,7 +246,7 @@ class Planner(Generic[P]):
         So must others, so many that as much comes to light whatever the answer.
         """
         place = question.place
-        own = [g for g in self.groups if g.question.place == place and g.question != question]
+        own = [g for g in self.chosen.groups if g.question.place == place and g.question != question]
         asked = {q.type for q in (question, *(group.question for group in own)) if q.partner is None}
         there = [
             (*things_of(question, answer), *(name for group in own for name in group.things(number)))
@@ -274,21 +260,19 @@ class Planner(Generic[P]):
     def _widen(self, kind: QuestionKind, shape: Mapping[str, int]) -> bool:
         """Let a group ask in configurations in which it does not ask yet, if one has room for what is to be found there."""
         more = [answer for answer, count in shape.items() for _ in range(count)]
-        for place in self.rng.permutation(len(self.groups)) if more else ():
-            group = self.groups[place]
+        for place in self.rng.permutation(len(self.chosen.groups)) if more else ():
+            group = self.chosen.groups[place]
             free = [c for c in range(self.configurations) if c not in group.asked]
             if group.question.kind != kind or not group.asked or len(free) < len(more):
                 continue
-            key = site_key(group.question.place)
             for _ in range(SHUFFLES):
                 chosen = self.rng.permutation(free)[: len(more)].tolist()
                 given = dict(zip(chosen, more, strict=True))
                 answers = tuple(given.get(c, answer) for c, answer in enumerate(group.answers))
                 wider = replace(group, answers=answers, asked=tuple(sorted((*group.asked, *chosen))))
-                filled = self.filled[key] + wider.counts - np.array(group.counts)
+                filled = self.chosen.filled_by(group, wider)
                 if np.all(filled <= len(group.question.place.spots)) and self._has_room(group.question, answers):
-                    self.groups[place], self.filled[key] = wider, filled
-                    self._count(group.question, len(more))
+                    self.chosen.widen(place, wider)
                     return True
         return False
 
@@ -298,7 +282,7 @@ class Planner(Generic[P]):
         spots = sum(len(site.place.spots) for site in sites)
         return (
             f"{self.scene}: {kind}: {sum(quota.values())} questions need more places than there are: {len(sites)} that can be "
-            f"named, with {spots} spots in all, hold {self.per_kind[kind]} groups; lower this room's capacity in "
+            f"named, with {spots} spots in all, hold {self.chosen.per_kind[kind]} groups; lower this room's capacity in "
             "templates/capacities.csv or the totals of the configuration"
         )
 
@@ -323,27 +307,27 @@ class Planner(Generic[P]):
 
     def _free_options(self, kind: QuestionKind, longest: int, strict: bool) -> list[Option[P]]:
         """The questions that go with those that have been chosen."""
-        limit = self.rules.max_groups_per_place[kind] if strict else len(self.texts) + 1
-        full = {site.key for site in self.sites if self.at_site[kind, site.key] >= limit}
-        at_object: dict[str, set[str]] = {site.place.object_id: set(self.mentioned) for site in self.sites}
+        limit = self.rules.max_groups_per_place[kind] if strict else len(self.chosen.texts) + 1
+        full = {site.key for site in self.sites if self.chosen.at_site[kind, site.key] >= limit}
+        at_object: dict[str, set[str]] = {site.place.object_id: set(self.chosen.mentioned) for site in self.sites}
         at_site: dict[SiteKey, set[str]] = {site.key: set() for site in self.sites}
-        for group in self.groups:
+        for group in self.chosen.groups:
             place = group.question.place
             at_object[place.object_id] |= group.question.types
             at_site[site_key(place)] |= group.question.types
         # Of two types that look alike in one place, or a type that phrases of this room name, nobody could tell which.
         # What has something under it is raised, and does not open as it did: an object is one place or the other.
-        asked = {group.question.place.object_id: group.question.place.relation for group in self.groups}
+        asked = {group.question.place.object_id: group.question.place.relation for group in self.chosen.groups}
         return [
             option
             for option in self.options[kind]
             if option.site.key not in full
             and asked.get(option.site.place.object_id, option.site.place.relation) == option.site.place.relation
             and option.words <= longest
-            and not (strict and self.asked_for[option.question.type] >= self.rules.max_groups_per_type)
-            and option.text not in self.texts
-            and not _any_confusable({option.question.type}, at_object[option.site.place.object_id] | option.named)
-            and not _any_confusable(option.named, self.asked_for)
+            and not (strict and self.chosen.asked_for[option.question.type] >= self.rules.max_groups_per_type)
+            and option.text not in self.chosen.texts
+            and not any_confusable({option.question.type}, at_object[option.site.place.object_id] | option.named)
+            and not any_confusable(option.named, self.chosen.asked_for)
             and not self._clash(option.site.key, at_site[option.site.key] | {option.question.type})
         ]
 
@@ -353,8 +337,8 @@ class Planner(Generic[P]):
     def _pools(self, kind: QuestionKind, size: int, options: list[Option[P]]) -> Iterator[list[Option[P]]]:
         """The options in lots, of which the first that has room is drawn from: by manipulation, then bare nouns or not."""
         shares = self.rules.manipulations[kind]
-        total = sum(self.samples[kind, m] for m in shares) + size
-        owed = sorted(shares, key=lambda m: (self.samples[kind, m] - shares[m] * total, self.rng.random()))
+        total = sum(self.chosen.samples[kind, m] for m in shares) + size
+        owed = sorted(shares, key=lambda m: (self.chosen.samples[kind, m] - shares[m] * total, self.rng.random()))
         bare = bool(self.rng.random() < self._bare_share(kind))
         for manipulation in owed:
             lot = [option for option in options if option.question.place.manipulation == manipulation]
@@ -362,17 +346,17 @@ class Planner(Generic[P]):
                 yield [option for option in lot if (_is_bare(option.question.expression) == bare) == as_drawn]
 
     def _bare_share(self, kind: QuestionKind) -> float:
-        asked = sum(self.samples[kind, m] for m in ("Open", "Pickup", "Move"))
-        excess = self.excess_words[kind] / asked if asked else 0.0
+        asked = sum(self.chosen.samples[kind, m] for m in ("Open", "Pickup", "Move"))
+        excess = self.chosen.excess_words[kind] / asked if asked else 0.0
         return self.rules.bare_share[kind] + self.rules.bare_share_per_word * excess
 
     def _draw(self, kind: QuestionKind, size: int, pool: list[Option[P]]) -> Option[P]:
         weights = np.array([option.weight for option in pool])
-        at_site = {key: sum(self.at_site[k, key] for k in PLAN_ORDER) for key in self.filled}
-        again = [at_site[o.site.key] + self.asked_for[o.question.type] for o in pool]
+        at_site = {key: sum(self.chosen.at_site[k, key] for k in PLAN_ORDER) for key in self.chosen.filled}
+        again = [at_site[o.site.key] + self.chosen.asked_for[o.question.type] for o in pool]
         weights /= self.rules.again_factor ** np.array(again)
         words = np.array([option.words for option in pool])
-        off = np.abs(self.excess_words[kind] + size * (words - self.rules.aim_words[kind])) / size
+        off = np.abs(self.chosen.excess_words[kind] + size * (words - self.rules.aim_words[kind])) / size
         weights *= arithmetic.exp((off.min() - off) / self.rules.tolerance_words[kind])
         return pool[int(self.rng.choice(len(pool), p=weights / weights.sum()))]
 
@@ -385,7 +369,7 @@ class Planner(Generic[P]):
         asked = [answer for answer, count in shape.items() for _ in range(count)] or possible
         pattern = asked + possible[:1] * (self.configurations - len(asked))
         things = np.array([len(things_of(option.question, answer)) for answer in pattern])
-        free = len(option.site.place.spots) - self.filled[option.site.key]
+        free = len(option.site.place.spots) - self.chosen.filled[option.site.key]
         for _ in range(SHUFFLES):
             order = self.rng.permutation(self.configurations)
             if np.all(things[order] <= free):
@@ -401,31 +385,10 @@ class Planner(Generic[P]):
         for answer, count in shape.items():
             with_it = [c for c, given in enumerate(answers) if given == answer]
             asked += self.rng.permutation(with_it)[:count].tolist()
-        self._add(GroupPlan(self._name(kind), chosen.question, answers, tuple(sorted(asked))))
+        self.chosen.add(GroupPlan(self._name(kind), chosen.question, answers, tuple(sorted(asked))))
 
     def _name(self, kind: QuestionKind) -> str:
-        return f"{self.scene}-{kind}-{self.per_kind[kind]:02d}"
-
-    def _add(self, group: GroupPlan[P]) -> None:
-        question, kind, key = group.question, group.question.kind, site_key(group.question.place)
-        self.groups.append(group)
-        self.filled[key] += group.counts
-        self.at_site[kind, key] += 1
-        self.per_kind[kind] += 1
-        self.asked_for.update(question.types)
-        self.mentioned |= mentioned_types(question.expression.program)
-        self.texts.add(question.text)
-        self._count(question, len(group.asked))
-
-    def _count(self, question: Candidate[P], size: int) -> None:
-        """So many more samples ask this."""
-        kind = question.kind
-        self.samples[kind, question.place.manipulation] += size
-        self.excess_words[kind] += size * (question.words - self.rules.aim_words[kind])  # type: ignore[assignment]
-
-
-def _any_confusable(some: Iterable[str], others: Iterable[str]) -> bool:
-    return any(confusable(one, other) for one in some for other in others)
+        return f"{self.scene}-{kind}-{self.chosen.per_kind[kind]:02d}"
 
 
 def _is_bare(expression: Expression) -> bool:

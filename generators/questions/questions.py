@@ -6,7 +6,7 @@ in `remqa_data.generators.questions.groups`; the answers come from `remqa_data.l
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Generic, Literal, Protocol, TypeVar
@@ -179,6 +179,11 @@ def mentioned_types(program: AnyProgram) -> frozenset[str]:
 def confusable(one: str, other: str) -> bool:
     """Whether a person may take the word for one type to mean the other."""
     return other in may_be_called(one) or one in may_be_called(other)
+
+
+def any_confusable(some: Iterable[str], others: Iterable[str]) -> bool:
+    """Whether a type of some is confusable with one of others."""
+    return any(confusable(one, other) for one in some for other in others)
 
 
 def _is_loose(type_name: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Generic
+from typing import Generic, NewType
 
 from remqa_data.generators.arrangement.hiding_rules import plan_ratio
 from remqa_data.generators.questions.expressions import Expression
@@ -32,13 +32,13 @@ TakesThings = Callable[[P, tuple[str, ...], tuple[str, ...], int], bool]
 """The same, with so many things of a type that is not asked for beside them."""
 LEAST_PLAN_RATIO = 0.35
 """What comes to light instead of a thing is at least so large, and not as many times larger."""
-SiteKey = tuple[str, str]
+SiteKey = NewType("SiteKey", tuple[str, str])
 """Object id and relation: in a microwave and under it are two places."""
 
 
 def site_key(place: QuestionSite) -> SiteKey:
     """Which place it is."""
-    return place.object_id, place.relation
+    return SiteKey((place.object_id, place.relation))
 
 
 @dataclass(eq=False)

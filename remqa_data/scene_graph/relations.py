@@ -18,7 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 from remqa_data.catalog import TypeName, object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
-from remqa_data.geometry.types import F64
+from remqa_data.geometry.types import F64, Flags
 from remqa_data.sim.metadata import ObjectMetadata
 from remqa_data.yaml_files import entry_for_each, template_rules
 
@@ -28,8 +28,6 @@ OrderRelation = Literal["behind", "between"]
 """How things lie in what holds them all: it takes more than two objects to tell, so these are no edges."""
 
 SOURCE = "relations.yaml"
-
-Table = npt.NDArray[np.bool_]
 
 
 class _Rules(BaseModel):
@@ -42,7 +40,7 @@ class _Thresholds(_Rules):
     exact: ClassVar[frozenset[str]] = frozenset()
     """What stays as it is when the others are loosened."""
 
-    def times(self, more: float) -> Self:
+    def scaled(self, more: float) -> Self:
         """Limits times a factor, and what must be reached divided by it; what is a share of one thing stays one."""
         changed = {}
         for name, field in type(self).model_fields.items():
@@ -185,7 +183,7 @@ class RelationRules(_Rules):
         return self.words[relation]
 
     def _with_limits_times(self, more: float) -> RelationRules:
-        thresholds = {name: rules.times(more) for name, rules in self if isinstance(rules, _Thresholds)}
+        thresholds = {name: rules.scaled(more) for name, rules in self if isinstance(rules, _Thresholds)}
         return self.model_copy(update=thresholds)
 
 
@@ -224,12 +222,12 @@ def edges_between(
     """The edges from each of some objects to each of some others; an object has none to itself."""
     if not sources or not targets:
         return
-    a, b = _Side.of(sources), _Side.of(targets)
+    a, b = _Objects.of(sources), _Objects.of(targets)
     measured = _Measured(geometry.centre_distance(a.boxes, b.boxes), geometry.iou_3d(a.boxes, b.boxes))
     relation = np.full(measured.iou.shape, None, dtype=np.object_)
     free = a.ids[:, None] != b.ids[None]
     beside = _next_to(a, b, rules, measured)
-    both_ways: tuple[tuple[Relation, Table, Table], ...] = (
+    both_ways: tuple[tuple[Relation, Flags, Flags], ...] = (
         ("on", _held(a, b, rules, "on"), _held(b, a, rules, "on").T),
         ("in", _held(a, b, rules, "in"), _held(b, a, rules, "in").T),
         ("under", _under(a, b, rules), _under(b, a, rules).T),
@@ -247,8 +245,8 @@ def edges_between(
 
 
 @dataclass(frozen=True)
-class _Side:
-    """Some objects as columns."""
+class _Objects:
+    """Some objects as columns: (n,) arrays, and (n, 6) boxes."""
 
     ids: npt.NDArray[np.object_]
     types: npt.NDArray[np.object_]
@@ -257,8 +255,8 @@ class _Side:
     boxes: F64
 
     @classmethod
-    def of(cls, objects: Sequence[ObjectMetadata]) -> _Side:
-        def column(values: list[str | None]) -> npt.NDArray[np.object_]:
+    def of(cls, objects: Sequence[ObjectMetadata]) -> _Objects:
+        def column(values: Sequence[str | None]) -> npt.NDArray[np.object_]:
             return np.array(values, dtype=np.object_)
 
         return cls(
@@ -269,15 +267,15 @@ class _Side:
             boxes=np.array([o.box for o in objects], dtype=np.float64),
         )
 
-    def are(self, types: Collection[str]) -> Table:
+    def are(self, types: Collection[str]) -> Flags:
         """(n,) whether each object is of one of some types."""
         return np.array([name in types for name in self.types], dtype=np.bool_)
 
-    def liftable(self) -> Table:
+    def liftable(self) -> Flags:
         """(n,) whether a hand can pick each object up."""
         return np.array([object_type(name).pickupable for name in self.types], dtype=np.bool_)
 
-    def removable(self) -> Table:
+    def removable(self) -> Flags:
         """(n,) whether each object can be picked up or pushed aside."""
         kinds = [object_type(name) for name in self.types]
         return np.array([kind.is_loose for kind in kinds], dtype=np.bool_)
@@ -286,7 +284,7 @@ class _Side:
         """(n, 3) lengths of the boxes' sides."""
         return self.boxes[:, 3:] - self.boxes[:, :3]
 
-    def share_support_with(self, other: _Side) -> Table:
+    def share_support_with(self, other: _Objects) -> Flags:
         """(n, m) whether the same receptacle holds both in the same way."""
         same = (self.support[:, None] == other.support[None]) & (self.kind[:, None] == other.kind[None])
         return np.asarray(same & (self.support != None)[:, None], dtype=np.bool_)  # noqa: E711
@@ -303,7 +301,7 @@ class _Measured:
         return _Measured(self.distance.T, self.iou.T)
 
 
-def _held(a: _Side, b: _Side, rules: RelationRules, kind: str) -> Table:
+def _held(a: _Objects, b: _Objects, rules: RelationRules, kind: str) -> Flags:
     """A rests in or on b, or is a part of it."""
     held = np.asarray((a.support[:, None] == b.ids[None]) & (a.kind == kind)[:, None], dtype=np.bool_)
     if kind == "on":
@@ -318,7 +316,7 @@ def _held(a: _Side, b: _Side, rules: RelationRules, kind: str) -> Table:
     return held
 
 
-def _piled(a: _Side, b: _Side, rules: RelationRules) -> Table:
+def _piled(a: _Objects, b: _Objects, rules: RelationRules) -> Flags:
     """A lies on b, and both are in the same thing."""
     pile = rules.pile
     area = np.maximum(np.prod(a.sides()[:, :2], axis=1), _TINY)
@@ -334,7 +332,7 @@ def _piled(a: _Side, b: _Side, rules: RelationRules) -> Table:
     return np.asarray(over & higher & inside & a.liftable()[:, None] & b.liftable()[None])
 
 
-def _under(a: _Side, b: _Side, rules: RelationRules) -> Table:
+def _under(a: _Objects, b: _Objects, rules: RelationRules) -> Flags:
     """A lies beneath b, which can be lifted or pushed off it; or a stands beneath b, which stands on legs."""
     under = rules.under
     area_a, area_b = (np.prod(side.sides()[:, :2], axis=1) for side in (a, b))
@@ -351,7 +349,7 @@ def _under(a: _Side, b: _Side, rules: RelationRules) -> Table:
     return np.asarray(covered & (beneath | sheltered) & a.share_support_with(b))
 
 
-def _above(a: _Side, b: _Side, rules: RelationRules, measured: _Measured) -> Table:
+def _above(a: _Objects, b: _Objects, rules: RelationRules, measured: _Measured) -> Flags:
     """A is over b with air or a worktop between them, both built in, hanging or standing."""
     stacked = rules.stacked
     between = geometry.vertical_gap(a.boxes, b.boxes)
@@ -367,7 +365,7 @@ def _above(a: _Side, b: _Side, rules: RelationRules, measured: _Measured) -> Tab
     return np.asarray(over & fit_a[:, None] & fit_b[None])
 
 
-def _next_to(a: _Side, b: _Side, rules: RelationRules, measured: _Measured) -> Table:
+def _next_to(a: _Objects, b: _Objects, rules: RelationRules, measured: _Measured) -> Flags:
     """A and b stand side by side at the same height."""
     beside = rules.next_to
     size_a, size_b = (arithmetic.length(side.sides()[:, :2]) for side in (a, b))
@@ -392,7 +390,7 @@ _TINY = 1e-12
 """Stands in for the volume or the area of a box that has none: nothing is a share of it."""
 
 
-def _thickened(side: _Side, stacked: StackedRules) -> F64:
+def _thickened(side: _Objects, stacked: StackedRules) -> F64:
     """(n, 6) boxes, of which those of things on a wall reach into the room as far as what stands at the wall."""
     low, high = side.boxes[:, :3], side.boxes[:, 3:]
     length = high - low

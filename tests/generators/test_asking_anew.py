@@ -7,7 +7,8 @@ import pytest
 
 from remqa_data.generators.config import Config, load_config
 from remqa_data.generators.pipeline import RoomJob, generate
-from remqa_data.generators.questions.allotment import allot, capacities
+from remqa_data.generators.questions.allotment import allot
+from remqa_data.generators.questions.capacity_table import capacities
 from remqa_data.generators.questions.shortfalls import missing, with_a_lot_less
 from remqa_data.processes.executors import J, LocalExecutor, R
 from remqa_data.storage.manifest import Manifest

@@ -5,7 +5,7 @@ import pytest
 
 from remqa_data.errors import ArrangementError
 from remqa_data.generators.arrangement.areas import Area, Spot
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.arrangement.wished_things import has_room
 from remqa_data.generators.distractors import distractors
 from remqa_data.generators.questions.expressions import Expression

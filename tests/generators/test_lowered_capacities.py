@@ -1,5 +1,6 @@
 from remqa_data.generators.lowered_capacities import lowered
-from remqa_data.generators.questions.allotment import allot, capacities
+from remqa_data.generators.questions.allotment import allot
+from remqa_data.generators.questions.capacity_table import capacities
 
 
 def test_rooms_that_had_less_than_they_were_asked_for_can_take_no_more() -> None:

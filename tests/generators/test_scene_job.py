@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from remqa_data.generators import scene_job
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.audited_room import AuditedRoom
 from remqa_data.generators.config import load_config
-from remqa_data.generators.questions.allotment import allot, capacities
+from remqa_data.generators.questions.allotment import allot
+from remqa_data.generators.questions.capacity_table import capacities
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.samples import Refusal
 from remqa_data.generators.scene_job import make_room

@@ -10,9 +10,10 @@ from remqa_data.errors import ArrangementError
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.generators import scene_plan
 from remqa_data.generators.arrangement.configurations import Configuration
-from remqa_data.generators.arrangement.hiding_check import Hidden
+from remqa_data.generators.arrangement.hiding_check import HidingWish
 from remqa_data.generators.config import load_config
-from remqa_data.generators.questions.allotment import allot, capacities
+from remqa_data.generators.questions.allotment import allot
+from remqa_data.generators.questions.capacity_table import capacities
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.scene_plan import Job, RoomPlanner
 from remqa_data.scene import Scene
@@ -32,14 +33,16 @@ def test_a_plan_that_fails_keeps_what_fits_and_does_not_try_it_again(
     planner: RoomPlanner, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     plans: list[list[GroupPlan]] = []
-    tried: list[list[Hidden]] = []
+    tried: list[list[HidingWish]] = []
     plan_groups = scene_plan.plan_groups
 
     def planned(*args: object) -> list[GroupPlan]:
         plans.append(plan_groups(*args))
         return plans[-1]
 
-    def misfits(base: Scene, wishes: Sequence[Hidden], rng: np.random.Generator) -> list[ArrangementError]:
+    def infeasible_wishes(
+        base: Scene, wishes: Sequence[HidingWish], rng: np.random.Generator
+    ) -> list[ArrangementError]:
         tried.append(list(wishes))
         if len(tried) > 1:
             return []
@@ -47,7 +50,7 @@ def test_a_plan_that_fails_keeps_what_fits_and_does_not_try_it_again(
         return [ArrangementError("no room", bad.place.object_id, bad.place.relation, [bad.type])]
 
     monkeypatch.setattr(scene_plan, "plan_groups", planned)
-    monkeypatch.setattr(scene_plan, "misfits", misfits)
+    monkeypatch.setattr(scene_plan, "infeasible_wishes", infeasible_wishes)
     monkeypatch.setattr(scene_plan, "arrange", lambda base, *_: Configuration(base, ()))
     assert planner.next().groups == plans[-1]
     first, second = plans

@@ -3,7 +3,8 @@
 from functools import cache
 
 from remqa_data.floorplans.ithor.scenes import load_scene
-from remqa_data.generators.arrangement.hiding_places import HidingPlace, hiding_places
+from remqa_data.generators.arrangement.hiding_place import HidingPlace
+from remqa_data.generators.arrangement.hiding_places import hiding_places
 
 
 @cache

@@ -19,6 +19,7 @@ from remqa_data.sim.navigation.grid import Cell, ReachableGrid
 from remqa_data.sim.render.camera import Camera
 
 if TYPE_CHECKING:
+    from remqa_data.sim.physics.world import World
     from remqa_data.sim.render.view import WorldView
 
 HEADINGS_DEG = (0, 90, 180, 270)
@@ -83,6 +84,17 @@ def facing_poses(
         for horizon in sorted(HORIZONS_DEG, key=lambda h: (abs(h - down), h))[:2]:
             for heading in headings:
                 yield AgentPose(cell, heading, horizon, is_standing)
+
+
+def surface_points(world: World, object_id: str, count: int = 4) -> F64:
+    """(n, 3) points spread over the sides and the top of an object's box in the room."""
+    low, high = world.box(object_id)
+    spread = np.linspace(-0.9, 0.9, count)
+    a, b = (axis.ravel() for axis in np.meshgrid(spread, spread))
+    one = np.ones_like(a)
+    faces = [(a, b, one), (one, a, b), (-one, a, b), (a, one, b), (a, -one, b)]
+    unit = np.vstack([np.column_stack(face) for face in faces])
+    return np.asarray((low + high) / 2 + unit * (high - low) / 2)
 
 
 def front_points(view: WorldView, object_id: str) -> F64:

@@ -13,7 +13,7 @@ from remqa_data.generators.arrangement import configurations
 from remqa_data.generators.arrangement.areas import Area
 from remqa_data.generators.arrangement.configurations import Configuration, arrange
 from remqa_data.generators.arrangement.fitting_types import fitting_types
-from remqa_data.generators.arrangement.hiding_check import Hidden, Violation, goal_camera, manipulated
+from remqa_data.generators.arrangement.hiding_check import HidingWish, Violation, goal_camera, manipulated
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.inner_packing import inner_fits
 from remqa_data.generators.arrangement.packing import packed
@@ -28,7 +28,7 @@ from tests.helpers.places import places_of
 ROOMS = ("FloorPlan7", "FloorPlan318")
 
 
-def wishes_for(room: str, number: int) -> list[Hidden]:
+def wishes_for(room: str, number: int) -> list[HidingWish]:
     """A thing or more in each second place, of a type that fits well."""
     rng = np.random.default_rng(number)
     wishes = []
@@ -38,7 +38,7 @@ def wishes_for(room: str, number: int) -> list[Hidden]:
         types = [pair for pair in found if pair[1] >= 0.4]  # what shows 200 pixels and more in most of the place
         if types:
             best = max(types, key=lambda pair: pair[1])[0]
-            wishes.append(Hidden(place, best, int(rng.integers(count + 1))))
+            wishes.append(HidingWish(place, best, int(rng.integers(count + 1))))
     one_each = {wish.place.object_id: wish for wish in wishes}
     return list(one_each.values())[:6]
 
@@ -55,6 +55,7 @@ CASES = [(room, number) for room in ROOMS for number in (0, 1)]
 @pytest.mark.parametrize(("room", "number"), CASES)
 def test_things_are_where_they_were_wished_and_nothing_else_of_their_type_is(room: str, number: int) -> None:
     made = arranged(room, number)
+    assert made.hidden
     assert [wish for wish, _ in made.hidden] == wishes_for(room, number)
     with World(made.scene) as world:
         records = object_metadata(world)
@@ -93,6 +94,7 @@ def test_hidden_things_show_no_pixel_before_and_enough_after(room: str, number: 
 def test_an_arrangement_is_at_rest_and_closed(room: str, number: int) -> None:
     made = arranged(room, number)
     mine = {object_id for _, ids in made.hidden for object_id in ids}
+    assert mine
     with World(made.scene) as world:
         before = {object_id: np.array(world.state(object_id).position) for object_id in mine}
         assert all(world.state(wish.place.object_id).openness == 0.0 for wish, _ in made.hidden)
@@ -108,6 +110,7 @@ def test_hidden_things_are_named_and_listed_like_all_others(room: str, number: i
     ids = [o.id for o in made.scene.objects]
     assert ids == sorted(ids)
     mine = {object_id for _, hidden in made.hidden for object_id in hidden}
+    assert mine
     # AI2-THOR's: the type, then x, height and y of some place, each with its sign and two decimals
     assert all(re.fullmatch(r"[A-Za-z]+(\|[+-]\d\d\.\d\d){3}", object_id) for object_id in mine)
     for object_id in mine:
@@ -166,7 +169,9 @@ def test_a_share_of_the_loose_things_moves(monkeypatch: pytest.MonkeyPatch) -> N
 def test_too_many_things_are_refused_with_the_place() -> None:
     place = next(place for place in places_of("FloorPlan7") if place.type == "Microwave")
     with pytest.raises(ArrangementError, match=r"FloorPlan7: no room in Microwave.*wish for fewer"):
-        arrange(load_scene("FloorPlan7"), places_of("FloorPlan7"), [Hidden(place, "Pot", 9)], np.random.default_rng(0))
+        arrange(
+            load_scene("FloorPlan7"), places_of("FloorPlan7"), [HidingWish(place, "Pot", 9)], np.random.default_rng(0)
+        )
 
 
 @pytest.mark.slow
@@ -196,9 +201,9 @@ def test_rows_are_found_where_chance_leaves_no_room() -> None:
     assert packed([area], [(0.1, 0.1, 0.1)] * 5, 0.0, np.random.default_rng(0)) is None
 
 
-def inner_wishes(room: str, holds: bool) -> list[Hidden]:
+def inner_wishes(room: str, holds: bool) -> list[HidingWish]:
     """A wish for each relation, each in another place: two types that can lie so there and are well seen."""
-    scene, wishes, taken = load_scene(room), list[Hidden](), set[str]()
+    scene, wishes, taken = load_scene(room), list[HidingWish](), set[str]()
     for relation in ("behind", "on", "between", "next to"):
         found = []
         for number, place in enumerate(places_of(room)):
@@ -212,7 +217,7 @@ def inner_wishes(room: str, holds: bool) -> list[Hidden]:
                 ]
         _, number, one, two = max(found)
         place, partner = places_of(room)[-number], Partner(relation, two)
-        wishes += [Hidden(place, two, partner.count), Hidden(place, one, 1, partner, holds)]
+        wishes += [HidingWish(place, two, partner.count), HidingWish(place, one, 1, partner, holds)]
         taken.add(place.object_id)
     return wishes
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from remqa_data.generators.arrangement.areas import Area
-from remqa_data.generators.arrangement.hiding_places import HidingPlace
+from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.arrangement.inner_packing import Link, inner_fits, packed_with_link
 from remqa_data.language.inner import Partner
 from remqa_data.sim.navigation.viewpoints import AgentPose

@@ -15,14 +15,16 @@ from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_places import hiding_places
 from remqa_data.generators.config import load_config
-from remqa_data.generators.questions.allotment import SceneQuota, allot, capacities, choose_scenes
+from remqa_data.generators.questions.allotment import SceneQuota, allot
 from remqa_data.generators.questions.capacities import room_capacity
+from remqa_data.generators.questions.capacity_table import capacities
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import group_shapes, shapes_of, wishes
 from remqa_data.generators.questions.planning import Planner, plan_groups
 from remqa_data.generators.questions.questions import confusable, mentioned_types
 from remqa_data.generators.questions.selection import select
 from remqa_data.generators.questions.sites import sites_of
+from remqa_data.generators.questions.splits import choose_scenes
 from remqa_data.language.question_rules import question_rules
 from remqa_data.published import MEAN_WORDS
 from remqa_data.scene_graph.graph import SceneGraph
@@ -81,6 +83,7 @@ def quotas():
 def test_groups_meet_the_quota_and_leave_no_doubt(index) -> None:
     quota = quotas()[index]
     groups = plan(quota)
+    assert groups
     for kind in KINDS:
         asked = Counter(g.answers[c] for g in groups if g.question.kind == kind for c in g.asked)
         assert asked == Counter({answer: n for answer, n in quota.answers[kind].items() if n})
@@ -228,11 +231,11 @@ def test_a_question_is_asked_twice_unless_there_is_no_other_to_ask() -> None:
     )
     while planner.add("EXISTENCE", {"yes": 1, "no": 1}):
         pass
-    assert 4 in {len(group.asked) for group in planner.groups}
-    asked = [group.answers[c] for group in planner.groups for c in group.asked]
+    assert 4 in {len(group.asked) for group in planner.chosen.groups}
+    asked = [group.answers[c] for group in planner.chosen.groups for c in group.asked]
     assert asked.count("yes") == asked.count("no")
     for place in places:
-        held = np.sum([g.counts for g in planner.groups if g.question.place == place] or [[0]], axis=0)
+        held = np.sum([g.counts for g in planner.chosen.groups if g.question.place == place] or [[0]], axis=0)
         assert held.max() <= len(place.spots)
 
 

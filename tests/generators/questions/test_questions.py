@@ -128,5 +128,6 @@ def test_types_that_are_taken_for_one_another() -> None:
 
 def test_the_shipped_rules_name_real_types_and_shares() -> None:
     rules = question_rules()
+    assert rules.manipulations
     assert all(sum(shares.values()) == pytest.approx(1) for shares in rules.manipulations.values())
     assert rules.answers("COUNTING") == ("0", "1", "2", "3")
