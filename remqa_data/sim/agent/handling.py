@@ -7,15 +7,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 
-from remqa_data.geometry import arithmetic
-from remqa_data.geometry.types import Vec3
+from remqa_data.catalog import object_type, types_with
+from remqa_data.geometry import arithmetic, boxes
+from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.physics.support import Support, contents_of, supports
 from remqa_data.sim.physics.world import SETTLE_STEPS, World
+
+Place = TypeVar("Place")
 
 DROP_SPOTS_M = ((0.45, 0.9), (0.6, 0.9), (0.45, 1.3), (0.35, 1.1), (0.6, 0.4), (0.75, 0.9))
 """Where a thing is let go: how far before the agent and how high above the floor, the best first."""
@@ -30,6 +34,8 @@ NEAR_M, NEAR_STEP_M = 0.06, 0.02
 FAR_M, FAR_STEP_M = 0.4, 0.1
 """What is put into something is put aside, and up to twice as far up: so far in such steps, then farther in longer ones."""
 SLIDE_STEP_M = 0.025
+PART_SHARE = 0.8
+"""So much of a drawer or shelf, by volume, is in the furniture that it is a part of."""
 FLIGHT_STEPS = 960
 """What is thrown has come to rest after so many steps of physics at the most."""
 
@@ -124,7 +130,9 @@ def blocker_at(world: World, object_id: str, position: Vec3) -> str | None:
 def slide(
     world: World, object_id: str, heading: float, distance_m: float, is_refused: Callable[[Vec3], str | None]
 ) -> Slide:
-    """Slide an object, with what is in or on it, until it meets something; loose things come to rest afterwards.
+    """Slide an object, with its parts and what is in or on it, until it meets something; loose things come to rest afterwards.
+
+    What one of them is in already stops it only where it would get deeper into that.
 
     Parameters
     ----------
@@ -139,21 +147,30 @@ def slide(
     is_refused : callable
         Names what else is in the way of the object's centre being at a position, or gives None.
     """
-    before, start = world.save(), np.array(world.state(object_id).position)
-    touching = {*sunk_into(world, object_id), *world.contents(object_id)}
     held_by = support_of(world, object_id, by_agents=True)
+    if held_by is None and world.state(object_id).is_fixed:
+        return Slide(0.0, "what it hangs on")
+    wholes = [object_id, *parts_of(world, object_id)]
+    group = list(dict.fromkeys([*wholes, *(name for whole in wholes for name in world.contents(whole))]))
+    leaning = [name for whole in wholes for name in world.borne(whole) if name not in group]
+    before, depths = world.save(), _depths(world, group, leaning)
+    starts = {name: np.array(world.state(name).position) for name in (*group, *leaning)}
     sine, cosine = arithmetic.sin_cos(heading)
     way = np.array([cosine, sine, 0.0])
+
+    def put(away_m: float) -> None:
+        for name, start in starts.items():
+            x, y, z = (start + away_m * way).tolist()
+            world.move_alone(name, (x, y, z))
+
     gone, blocker = 0.0, ""
     for step in _steps(distance_m):
-        x, y, z = (start + step * way).tolist()
+        x, y, z = (starts[object_id] + step * way).tolist()
         refused = is_refused((x, y, z))
-        world.move(object_id, (x, y, z))
-        met = [other for other in sunk_into(world, object_id) if other not in touching]
-        if met or refused:
-            blocker = refused or met[0]
-            x, y, z = (start + gone * way).tolist()
-            world.move(object_id, (x, y, z))
+        put(step)
+        blocker = refused or next((other for _, other in deeper(_depths(world, group, leaning), depths)), "")
+        if blocker:
+            put(gone)
             break
         gone = step
     if gone == 0.0:
@@ -165,6 +182,33 @@ def slide(
     else:
         settle(world)
     return Slide(gone, blocker)
+
+
+def parts_of(world: World, object_id: str) -> list[str]:
+    """Ids of the drawers, shelves and cabinets that furniture is made of: what is, closed, nearly all in its box."""
+    if not object_type(world.type_of(object_id)).moveable:
+        return []
+    others = [name for name in world.ids if name != object_id and world.type_of(name) in types_with("cupboard_part")]
+    if not others:
+        return []
+    closed = np.stack([_closed_box(world, name).ravel() for name in (object_id, *others)])
+    shared = boxes.intersection_volume(closed[1:], closed[:1])[:, 0]
+    return [name for name, share in zip(others, shared / boxes.volume(closed[1:]), strict=True) if share >= PART_SHARE]
+
+
+def _closed_box(world: World, object_id: str) -> F64:
+    asset = world.assets[object_id]
+    return asset.box_at(replace(world.state(object_id), openness=0.0).link_poses(asset))
+
+
+def _depths(world: World, group: Sequence[str], others_of_it: Sequence[str]) -> dict[tuple[str, str], float]:
+    """How deep each of a group is in what neither is of the group nor goes along with it, metres."""
+    return {
+        (name, other): depth
+        for name in group
+        for other, depth in touched(world, name).items()
+        if other not in group and other not in others_of_it
+    }
 
 
 def _steps(distance_m: float) -> list[float]:
@@ -183,6 +227,11 @@ def is_free(world: World, object_id: str, spot: Vec3) -> bool:
 def touched(world: World, object_id: str) -> dict[str, float]:
     """What an object touches or is in, and how deep, metres; the deepest first."""
     return {other: -gap for other, gap in world.overlapping(object_id, AROUND_M) if gap <= 0.0}
+
+
+def deeper(now: Mapping[Place, float], before: Mapping[Place, float]) -> list[Place]:
+    """Where something is deeper in something than it was before, metres, by more than things that touch are."""
+    return [place for place, depth in now.items() if depth > before.get(place, 0.0) + OVERLAP_M]
 
 
 def sunk_into(world: World, object_id: str, most_m: float = OVERLAP_M) -> list[str]:

@@ -125,6 +125,8 @@ def put_into(
         world.restore(before)
         return refused
     kind = world.type_of(receptacle_id)
+    if kind in types_with("one_in_a_slot") and len(_held_by(world, receptacle_id)) >= len(spaces):
+        return refused
     for is_in in (True, False):  # under the spout of a coffee machine before on its top
         part = [space for space in spaces if surrounds(kind, space) is is_in]
         if part and _is_put(world, held, receptacle_id, part, near, are_seen, is_clear, are_near):
@@ -187,6 +189,12 @@ def _stays(world: World, held: str, receptacle_id: str, load: Sequence[str]) -> 
     machines = [name for name in others if not (is_floor or object_type(world.type_of(name)).pickupable)]
     is_swallowed = any(_is_within(boxes[held], boxes[name]) for name in machines)
     return not is_swallowed and set(load) <= comes_along(world, held, held_by)
+
+
+def _held_by(world: World, receptacle_id: str) -> list[str]:
+    """What is in or on a receptacle, without what is in or on that."""
+    found = supports(world, {name: world.box(name) for name in world.ids}, by_agents=True)
+    return [name for name, support in found.items() if support.id == receptacle_id]
 
 
 def _fits_closed(world: World, held: str, receptacle_id: str) -> bool:

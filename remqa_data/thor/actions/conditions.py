@@ -68,6 +68,26 @@ def cut(simulator: SimulatorState, targets: Sequence[str]) -> None:
     settle(room.world)
 
 
+def break_all(simulator: SimulatorState, targets: Sequence[str]) -> list[str]:
+    """Break some objects, and say which: they fall from hands, and an egg is cracked where it is then.
+
+    An egg in something that is held stays whole.
+    """
+    room, broken = simulator.room, []
+    eggs = [name for name in targets if object_type(room.world.type_of(name)).slices is not None]
+    for target in targets:
+        holder = next((agent for agent in room.agents if agent.held == target), None)
+        if target in eggs and holder is None and target in room.world.held:
+            continue
+        room.conditions.put(target, BROKEN, True)
+        if holder is not None:
+            holder.drop(force=True)
+        broken.append(target)
+    if cracked := [name for name in broken if name in eggs]:
+        cut(simulator, cracked)
+    return broken
+
+
 def _putting(action: str, condition: str, is_so: bool) -> ActionFunction:
     """An action that brings an object that can be in it into a condition, or out of it."""
 
@@ -98,11 +118,11 @@ def _put(
     refusal = agent.access_refusal(target, force or target == agent.held)
     if refusal is not None:
         return refusal
+    if name == BROKEN and is_so:
+        return ActionResult(
+            bool(break_all(simulator, [target])), f"{target} is in what is held: put that down to break it"
+        )
     room.conditions.put(target, name, is_so, liquid)
-    if name == BROKEN and object_type(room.world.type_of(target)).slices is not None:
-        cut(simulator, [target])  # an egg is broken by being cracked
-    elif name == BROKEN and target == agent.held:
-        agent.drop(force=True)
     return ActionResult(True)
 
 

@@ -18,7 +18,6 @@ from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.objects import PUSH_S
-from remqa_data.thor.object_states.conditions import FILLED
 from remqa_data.thor.state.agent import ThorAgent
 from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, turn_of_euler, turn_of_look, whole
@@ -117,8 +116,6 @@ def rotate_held_object(
     if blocker is not None:
         return ActionResult(False, f"{blocker} is blocking {held} from turning")
     agent.tilt_held(quaternion)
-    if records.turn(held)[1, 1] < 0.0 and records.conditions.of(held).get(FILLED):
-        records.conditions.put(held, FILLED, False)
     return ActionResult(True)
 
 
@@ -163,25 +160,26 @@ def _distance(simulator: SimulatorState, metres: float | None) -> float:
 
 
 def _blocker(world: World, held: str, start: F64, end: F64) -> str | None:
-    """What the held object meets on its way; what it is in already does not count."""
+    """What the held object meets on its way; what it is in already only where it gets deeper into that."""
     quaternion = world.state(held).quaternion
-    touching = _met(world, held, start, quaternion)
+    before = _depths(world, held, start, quaternion)
     count = max(1, math.ceil(float(arithmetic.length(end - start)) / STEP_M))
-    met = (_met(world, held, start + k / count * (end - start), quaternion) - touching for k in range(1, count + 1))
+    way = (start + k / count * (end - start) for k in range(1, count + 1))
+    met = (handling.deeper(_depths(world, held, point, quaternion), before) for point in way)
     return next((min(names) for names in met if names), None)
 
 
 def _blocker_of_turn(world: World, held: str, hand: F64, quaternion: Quaternion) -> str | None:
     """What the held object would meet if it were turned."""
-    touching = _met(world, held, hand, world.state(held).quaternion)
-    return min(_met(world, held, hand, quaternion) - touching, default=None)
+    before = _depths(world, held, hand, world.state(held).quaternion)
+    return min(handling.deeper(_depths(world, held, hand, quaternion), before), default=None)
 
 
-def _met(world: World, held: str, hand: F64, quaternion: Quaternion) -> set[str]:
-    """What the held object would be in, if the hand were at a (3,) point; it stays where it is."""
+def _depths(world: World, held: str, hand: F64, quaternion: Quaternion) -> dict[str, float]:
+    """How deep the held object would be in what, metres, if the hand were at a (3,) point; it stays where it is."""
     before = world.save()
     x, y, z = arithmetic.snapped(hand).tolist()
     world.move_alone(held, (x, y, z), quaternion)
-    met = set(handling.sunk_into(world, held))
+    depths = handling.touched(world, held)
     world.restore(before)
-    return met
+    return depths

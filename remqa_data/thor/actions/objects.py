@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection
 
 import numpy as np
 
-from remqa_data.catalog import object_type, types_with
+from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import about_z, rotation_of
 from remqa_data.geometry.types import F64, Flags
@@ -18,7 +18,7 @@ from remqa_data.sim.physics.bodies import FRICTION, GRAVITY_M_S2
 from remqa_data.thor.actions.compatible import is_compatible, is_specific
 from remqa_data.thor.actions.rays import shown_at
 from remqa_data.thor.actions.targets import target_of
-from remqa_data.thor.object_states.conditions import BASINS, BROKEN
+from remqa_data.thor.object_states.conditions import BASINS
 from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import PartialVector, to_thor, whole, yaw_to_thor
 from remqa_data.thor.state.simulator import SimulatorState, generator
@@ -50,9 +50,9 @@ def open_object(
     target = target_of(simulator, "OpenObject", objectId, x, y)
     if isinstance(target, ActionResult):
         return target
-    world, conditions = simulator.room.world, simulator.room.conditions
-    if world.type_of(target) in types_with("shut_when_on") and conditions.is_on(target):
-        return ActionResult(False, "Target must be OFF to open!")
+    refusal = simulator.room.conditions.opening_refusal(target)
+    if refusal is not None:
+        return ActionResult(False, refusal)
     share = openness if moveMagnitude is None else moveMagnitude or 1.0
     return _plain(simulator.agent.open(target, share, forceAction))
 
@@ -298,6 +298,8 @@ def _push(
         return target
     if target in simulator.room.world.held:
         return ActionResult(False, "Please use Throw for an item in the Agent's Hand")
+    if not object_type(simulator.room.world.type_of(target)).is_loose:
+        return ActionResult(False, "Target Primary Property type incompatible with push/pull")
     if newtons < 0.0:
         return ActionResult(False, f"moveMagnitude {newtons:g} is not a force: give newtons")
     agent, room = simulator.agent, simulator.room
@@ -351,12 +353,10 @@ def _toggle(simulator: SimulatorState, target: str | ActionResult, on: bool, for
     conditions, world = simulator.room.conditions, simulator.room.world
     if not object_type(world.type_of(target)).toggleable:
         return ActionResult(False, f"{target} is not toggleable")
-    if on and conditions.of(target).get(BROKEN):
-        return ActionResult(False, "Target is broken and cannot be Toggled On!")
     if conditions.is_on(target) == on:
         return ActionResult(False, f"{target} is already {'on' if on else 'off'}")
-    if on and world.type_of(target) in types_with("shut_when_on") and world.state(target).openness > 0:
-        return ActionResult(False, "Target must be closed to Toggle On!")
+    if on and (why := conditions.switch_refusal(target)) is not None:
+        return ActionResult(False, why)
     agent = simulator.agent
     refusal = agent.access_refusal(target, force or target == agent.held)
     if refusal is not None:

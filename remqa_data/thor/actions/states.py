@@ -11,9 +11,10 @@ from remqa_data.catalog import object_type
 from remqa_data.sim.agent.handling import OVERLAP_M
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.world import World
-from remqa_data.thor.actions.conditions import cut
+from remqa_data.thor.actions.conditions import break_all, cut
 from remqa_data.thor.object_states.conditions import BROKEN, CONDITIONS, FILLED
 from remqa_data.thor.state.dispatch import ActionFunction, missing_argument
+from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.simulator import SimulatorState
 
 
@@ -153,43 +154,54 @@ ACTIONS: dict[str, ActionFunction] = {
 def _open_visible(simulator: SimulatorState, is_open: bool, openness: float = 1.0) -> ActionResult:
     world, seen = simulator.room.world, simulator.agent.visible_objects(simulator.settings.visibility_distance)
     chosen = [name for name in seen if (world.state(name).openness > 0.0) != is_open]
-    _set_openness(world, is_open, chosen, openness)
+    _set_openness(simulator.room, is_open, chosen, openness)
     return ActionResult(True)
 
 
 def _change(simulator: SimulatorState, flag: str, is_so: bool, chosen: Sequence[str]) -> None:
-    """Set a flag of those of some objects that can have it."""
-    world = simulator.room.world
+    """Set a flag of those of some objects that can have it and are in the scene."""
+    room, world = simulator.room, simulator.room.world
+    chosen = [name for name in chosen if name not in room.records.away]
     if flag == "isOpen":
-        _set_openness(world, is_so, chosen)
+        _set_openness(room, is_so, chosen)
     elif flag == "isToggled":
         _switch(simulator, {name for name in chosen if object_type(world.type_of(name)).toggleable}, is_so)
     elif flag == "isSliced":
         if is_so and (whole := _sliceable(simulator, chosen)):
             cut(simulator, whole)
     else:
-        for name in chosen:
-            if CONDITIONS[flag].able in object_type(world.type_of(name)).can:
-                simulator.room.conditions.put(name, flag, is_so)
+        able = [name for name in chosen if CONDITIONS[flag].able in object_type(world.type_of(name)).can]
+        if flag == BROKEN and is_so:
+            break_all(simulator, [name for name in able if not room.conditions.of(name).get(BROKEN)])
+        else:
+            for name in able:
+                room.conditions.put(name, flag, is_so)
 
 
 def _switch(simulator: SimulatorState, chosen: set[str], on: bool) -> None:
+    """Switch some objects, but for those that cannot be switched on as they are."""
+    conditions = simulator.room.conditions
     for name in chosen:
-        simulator.room.conditions.change(name, isToggled=on)
+        if not on or conditions.switch_refusal(name) is None:
+            conditions.change(name, isToggled=on)
 
 
 def _sliceable(simulator: SimulatorState, chosen: Sequence[str]) -> list[str]:
-    """What of some objects is whole and can be sliced where it is."""
-    room = simulator.room
-    whole = [name for name in chosen if name not in room.world.held and name not in room.records.away]
-    return [name for name in whole if object_type(room.world.type_of(name)).slices is not None]
+    """What of some objects can be sliced where it is."""
+    world = simulator.room.world
+    return [n for n in chosen if n not in world.held and object_type(world.type_of(n)).slices is not None]
 
 
-def _set_openness(world: World, is_open: bool, chosen: Sequence[str], openness: float = 1.0) -> None:
-    """Open some objects so far, or as far as they can be opened beside each other, in their order; or close them."""
+def _set_openness(room: LoadedFloorPlan, is_open: bool, chosen: Sequence[str], openness: float = 1.0) -> None:
+    """Open some objects so far, or as far as they can be opened beside each other, in their order; or close them.
+
+    What is to be switched off first stays closed.
+    """
+    world = room.world
     shares = [openness * share for share in _OPENNESSES] if is_open else [0.0]
     for name in chosen:
-        if name not in world.held and world.assets[name].is_openable:
+        is_shut = is_open and room.conditions.opening_refusal(name) is not None
+        if name not in world.held and world.assets[name].is_openable and not is_shut:
             world.open(name, next(share for share in shares if _fits(world, name, share)))
 
 

@@ -48,7 +48,8 @@ CONDITIONS = {
 SEEN = (BROKEN, "isCooked", "isDirty", FILLED, "fillLiquid", "isToggled")
 """What one sees of what an object is in."""
 UNCHANGED: Mapping[str, Any] = {}
-LIQUIDS = ("water", "coffee", "wine")
+COFFEE = "coffee"
+LIQUIDS = ("water", COFFEE, "wine")
 
 
 class Conditions:
@@ -118,15 +119,33 @@ class Conditions:
     def put(self, object_id: str, condition: str, is_so: bool, liquid: str = "water") -> None:
         """Say that an object is in one of the `CONDITIONS`, or is not; what is filled is so with a liquid.
 
-        What is broken holds none: it runs out.
+        What is broken holds none: it runs out; and nothing that is broken is on. Coffee is hot.
         """
         if condition == FILLED and is_so and self.of(object_id).get(BROKEN):
             return
         self.change(object_id, **{condition: is_so})
         if condition == FILLED:
             self.change(object_id, fillLiquid=liquid if is_so else None)
-        elif condition == BROKEN and is_so and self.of(object_id).get(FILLED):
-            self.put(object_id, FILLED, False)
+            if is_so and liquid == COFFEE:
+                self.change(object_id, temperature="Hot")
+        elif condition == BROKEN and is_so:
+            if self.of(object_id).get(FILLED):
+                self.put(object_id, FILLED, False)
+            if self.is_on(object_id):
+                self.change(object_id, isToggled=False)
+
+    def switch_refusal(self, object_id: str) -> str | None:
+        """Why an object cannot be switched on as it is, in AI2-THOR's words, or None."""
+        if self.of(object_id).get(BROKEN):
+            return "Target is broken and cannot be Toggled On!"
+        if self._is_shut_when_on(object_id) and self._world.state(object_id).openness > 0:
+            return "Target must be closed to Toggle On!"
+        return None
+
+    def opening_refusal(self, object_id: str) -> str | None:
+        """Why an object cannot be opened as it is, in AI2-THOR's words, or None."""
+        is_kept_shut = self._is_shut_when_on(object_id) and self.is_on(object_id)
+        return "Target must be OFF to open!" if is_kept_shut else None
 
     def spread(self, contents: Mapping[str, Sequence[str]]) -> None:
         """Let what is on or cold do to what is in or on it what it does; `contents` says what each object holds.
@@ -146,7 +165,7 @@ class Conditions:
         for machine in self._brews:
             for thing in contents.get(machine, ()) if self.is_on(machine) else ():
                 if self._world.type_of(thing) in types_with("takes_coffee") and not self.of(thing).get(FILLED):
-                    self.put(thing, FILLED, True, "coffee")
+                    self.put(thing, FILLED, True, COFFEE)
         for faucet, basin in self._runs_into.items():
             for thing in _within(contents, basin) if self.is_on(faucet) else ():
                 self._wet(thing)
@@ -159,6 +178,9 @@ class Conditions:
             self.put(thing, FILLED, True)
         if self._world.type_of(thing) in types_with("burns_with_flame"):
             self.change(thing, isToggled=False)
+
+    def _is_shut_when_on(self, object_id: str) -> bool:
+        return self._world.type_of(object_id) in types_with("shut_when_on")
 
     def _kind_can(self, thing: str, what: str) -> bool:
         return what in object_type(self._world.type_of(thing)).can

@@ -22,7 +22,7 @@ from remqa_data.scene import Quaternion
 from remqa_data.sim.physics.state import ObjectState
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
-from remqa_data.thor.object_states.conditions import Conditions
+from remqa_data.thor.object_states.conditions import FILLED, Conditions
 from remqa_data.thor.state.frames import (
     Vector,
     corners_to_thor,
@@ -217,6 +217,8 @@ class ObjectRecords:
             if object_id not in self.sliced:
                 self._moving[object_id] = self._pose_and_boxes(object_id)
                 self._positions[world.ids.index(object_id)] = self.position(object_id)
+            if self.conditions.of(object_id).get(FILLED) and self.turn(object_id)[1, 1] < 0.0:
+                self.conditions.put(object_id, FILLED, False)  # it is turned over
         self._held = frozenset(world.held)
         parents, self._contents = _parents_and_contents(world, self._boxes, self.away)
         holding = _holding(world, parents, self._contents)
