@@ -130,6 +130,7 @@ def test_every_type_that_can_be_handled_has_a_manipulation_mass_and_material():
 
 
 def test_singular_and_plural_differ():
+    assert catalog()
     assert [name for name, kind in catalog().items() if kind.singular == kind.plural] == []
 
 

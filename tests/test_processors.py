@@ -182,8 +182,9 @@ def modules() -> Iterator[Path]:
 
 @pytest.mark.slow
 def test_what_is_stored_is_computed_with_arithmetic_of_a_fixed_order() -> None:
-    found = []
-    for path in modules():
+    paths, found = list(modules()), []
+    assert paths
+    for path in paths:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             is_product = isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.MatMult)
             if is_product or (isinstance(node, ast.Attribute) and ast.unparse(node) in BY_THE_PROCESSOR):

@@ -63,6 +63,7 @@ def test_who_knows_the_map_gets_there_and_acts(two_rooms: Path, map_walk: Path) 
 
 def test_who_walks_anywhere_does_not(two_rooms: Path, random_walk: Path) -> None:
     rows = rows_of(random_walk)
+    assert len(rows) == 12
     assert all(row["box"] is row["manipulation"] is None for row in rows)
     assert results_of(two_rooms, random_walk).metric("S_N").value <= 0.3
 

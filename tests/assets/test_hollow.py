@@ -3,20 +3,16 @@
 import numpy as np
 import pytest
 
-from remqa_data.assets import Asset, AssetSpec, build, variant_count
+from remqa_data.assets import Asset, AssetSpec, variant_count
 from remqa_data.assets.core.hollow import with_hollow
 from remqa_data.assets.core.model import CollisionBox, Link
-from remqa_data.assets.core.sizes import typical_size
 from remqa_data.catalog import catalog
 from remqa_data.geometry.rotations import rotation_of
 from remqa_data.geometry.types import F64, Vec3
+from tests.helpers.typical_assets import typical
 
 TYPES = tuple(name for name, kind in catalog().items() if kind.hollow_m is not None)
 CASES = [(name, variant) for name in TYPES for variant in range(variant_count(name))]
-
-
-def typical(name: str, variant: int) -> Asset:
-    return build(AssetSpec(name, typical_size(name), variant))
 
 
 def is_in(points: F64, boxes: tuple[CollisionBox, ...]) -> F64:

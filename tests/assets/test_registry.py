@@ -8,13 +8,14 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from remqa_data.assets import TYPES, Asset, AssetSpec, build, registry, variant_count
+from remqa_data.assets import TYPES, AssetSpec, build, registry, variant_count
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.assets.registry import KINDS, MODULES, merged_kinds
 from remqa_data.catalog import catalog, object_type
 from remqa_data.errors import AssetError
 from remqa_data.floorplans.ithor.table import recorded_objects, scene_names
 from remqa_data.generators.figures.asset_sheets import picture
+from tests.helpers.typical_assets import typical
 
 FILL_M = 1e-3
 VISIBLE_CHANGE = 3.0
@@ -76,10 +77,6 @@ def check_that_it_fills(type_: str, sizes: list[tuple[float, float, float]]) -> 
             half = np.array(size) / 2
             assert np.abs(high - half).max() < FILL_M, (size, variant)
             assert np.abs(low + half).max() < FILL_M, (size, variant)
-
-
-def typical(type_: str, variant: int, seed: int = 0) -> Asset:
-    return build(AssetSpec(type_, typical_size(type_), variant, seed))
 
 
 @pytest.mark.slow

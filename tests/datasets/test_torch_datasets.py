@@ -322,6 +322,7 @@ def test_a_shuffled_loader_needs_no_collate(root, kind) -> None:
     for workers in (0, 1):
         loader = DataLoader(dataset, batch_size=3, shuffle=True, num_workers=workers)
         batches = list(loader)
+        assert len(batches) > 1
         name = next(key for key in dataset.columns if key.endswith("_id"))
         assert sorted(text for batch in batches for text in batch[name]) == sorted(sample[name] for sample in dataset)
         assert all(batch["rgb" if "rgb" in batch else "start_rgb"].dtype == torch.uint8 for batch in batches)
@@ -337,6 +338,7 @@ def test_what_a_transform_makes_of_a_sample_needs_no_collate_either(root, transf
     changed = list(DataLoader(RemqaDataset(root, "train", images=(), transform=transform), batch_size=3))
     assert len(plain) == len(changed) > 0
     for before, after in zip(plain, changed, strict=True):
+        assert len(before["goal_poses"]) > 0
         assert all(torch.equal(a, b) for a, b in zip(before["goal_poses"], after["goal_poses"], strict=True))
         assert set(after) - {"more"} == set(before)
 

@@ -135,6 +135,7 @@ def test_the_oracle_is_perfect_and_its_recording_too(two_rooms: Path, tmp_path: 
     env.close()
     scores = score(open_submission(path), load_ground_truth(two_rooms, "remqa", "train"))
     assert len(ended) == 8
+    assert scores.measures.keys() >= {"S_N", "S_QA", "S_MQA"}
     for name, values in scores.measures.items():
         assert [info[name] for info in ended] == values.tolist() == [True] * 8
     assert [info["SPL"] for info in ended] == [1.0] * 8
@@ -167,6 +168,8 @@ def test_an_agent_that_errs_is_scored_alike_by_the_environment_and_the_evaluator
         ended.append(env.step(Command(answer=task.answer, box=(0.1, 0.1, 0.9, 0.9)))[-1])
     env.close()
     scores = score(open_submission(path), load_ground_truth(two_rooms, "remqa", "train"))
+    assert len(ended) == 8
+    assert scores.measures.keys() >= {"S_N", "S_QA", "S_MQA"}
     for name, values in scores.measures.items():
         assert [info[name] for info in ended] == values.tolist()
     assert all(math.isfinite(info["distance_to_goal_m"]) for info in ended)
@@ -201,6 +204,7 @@ def test_the_strict_chain_is_that_of_the_evaluator_whatever_follows_the_first_ma
     for name in ("manipulated", "S_M", "S_MQA"):
         assert [info[name] for info in ended] == [counts for _, counts in plans]
     scores = score(open_submission(path), load_ground_truth(two_rooms, "remqa", "train"))
+    assert scores.measures.keys() >= {"S_N", "S_QA", "S_MQA"}
     for name, values in scores.measures.items():
         assert [info[name] for info in ended] == values[scores.answered].tolist()
 

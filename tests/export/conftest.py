@@ -1,5 +1,6 @@
 """A kitchen that many tests write and none changes."""
 
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 
 from remqa_data.export.rooms import find_scene, write_room
 from remqa_data.scene import Scene
+from remqa_data.sim.physics.world import World
 
 KITCHEN = "FloorPlan1"
 
@@ -14,6 +16,12 @@ KITCHEN = "FloorPlan1"
 @pytest.fixture(scope="session")
 def kitchen() -> Scene:
     return find_scene(KITCHEN)
+
+
+@pytest.fixture
+def world(kitchen: Scene) -> Iterator[World]:
+    with World(kitchen) as made:
+        yield made
 
 
 @pytest.fixture(scope="session")

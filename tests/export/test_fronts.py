@@ -6,17 +6,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from remqa_data.assets import TYPES, AssetSpec, build, variant_count
-from remqa_data.assets.core.model import Asset, Surface
-from remqa_data.assets.core.sizes import typical_size
+from remqa_data.assets import TYPES, variant_count
+from remqa_data.assets.core.model import Surface
 from remqa_data.export.fronts import is_two_sided, outward
 from remqa_data.generators.figures.asset_meshes import asset_scene
 from remqa_data.sim.render.scene_arrays import solid_faces
 from tests.helpers.meshes import box, from_trimesh, quad
-
-
-def asset(type_: str, variant: int) -> Asset:
-    return build(AssetSpec(type_, typical_size(type_), variant, seed=variant))
+from tests.helpers.typical_assets import typical
 
 
 def changed(surface: Surface) -> int:
@@ -48,7 +44,7 @@ def test_an_open_face_is_wound_as_its_normals_say_and_a_solid_stays_itself() -> 
 
 
 def test_what_is_seen_of_a_curtain_from_outside_is_its_front() -> None:
-    folds = [mesh for name, mesh in asset_scene(asset("ShowerCurtain", 0)).geometry.items() if name.startswith("fold")]
+    folds = [mesh for name, mesh in asset_scene(typical("ShowerCurtain")).geometry.items() if name.startswith("fold")]
     assert len(folds) == 8
     assert all(mesh.volume > 0 for mesh in folds)
     for mesh in folds:
@@ -61,9 +57,10 @@ def test_what_is_seen_of_a_curtain_from_outside_is_its_front() -> None:
 
 
 def test_open_sheets_are_two_sided_materials_in_gltf() -> None:
-    meshes = asset_scene(asset("HousePlant", 2)).geometry.values()
-    assert all(mesh.visual.material.doubleSided is True for mesh in meshes)
-    assert not any(mesh.visual.material.doubleSided for mesh in asset_scene(asset("Bowl", 1)).geometry.values())
+    sheets, solid = (asset_scene(typical(*of)).geometry.values() for of in (("HousePlant", 2, 2), ("Bowl", 1, 1)))
+    assert {mesh.visual.material.doubleSided for mesh in sheets} == {True}
+    assert solid
+    assert not any(mesh.visual.material.doubleSided for mesh in solid)
 
 
 @pytest.mark.slow
@@ -71,7 +68,8 @@ def test_curtains_and_ferns_are_all_that_is_turned_and_nothing_stays_inside_out(
     turned = {}
     for type_ in TYPES:
         for variant in range(variant_count(type_)):
-            for surface in (surface for link in asset(type_, variant).links for surface in link.surfaces):
+            links = typical(type_, variant, seed=variant).links
+            for surface in (surface for link in links for surface in link.surfaces):
                 if count := changed(surface):
                     turned[type_, variant] = turned.get((type_, variant), 0) + count
                 mended = outward(surface)

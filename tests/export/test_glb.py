@@ -10,6 +10,7 @@ from remqa_data.assets.looks.textures import texture
 from remqa_data.export.glb import Y_UP, glb_bytes, room_scene
 from remqa_data.export.links import link_origins
 from remqa_data.sim.physics.world import World
+from tests.helpers.bare_rooms import first_of
 
 pytestmark = pytest.mark.slow
 
@@ -73,6 +74,7 @@ def test_joints_are_told_to_viewers(kitchen, kitchen_files) -> None:
             for link in world.assets[object_id].links[1:]
         }
     assert {name for name, extras in nodes.items() if "joint" in extras} == set(joints)
+    assert joints
     for name, joint in joints.items():
         assert (nodes[name]["joint"], nodes[name]["position"]) == (joint.kind, 0.0)
         assert nodes[name]["axis"] == pytest.approx(joint.axis)
@@ -96,7 +98,7 @@ def test_textures_are_there_pixel_for_pixel_and_upright(kitchen_files) -> None:
 def test_texture_coordinates_are_those_of_the_assets(kitchen, kitchen_files) -> None:
     scene = trimesh.load(kitchen_files / "room.glb")
     with World(kitchen) as world:
-        window = next(i for i in world.ids if world.type_of(i) == "Window")
+        window = first_of(world, "Window")
         surfaces = world.assets[window].links[0].surfaces
         assert any(surface.material.texture is not None for surface in surfaces)
         for number, surface in enumerate(surfaces):

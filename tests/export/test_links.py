@@ -1,17 +1,12 @@
 import numpy as np
 import pytest
 
-from remqa_data.assets import AssetSpec, build
 from remqa_data.assets.core.model import CollisionBox, Joint
-from remqa_data.assets.core.sizes import typical_size
 from remqa_data.catalog import object_type
 from remqa_data.export.links import holding_friction, inertia_of, inertias, joint_range, link_origins, relative_poses
+from tests.helpers.typical_assets import typical
 
 HALF = np.sqrt(0.5)
-
-
-def asset(type_: str):
-    return build(AssetSpec(type_, typical_size(type_)))
 
 
 def test_a_box_has_the_moments_of_the_textbook() -> None:
@@ -35,12 +30,12 @@ def test_two_boxes_have_the_moments_that_steiner_gives() -> None:
 
 @pytest.mark.parametrize("type_", ["Mug", "Box", "Laptop", "Chair"])
 def test_the_links_together_weigh_what_the_catalog_says(type_) -> None:
-    assert sum(part.mass_kg for part in inertias(asset(type_))) == pytest.approx(object_type(type_).mass_kg)
+    assert sum(part.mass_kg for part in inertias(typical(type_))) == pytest.approx(object_type(type_).mass_kg)
 
 
 @pytest.mark.parametrize("type_", ["Fridge", "Drawer", "Cabinet", "ShowerCurtain", "Blinds"])
 def test_what_is_built_in_has_masses_and_moments_that_physics_takes(type_) -> None:
-    parts = inertias(asset(type_))
+    parts = inertias(typical(type_))
     assert parts
     for part in parts:
         moments = np.linalg.eigvalsh(part.about_centre)
@@ -52,7 +47,7 @@ def test_what_is_built_in_has_masses_and_moments_that_physics_takes(type_) -> No
 @pytest.mark.parametrize("type_", ["Fridge", "Drawer", "Laptop"])
 @pytest.mark.parametrize("openness", [0.0, 0.4, 1.0])
 def test_frames_on_the_joints_put_every_point_where_the_asset_does(type_, openness) -> None:
-    thing = asset(type_)
+    thing = typical(type_)
     frames: list[np.ndarray] = []
     for link, pose in zip(thing.links, relative_poses(thing, openness), strict=True):
         frames.append(pose if link.joint is None else frames[link.parent] @ pose)

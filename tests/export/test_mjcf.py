@@ -19,12 +19,6 @@ def model(kitchen_files):
     return mujoco.MjModel.from_xml_path(str(kitchen_files / "room.xml"))
 
 
-@pytest.fixture
-def world(kitchen):
-    with World(kitchen) as world:
-        yield world
-
-
 def joints(world: World) -> list[tuple[str, str]]:
     """Objects and their moving links."""
     return [(object_id, link.name) for object_id in world.ids for link in world.assets[object_id].links[1:]]

@@ -7,7 +7,6 @@ from remqa_data.export.links import inertias, joint_range, link_origins
 from remqa_data.export.numbers import roll_pitch_yaw
 from remqa_data.geometry.rotations import quaternion_of
 from remqa_data.sim.physics.bullet import BulletClient, pybullet
-from remqa_data.sim.physics.world import World
 
 pytestmark = pytest.mark.slow
 
@@ -22,12 +21,6 @@ def bullet(kitchen_files):
     infos = [client.getJointInfo(body, number) for number in range(client.getNumJoints(body))]
     yield client, body, {info[12].decode(): info for info in infos}
     client.close()
-
-
-@pytest.fixture
-def world(kitchen):
-    with World(kitchen) as world:
-        yield world
 
 
 def test_joints_have_our_types_ranges_and_masses(bullet, world) -> None:

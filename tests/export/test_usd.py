@@ -21,12 +21,6 @@ def stage(kitchen_files):
     return Usd.Stage.Open(str(kitchen_files / "room.usda"))
 
 
-@pytest.fixture
-def world(kitchen):
-    with World(kitchen) as world:
-        yield world
-
-
 def named(stage) -> dict[str, Usd.Prim]:
     """Links and their joints by what they are called."""
     return {

@@ -66,7 +66,9 @@ def test_a_sink_leaves_its_place_to_the_cabinets_that_carry_it() -> None:
 
 def test_stacked_cupboards_are_built_in_and_single_shelves_are_not() -> None:
     rows = recorded_objects("FloorPlan422")
-    assert all(is_built_in(o, rows) for o in rows if o.type == "Shelf")
+    shelves = [o for o in rows if o.type == "Shelf"]
+    assert shelves
+    assert all(is_built_in(o, rows) for o in shelves)
     alone = [o for o in rows if o.type == "Toilet"]
     assert not is_built_in(alone[0], rows)
 

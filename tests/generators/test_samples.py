@@ -25,6 +25,7 @@ def test_nobody_arrives_without_a_step(goal_cells: list[Cell]) -> None:
     grid = open_floor(10, 8)
     goals, starts = goals_and_starts(grid, [AgentPose(cell, 0) for cell in goal_cells])
     assert goals[0].cell == goal_cells[0]
+    assert starts
     for start in starts:
         nearest = min(math.dist(grid.position(start), grid.position(goal.cell)) for goal in goals)
         assert not navigation_success([nearest], [True])[0]

@@ -6,6 +6,7 @@ from remqa_data.generators.seen_anywhere import MOST_PIXELS, most_pixels_anywher
 from remqa_data.sim.navigation.grid import reachable_grid
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
+from tests.helpers.bare_rooms import first_of
 
 
 @pytest.mark.slow
@@ -16,7 +17,7 @@ def test_what_is_in_a_closed_fridge_is_seen_from_nowhere_and_what_is_before_it_i
         (fridge,) = (object_id for object_id in world.ids if world.type_of(object_id) == "Fridge")
         world.open(fridge, 0.0)
         view, grid = WorldView(world), reachable_grid(world)
-        thing = next(object_id for object_id in world.ids if world.type_of(object_id) == "Mug")
+        thing = first_of(world, "Mug")
         low, high = world.box(fridge)
         x, y, z = (float(v) for v in (low + high) / 2)
         for across in np.linspace(low[1] + 0.1, high[1] - 0.1, 9):

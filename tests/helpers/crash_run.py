@@ -57,6 +57,11 @@ def run_here(out: Path, *options: str, workers: int = 1, scenes: int = SCENES) -
     return result.exit_code, result.output
 
 
+def parts_in(out: Path) -> list[Path]:
+    """The notes of the rooms that are finished and not merged yet."""
+    return sorted(out.glob(".parts/*/*/part.json"))
+
+
 def main() -> None:
     executors.make_executor = lambda name, workers, address: MadeUpRooms(workers)
     cli.main()

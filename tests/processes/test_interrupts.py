@@ -14,14 +14,13 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.helpers.crash_run import run_here
+from tests.helpers.crash_run import SCENES, parts_in, run_here
 from tests.helpers.damaged_files import files_of
 from tests.helpers.terminal import Terminal, at_terminal, forked_at_terminal
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("setsid") is None, reason="needs a pseudo-terminal")]
 
 PROGRAM = "tests.helpers.crash_run"
-SCENES = 12
 STOP_S = 4.0
 """Twice what is promised: other tests run at the same time."""
 LINE = "remqa-gen: stopped; the rooms that are finished are kept, go on with --resume"
@@ -39,10 +38,6 @@ def forked(out: Path, workers: int = 2, ignores_ctrl_c: bool = False, **environm
     return forked_at_terminal(*words(out, workers=workers), ignores_ctrl_c=ignores_ctrl_c, **environment)
 
 
-def parts_in(out: Path) -> int:
-    return len(list(out.glob(".parts/*/*/part.json")))
-
-
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A dataset that nothing happened to."""
@@ -57,7 +52,7 @@ def test_a_run_stops_at_once_says_so_and_goes_on(whole: Path, tmp_path: Path, ho
     out = tmp_path / "out"
     start = {"once": partial(forked, workers=1), "twice": program, "terminated": forked}[how]
     terminal = start(out, CRASH_ROOM_S="0.5")
-    terminal.read_until(lambda: parts_in(out) >= 2)
+    terminal.read_until(lambda: len(parts_in(out)) >= 2)
     strikes = {
         "once": [terminal.press_ctrl_c],
         "twice": [terminal.press_ctrl_c] * 2,
@@ -67,7 +62,7 @@ def test_a_run_stops_at_once_says_so_and_goes_on(whole: Path, tmp_path: Path, ho
     assert terminal.process.returncode == 128 + (signal.SIGTERM if how == "terminated" else signal.SIGINT)
     assert terminal.shown.count(LINE) == 1
     assert "Traceback" not in terminal.shown
-    assert 2 <= parts_in(out) < 12
+    assert 2 <= len(parts_in(out)) < SCENES
     assert run_here(out, "--resume", scenes=SCENES)[0] == 0
     assert files_of(out) == files_of(whole)
 

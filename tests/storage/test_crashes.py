@@ -21,7 +21,7 @@ from remqa_data.errors import DatasetError
 from remqa_data.storage import manifest
 from remqa_data.storage.manifest import MANIFEST, load_manifest
 from tests.helpers import kill_runs
-from tests.helpers.crash_run import SCENES, run_here
+from tests.helpers.crash_run import SCENES, parts_in, run_here
 from tests.helpers.damaged_files import damage, files_of
 from tests.helpers.forked_runs import ForkedRun
 
@@ -60,10 +60,6 @@ def wait_until(condition: Callable[[], bool]) -> None:
     while not condition():
         assert time.monotonic() < end, "it did not happen"
         time.sleep(0.01)
-
-
-def parts_in(out: Path) -> list[Path]:
-    return sorted(out.glob(".parts/*/*/part.json"))
 
 
 @pytest.fixture(scope="module")

@@ -110,6 +110,7 @@ def test_the_manifest_says_what_there_is(finished) -> None:
     assert manifest.splits("expressions") == ["train", "val", "test"]
     assert manifest.refused == {"not unique": 3}
     assert {"remqa-data", "python", "pyarrow", "pybullet"} <= set(manifest.versions)
+    assert manifest.files
     for file in manifest.files:
         assert (root / file.path).stat().st_size == file.bytes
 
@@ -317,8 +318,10 @@ def test_croissant_refers_only_to_what_it_defines(finished) -> None:
     assert stored == croissant(manifest)
     assert stored["conformsTo"] == "http://mlcommons.org/croissant/1.0"
     objects = {entry["@id"]: entry for entry in stored["distribution"]}
+    assert manifest.files
     for file in manifest.files:
         assert objects[file.path]["sha256"] == file.sha256
+    assert stored["recordSet"]
     for records in stored["recordSet"]:
         fields = [leaf for field in records["field"] for leaf in field.get("subField", [field])]
         assert fields

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from remqa_data.thor import Controller
+from tests.helpers.thor_clients import first_id, stands_at
 
 pytestmark = pytest.mark.slow
 
@@ -17,11 +18,6 @@ def two(kitchen) -> Controller:
     yield kitchen
     kitchen.initialization_parameters.pop("agentCount")
     kitchen.initialization_parameters.pop("makeAgentsVisible", None)
-
-
-def place(event, agent: int) -> tuple[float, float]:
-    position = event.events[agent].metadata["agent"]["position"]
-    return position["x"], position["z"]
 
 
 def test_there_is_an_event_for_each(two) -> None:
@@ -79,7 +75,7 @@ def test_each_holds_a_thing_of_its_own(two) -> None:
 
 
 def test_one_slices_while_both_hold_something(two) -> None:
-    knife = next(o["objectId"] for o in two.last_event.metadata["objects"] if o["objectType"] == "Knife")
+    knife = first_id(two, "Knife")
     assert two.step("PickupObject", objectId=knife, forceAction=True, agentId=0)
     assert two.step("PickupObject", objectId=EGG, forceAction=True, agentId=1)
     event = two.step("MoveHeldObjectUp", moveMagnitude=0.05, agentId=1)
@@ -106,7 +102,7 @@ def test_what_one_was_answered_is_its_own_in_every_event(two) -> None:
 
 
 def test_who_stands_where_another_came_turns_and_looks(two) -> None:
-    x, z = place(two.last_event, 1)
+    x, z = stands_at(two.last_event.events[1])
     assert two.step("Teleport", position={"x": x, "y": 0.9, "z": z}, forceAction=True, agentId=0)
     assert two.step("RotateLook", rotation={"x": 0, "y": 90, "z": 0}, horizon=30, agentId=0)
     assert not two.step("Teleport", position={"x": x, "y": 0.9, "z": z + 0.05}, agentId=0)
@@ -114,7 +110,7 @@ def test_who_stands_where_another_came_turns_and_looks(two) -> None:
 
 def test_they_begin_apart_and_do_not_walk_through_each_other(two) -> None:
     event = two.last_event
-    gap = np.subtract(place(event, 1), place(event, 0))
+    gap = np.subtract(stands_at(event.events[1]), stands_at(event.events[0]))
     assert 0.5 <= np.linalg.norm(gap) < 1.0
     axis = int(np.argmax(np.abs(gap)))
     ahead = {0: 90.0, 1: 0.0}[axis] + (180.0 if gap[axis] < 0 else 0.0)
@@ -181,7 +177,7 @@ def test_they_see_each_other(two) -> None:
     seen = facing(two, makeAgentsVisible=True).events
     is_body = seen[0].depth_frame < hidden[0].depth_frame - 0.01
     assert 0.03 < is_body.mean() < 0.6
-    gap = float(np.linalg.norm(np.subtract(place(two.last_event, 0), place(two.last_event, 1))))
+    gap = float(np.linalg.norm(np.subtract(stands_at(two.last_event.events[0]), stands_at(two.last_event.events[1]))))
     assert gap - 0.3 < seen[0].depth_frame[is_body].min() < gap
     # A body is no object, and hides those that are behind it.
     behind = {name for name, mask in hidden[0].instance_masks.items() if (mask & is_body).any()}
@@ -225,7 +221,7 @@ def test_a_camera_in_the_room_sees_the_agent_and_one_in_its_eye_does_not(two) ->
 
 
 def test_agents_may_be_let_through_each_other(two) -> None:
-    x, z = place(two.last_event, 1)
+    x, z = stands_at(two.last_event.events[1])
     start = two.step("TeleportFull", x=x, y=0.9, z=z, rotation=0, horizon=0, standing=True, forceAction=True, agentId=0)
     assert start, start.metadata["errorMessage"]
     free = [a for a in ("MoveAhead", "MoveBack", "MoveLeft", "MoveRight") if two.step(a, agentId=0)]
@@ -238,4 +234,4 @@ def test_agents_may_be_let_through_each_other(two) -> None:
     assert blocked.metadata["errorMessage"].startswith("Agent 1 is blocking Agent 0")
     through = two.step(back, moveMagnitude=0.5, allowAgentsToIntersect=True, agentId=0)
     assert through, through.metadata["errorMessage"]
-    assert place(through, 0) == pytest.approx((x, z))
+    assert stands_at(through.events[0]) == pytest.approx((x, z))

@@ -8,6 +8,7 @@ from remqa_data.assets.core.sizes import typical_size
 from remqa_data.floorplans.ithor.table import recorded_objects
 from remqa_data.thor import Controller
 from remqa_data.thor.object_states.appearance import liquid_in
+from tests.helpers.thor_clients import act, first, first_id
 
 pytestmark = pytest.mark.slow
 
@@ -29,10 +30,6 @@ def room(request):
     settings = {"renderInstanceSegmentation": True, "makeAgentsVisible": False}  # it stands where things are put
     with Controller(scene=request.param, width=96, height=96, **settings) as controller:
         yield controller
-
-
-def first(controller: Controller, type_name: str) -> dict:
-    return next(o for o in controller.last_event.metadata["objects"] if o["objectType"] == type_name)
 
 
 def seen(controller: Controller, object_id: str) -> np.ndarray:
@@ -63,11 +60,6 @@ def seen_alone(controller: Controller, type_name: str) -> str:
     return record["objectId"]
 
 
-def act(controller: Controller, action: str, object_id: str, **arguments) -> None:
-    event = controller.step(action, objectId=object_id, forceAction=True, **arguments)
-    assert event, event.metadata["errorMessage"]
-
-
 @pytest.mark.parametrize(
     ("room", "action", "type_name", "back"),
     in_rooms(
@@ -94,7 +86,7 @@ def test_a_condition_is_seen_while_it_lasts(room, action, type_name, back) -> No
         act(room, back, object_id)
         assert np.array_equal(seen(room, object_id), before)
     room.reset()
-    assert first(room, type_name)["objectId"] == seen_alone(room, type_name) == object_id
+    assert first_id(room, type_name) == seen_alone(room, type_name) == object_id
     assert np.array_equal(seen(room, object_id), before)
 
 
@@ -103,7 +95,7 @@ def test_a_condition_is_seen_while_it_lasts(room, action, type_name, back) -> No
 )
 def test_what_is_on_shines(room, type_name) -> None:
     room.reset()
-    object_id = first(room, type_name)["objectId"]
+    object_id = first_id(room, type_name)
     pictures = []
     for action in ("ToggleObjectOn", "ToggleObjectOff"):
         act(room, action, object_id)
@@ -143,7 +135,7 @@ def test_a_closed_vessel_and_a_thing_without_a_hollow_show_no_liquid() -> None:
 
 def test_marks_and_randomised_colours_survive_a_change_of_condition() -> None:
     with Controller(scene="FloorPlan4", width=96, height=96, renderInstanceSegmentation=True) as kitchen:
-        bowl, pan = first(kitchen, "Bowl")["objectId"], first(kitchen, "Pan")["objectId"]
+        bowl, pan = first_id(kitchen, "Bowl"), first_id(kitchen, "Pan")
         kitchen.step("RandomizeColors")
         coloured = seen(kitchen, pan)
         kitchen.step("MaskObject", objectId=bowl)
@@ -159,8 +151,8 @@ def test_marks_and_randomised_colours_survive_a_change_of_condition() -> None:
 
 
 def test_what_is_built_lit_is_dark_until_it_is_switched_on(kitchen) -> None:
-    loaded = kitchen.reset("FloorPlan301", renderInstanceSegmentation=True)
-    laptop = next(o["objectId"] for o in loaded.metadata["objects"] if o["objectType"] == "Laptop")
+    kitchen.reset("FloorPlan301", renderInstanceSegmentation=True)
+    laptop = first_id(kitchen, "Laptop")
     poses = kitchen.step("GetInteractablePoses", objectId=laptop, horizons=[30], standings=[True], renderImage=False)
     views = [kitchen.step("TeleportFull", **pose) for pose in poses.metadata["actionReturn"][::4]]
     seen = [int(view.instance_masks[laptop].sum()) if laptop in view.instance_masks else 0 for view in views]

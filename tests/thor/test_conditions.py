@@ -2,17 +2,15 @@
 
 import pytest
 
+from tests.helpers.thor_clients import first, first_id
+
 pytestmark = pytest.mark.slow
 
 KNOB_AND_BURNER_APART_M = 0.6
 
 
-def first(controller, type_name: str) -> dict:
-    return next(o for o in controller.last_event.metadata["objects"] if o["objectType"] == type_name)
-
-
 def forced(controller, action: str, type_name: str, **arguments):
-    return controller.step(action, objectId=first(controller, type_name)["objectId"], forceAction=True, **arguments)
+    return controller.step(action, objectId=first_id(controller, type_name), forceAction=True, **arguments)
 
 
 def put(controller, type_name: str, into: str) -> None:
@@ -135,7 +133,7 @@ def test_all_objects_at_once(kitchen, change, able, field) -> None:
     assert any(o[able] for o in listed)
     assert all(o[field] is o[able] for o in listed)
     kitchen.step("SetStateOfAllObjects", stateChange=change, forceAction=False)
-    assert all(o[field] is False for o in kitchen.last_event.metadata["objects"])
+    assert all(o[field] is False for o in kitchen.last_event.metadata["objects"] if not o["isSliced"])
 
 
 def test_what_is_broken_holds_nothing(kitchen) -> None:
@@ -150,7 +148,7 @@ def test_what_is_broken_holds_nothing(kitchen) -> None:
 
 
 def test_what_is_out_of_the_scene_holds_nothing(kitchen) -> None:
-    cup, egg = (first(kitchen, type_name)["objectId"] for type_name in ("Cup", "Egg"))
+    cup, egg = (first_id(kitchen, type_name) for type_name in ("Cup", "Egg"))
     assert forced(kitchen, "BreakObject", "Egg")
     assert kitchen.step("DisableObject", objectId=cup)
     assert kitchen.last_event.get_object(egg)["parentReceptacles"] is None
@@ -159,9 +157,85 @@ def test_what_is_out_of_the_scene_holds_nothing(kitchen) -> None:
 def test_what_is_in_the_hand_is_toggled(kitchen) -> None:
     kitchen.reset("FloorPlan301")
     assert forced(kitchen, "PickupObject", "CellPhone")
-    phone = first(kitchen, "CellPhone")["objectId"]
+    phone = first_id(kitchen, "CellPhone")
     was_on = first(kitchen, "CellPhone")["isToggled"]
     for is_on in (not was_on, was_on):
         event = kitchen.step("ToggleObjectOn" if is_on else "ToggleObjectOff", objectId=phone)
         assert event, event.metadata["errorMessage"]
         assert event.get_object(phone)["isToggled"] == is_on
+
+
+def test_an_egg_that_is_broken_in_the_hand_falls_before_the_agent(kitchen) -> None:
+    kitchen.reset("FloorPlan4")
+    assert forced(kitchen, "PickupObject", "Egg")
+    places = kitchen.step("GetReachablePositions").metadata["actionReturn"]
+    here = kitchen.last_event.metadata["agent"]["position"]
+    far = max(places, key=lambda place: abs(place["x"] - here["x"]) + abs(place["z"] - here["z"]))
+    assert kitchen.step("Teleport", position=far)
+    assert forced(kitchen, "BreakObject", "Egg")
+    cracked = first(kitchen, "EggCracked")
+    assert cracked["distance"] < 1.5
+    assert kitchen.last_event.metadata["inventoryObjects"] == []
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_eggs_are_broken_alike_by_either_action(kitchen, held) -> None:
+    for action, arguments in (
+        ("BreakObject", {"objectId": first_id(kitchen, "Egg"), "forceAction": True}),
+        ("SetObjectStates", {"SetObjectStates": {"objectType": "Egg", "stateChange": "breakable", "isBroken": True}}),
+        ("SetStateOfAllObjects", {"stateChange": "CanBreak", "forceAction": True}),
+    ):
+        kitchen.reset("FloorPlan1")
+        if held:
+            assert forced(kitchen, "PickupObject", "Egg")
+        assert kitchen.step(action, **arguments)
+        assert first(kitchen, "Egg")["isBroken"]
+        assert first(kitchen, "EggCracked")
+        assert kitchen.last_event.metadata["inventoryObjects"] == []
+
+
+def test_what_is_broken_goes_out_and_stays_so(kitchen) -> None:
+    kitchen.reset("FloorPlan205")
+    assert forced(kitchen, "ToggleObjectOn", "Laptop")
+    assert forced(kitchen, "BreakObject", "Laptop")
+    assert not first(kitchen, "Laptop")["isToggled"]
+    kitchen.step("SetObjectToggles", objectToggles=[{"objectType": "Laptop", "isOn": True}])
+    assert not first(kitchen, "Laptop")["isToggled"]
+    assert not forced(kitchen, "ToggleObjectOn", "Laptop")
+
+
+def test_a_microwave_is_open_or_on_whatever_is_asked(kitchen) -> None:
+    def ask(is_open: bool, is_on: bool) -> None:
+        changes = {"openable": {"isOpen": is_open}, "toggleable": {"isToggled": is_on}}
+        for change, flags in changes.items():
+            wanted = {"objectType": "Microwave", "stateChange": change, **flags}
+            assert kitchen.step("SetObjectStates", SetObjectStates=wanted)
+
+    ask(is_open=True, is_on=True)
+    assert (first(kitchen, "Microwave")["isOpen"], first(kitchen, "Microwave")["isToggled"]) == (True, False)
+    ask(is_open=False, is_on=True)
+    ask(is_open=True, is_on=True)
+    assert (first(kitchen, "Microwave")["isOpen"], first(kitchen, "Microwave")["isToggled"]) == (False, True)
+
+
+def test_coffee_is_hot(kitchen) -> None:
+    assert forced(kitchen, "FillObjectWithLiquid", "Mug")
+    assert first(kitchen, "Mug")["temperature"] == "RoomTemp"
+    kitchen.reset("FloorPlan1")
+    assert forced(kitchen, "FillObjectWithLiquid", "Mug", fillLiquid="coffee")
+    assert first(kitchen, "Mug")["temperature"] == "Hot"
+
+
+def test_what_comes_to_lie_upside_down_is_empty(kitchen) -> None:
+    assert forced(kitchen, "FillObjectWithLiquid", "Mug")
+    mug = first(kitchen, "Mug")
+    pose = {"objectName": mug["name"], "position": mug["position"], "rotation": mug["rotation"]}
+    assert kitchen.step("SetObjectPoses", objectPoses=[pose])
+    assert first(kitchen, "Mug")["isFilledWithLiquid"]
+    over = {
+        **pose,
+        "position": {**mug["position"], "y": mug["position"]["y"] + 0.2},
+        "rotation": {"x": 180, "y": 0, "z": 0},
+    }
+    assert kitchen.step("SetObjectPoses", objectPoses=[over])
+    assert not first(kitchen, "Mug")["isFilledWithLiquid"]

@@ -4,6 +4,7 @@ from ai2thor.controller import Controller as ThorController
 from ai2thor.server import DepthFormat
 
 from remqa_data.thor import Controller
+from tests.helpers.thor_clients import first
 
 
 def test_it_is_ai2thors_controller(kitchen) -> None:
@@ -177,7 +178,7 @@ def test_a_rolled_camera_turns_its_picture(kitchen) -> None:
 def test_an_orthographic_camera_looks_anywhere(kitchen) -> None:
     """From the side a mug is as many pixels high as its box, however far away the camera is."""
     kitchen.reset(renderInstanceSegmentation=True)
-    box = next(o for o in kitchen.last_event.metadata["objects"] if o["objectType"] == "Fridge")
+    box = first(kitchen, "Fridge")
     name, middle, size = box["objectId"], *(box["axisAlignedBoundingBox"][key] for key in ("center", "size"))
     for away in (1.0, 1.5):
         place = {**middle, "x": middle["x"] + size["x"] / 2 + away}
@@ -189,6 +190,7 @@ def test_an_orthographic_camera_looks_anywhere(kitchen) -> None:
             orthographicSize=2.0,
         )
     seen = [masks[name] for masks in kitchen.last_event.third_party_instance_masks]
+    assert len(seen) == 2
     for mask in seen:
         rows, columns = np.nonzero(mask)
         assert np.ptp(rows) + 1 == pytest.approx(size["y"] * 300 / 4, abs=2)

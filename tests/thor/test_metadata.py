@@ -14,6 +14,7 @@ from remqa_data.floorplans.ithor.table import recorded_objects, unity_rotation
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.objects import ObjectRecords
+from tests.helpers.bare_rooms import first_of
 
 SCHEMA = json.loads((Path(__file__).parent / "ai2thor_schema.json").read_text())
 TYPES = {
@@ -39,6 +40,7 @@ ROUND_TRIP = (
 def check(metadata: dict) -> None:
     assert set(metadata) == set(SCHEMA["event"])
     assert set(metadata["agent"]) == set(SCHEMA["agent"])
+    assert metadata["objects"]
     for record in metadata["objects"]:
         assert set(record) == {name for names in SCHEMA["object"].values() for name in names}
         for kind, names in SCHEMA["object"].items():
@@ -106,7 +108,7 @@ def test_rotations_are_those_that_ai2thor_recorded_whichever_side_is_the_front(n
         told = {r["objectId"]: r for r in records.listing((0, 0, 0), (), (0, 0, 0), None)}
         for row in recorded_objects(name):
             assert yaw_off(told[row.id], row) < 0.05, row.id
-        drawer = next(o for o in world.ids if world.type_of(o) == "Drawer")
+        drawer = first_of(world, "Drawer")
         before = told[drawer]["rotation"]["y"]
         x, y, z, w = world.state(drawer).quaternion
         half = 0.5**0.5

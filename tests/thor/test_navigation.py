@@ -4,6 +4,8 @@ from itertools import pairwise
 import pytest
 from ai2thor.util import metrics
 
+from tests.helpers.thor_clients import stands_at
+
 pytestmark = pytest.mark.slow
 
 START = {
@@ -21,11 +23,6 @@ def at_start(kitchen):
     return kitchen
 
 
-def place(controller) -> tuple[float, float]:
-    position = controller.last_event.metadata["agent"]["position"]
-    return position["x"], position["z"]
-
-
 @pytest.mark.parametrize(
     ("action", "rotation", "to"),
     [
@@ -40,18 +37,18 @@ def place(controller) -> tuple[float, float]:
 def test_moves(at_start, action, rotation, to) -> None:
     at_start.step("Teleport", rotation={"x": 0, "y": rotation, "z": 0})
     assert at_start.step(action)
-    assert place(at_start) == to
+    assert stands_at(at_start.last_event) == to
 
 
 def test_moves_by_a_magnitude(at_start) -> None:
     assert at_start.step("MoveAhead", moveMagnitude=0.5)
-    assert place(at_start) == (1.5, 0.5)
+    assert stands_at(at_start.last_event) == (1.5, 0.5)
     event = at_start.step("MoveAhead", moveMagnitude=5.0)
     assert not event
     assert "is blocking Agent" in event.metadata["errorMessage"]
     assert event.metadata["collided"]
     assert event.metadata["collidedObjects"]
-    assert place(at_start) == (1.5, 0.5)
+    assert stands_at(at_start.last_event) == (1.5, 0.5)
     assert not at_start.step("MoveAhead", moveMagnitude=-0.25)
 
 
@@ -59,7 +56,7 @@ def test_grid_size(kitchen) -> None:
     kitchen.reset(gridSize=0.5)
     kitchen.step("TeleportFull", **START)
     kitchen.step("MoveAhead")
-    assert place(kitchen) == (1.5, 0.5)
+    assert stands_at(kitchen.last_event) == (1.5, 0.5)
 
 
 def test_turns(at_start) -> None:

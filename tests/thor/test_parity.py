@@ -5,18 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from tests.helpers.thor_clients import first_id, stands_at
 from tests.thor.test_objects import APPLE
 
 pytestmark = pytest.mark.slow
-
-
-def first(event, type_name: str) -> str:
-    return next(o["objectId"] for o in event.metadata["objects"] if o["objectType"] == type_name)
-
-
-def at(event) -> tuple[float, float]:
-    position = event.metadata["agent"]["position"]
-    return position["x"], position["z"]
 
 
 def test_nobody_is_forced_through_a_wall(kitchen) -> None:
@@ -25,8 +17,8 @@ def test_nobody_is_forced_through_a_wall(kitchen) -> None:
         kitchen.step("Teleport", rotation=90 * turn)
         walked = [kitchen.step("MoveAhead", forceAction=True) for _ in range(40)]
         assert not walked[-1]
-        assert (corners.min(axis=0) < at(walked[-1])).all()
-        assert (corners.max(axis=0) > at(walked[-1])).all()
+        assert (corners.min(axis=0) < stands_at(walked[-1])).all()
+        assert (corners.max(axis=0) > stands_at(walked[-1])).all()
     assert kitchen.last_event.metadata["collided"]
     x, z = (round(math.sin(math.radians(angle)), 9) * 0.25 for angle in (270, 0))
     assert f"is blocking Agent 0 from moving by ({x:.4f}, 0.0000," in kitchen.last_event.metadata["errorMessage"]
@@ -80,7 +72,7 @@ def test_arguments_that_are_known_there_are_taken(kitchen) -> None:
 
 def test_what_initialize_takes(kitchen) -> None:
     event = kitchen.reset("FloorPlan6", gridSize=0.5, fieldOfView=0, visibilityDistance=0, agentMode="Default")
-    assert np.allclose(np.array(at(event)) / 0.5, np.round(np.array(at(event)) / 0.5))
+    assert np.allclose(np.array(stands_at(event)) / 0.5, np.round(np.array(stands_at(event)) / 0.5))
     assert event.metadata["fov"] == 90.0
     places = kitchen.step("GetReachablePositions").metadata["actionReturn"]
     assert all(abs(place["x"] / 0.5 - round(place["x"] / 0.5)) < 1e-6 for place in places)
@@ -97,7 +89,7 @@ def test_what_initialize_takes(kitchen) -> None:
 
 
 def test_what_is_taken_is_named_and_what_is_turned_over_is_empty(kitchen) -> None:
-    mug = first(kitchen.last_event, "Mug")
+    mug = first_id(kitchen, "Mug")
     assert kitchen.step("PickupObject", objectId=mug, forceAction=True).metadata["actionReturn"] == mug
     assert kitchen.step("FillObjectWithLiquid", objectId=mug, fillLiquid="water", forceAction=True)
     assert kitchen.step("RotateHeldObject", pitch=60).get_object(mug)["isFilledWithLiquid"]
@@ -115,7 +107,7 @@ def test_rolls_to_the_right(kitchen) -> None:
 
 
 def test_burners_are_on_with_their_knobs_and_all_switches_have_a_list(kitchen) -> None:
-    knob = first(kitchen.last_event, "StoveKnob")
+    knob = first_id(kitchen, "StoveKnob")
     event = kitchen.step("ToggleObjectOn", objectId=knob, forceAction=True)
     (burner,) = event.get_object(knob)["controlledObjects"]
     assert event.get_object(burner)["isToggled"]
@@ -135,7 +127,7 @@ def test_parents_and_contents_are_mutual(kitchen) -> None:
 
 
 def test_the_words_that_clients_look_for(kitchen) -> None:
-    knob, tv = first(kitchen.last_event, "StoveKnob"), None
+    knob, tv = first_id(kitchen, "StoveKnob"), None
     kitchen.step("ToggleObjectOn", objectId=knob, forceAction=True)
     for action, arguments, words in (
         ("PickupObject", {"objectId": APPLE}, "Target object not found within the specified visibility."),
@@ -148,7 +140,8 @@ def test_the_words_that_clients_look_for(kitchen) -> None:
         kitchen.step("TeleportFull", x=1.0, y=0.9, z=-1.5, rotation=90, horizon=-30, standing=True)
         event = kitchen.step(action, **arguments)
         assert event.metadata["errorMessage"] == words
-    tv = first(kitchen.reset("FloorPlan203"), "Television")
+    kitchen.reset("FloorPlan203")
+    tv = first_id(kitchen, "Television")
     assert kitchen.step("BreakObject", objectId=tv, forceAction=True)
     broken = kitchen.step("ToggleObjectOn", objectId=tv, forceAction=True)
     assert broken.metadata["errorMessage"] == "Target is broken and cannot be Toggled On!"
@@ -185,7 +178,7 @@ def test_pushes_are_forced_and_say_where_things_are_then(kitchen) -> None:
     kitchen.step("Teleport", position={"x": 1.5, "y": 0.9, "z": 0.0}, rotation=0)
     for action, more in (("PushObject", {}), ("PullObject", {}), ("DirectionalPush", {"pushAngle": 20})):
         kitchen.reset()
-        mug = first(kitchen.last_event, "Mug")
+        mug = first_id(kitchen, "Mug")
         assert not kitchen.last_event.get_object(mug)["visible"]
         assert not kitchen.step(action, objectId=mug, moveMagnitude=10, **more)
         event = kitchen.step(action, objectId=mug, moveMagnitude=10, forceAction=True, **more)
@@ -213,7 +206,7 @@ def test_pushes_are_forced_and_say_where_things_are_then(kitchen) -> None:
 )
 def test_what_takes_all_arguments_that_there_are_takes_any(kitchen, action, arguments) -> None:
     if "objectId" in arguments:
-        arguments = {**arguments, "objectId": first(kitchen.last_event, arguments["objectId"])}
+        arguments = {**arguments, "objectId": first_id(kitchen, arguments["objectId"])}
     assert kitchen.step(action, force_magnitude=20, unheardOf={}, **arguments), kitchen.last_event.metadata
 
 
@@ -257,7 +250,7 @@ def test_no_agent_is_pitched_or_rolled(kitchen, axis) -> None:
 
 
 def test_what_breaks_in_the_hand_falls(kitchen) -> None:
-    mug = first(kitchen.last_event, "Mug")
+    mug = first_id(kitchen, "Mug")
     kitchen.step("PickupObject", objectId=mug, forceAction=True)
     event = kitchen.step("BreakObject", objectId=mug)
     assert event, event.metadata["errorMessage"]
@@ -267,7 +260,7 @@ def test_what_breaks_in_the_hand_falls(kitchen) -> None:
 
 
 def test_furniture_that_has_no_pose_may_be_left_alone(kitchen) -> None:
-    toaster, mug = (first(kitchen.last_event, name) for name in ("Toaster", "Mug"))
+    toaster, mug = (first_id(kitchen, name) for name in ("Toaster", "Mug"))
     record = kitchen.last_event.get_object(mug)
     poses = [{"objectName": record["name"], "position": record["position"], "rotation": record["rotation"]}]
     assert kitchen.step("SetObjectPoses", objectPoses=poses, skipMoveable=True)

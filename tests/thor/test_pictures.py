@@ -112,7 +112,9 @@ def test_a_wider_field_of_view_shows_more(kitchen) -> None:
     assert event.metadata["fov"] == 110
     seen = kitchen.step("Pass", renderInstanceSegmentation=True)
     before = kitchen.step("ChangeFOV", fieldOfView=narrow.metadata["fov"], renderInstanceSegmentation=True)
-    assert {name for name in before.instance_masks if before.get_object(name)} <= set(seen.instance_masks)
+    shown = {name for name in before.instance_masks if before.get_object(name)}
+    assert shown
+    assert shown <= set(seen.instance_masks)
     assert np.array_equal(before.frame, narrow.frame)
     for arguments, text in (({"fieldOfView": 190}, "not in"), ({"fieldOfView": 60, "camera": "Drone"}, "FirstPerson")):
         assert text in kitchen.step("ChangeFOV", **arguments).metadata["errorMessage"]

@@ -9,6 +9,7 @@ import pytest
 from remqa_data.floorplans.load import load_scene
 from remqa_data.sim.agent.handling import OVERLAP_M
 from remqa_data.thor import Controller
+from tests.helpers.thor_clients import first_id
 
 pytestmark = pytest.mark.slow
 
@@ -22,10 +23,6 @@ BATHTUB, SOAP_BOTTLE = "Bathtub|-00.21|+00.36|+00.92", "SoapBottle|-03.41|+01.02
 def controller() -> Iterator[Controller]:
     with Controller(scene=KITCHEN, width=300, height=300) as controller:
         yield controller
-
-
-def first_of(controller, type_name: str) -> str:
-    return next(o["objectId"] for o in controller.last_event.metadata["objects"] if o["objectType"] == type_name)
 
 
 def put(controller: Controller, scene: str, thing: str, receptacle: str, pose: dict[str, Any]) -> Any:
@@ -70,7 +67,7 @@ def test_what_was_put_before_does_not_let_a_knife_through_a_bowl(controller) -> 
 @pytest.mark.parametrize("room", ["FloorPlan1", "FloorPlan7"])
 def test_a_mug_on_a_plate_is_carried_and_put_down_with_it(controller, room: str) -> None:
     controller.reset(room)
-    mug, plate, counter = (first_of(controller, name) for name in ("Mug", "Plate", "CounterTop"))
+    mug, plate, counter = (first_id(controller, name) for name in ("Mug", "Plate", "CounterTop"))
     for action, object_id in (("PickupObject", mug), ("PutObject", plate)):
         assert controller.step(action, objectId=object_id, forceAction=True, renderImage=False)
     get = controller.last_event.get_object
@@ -96,7 +93,7 @@ def test_a_cabinet_that_opens_a_crack_in_the_dataset_opens_here(controller, room
 
 def test_what_is_put_into_a_deep_sink_is_seen_from_nearby(controller) -> None:
     controller.reset("FloorPlan3")
-    egg, basin = first_of(controller, "Egg"), first_of(controller, "SinkBasin")
+    egg, basin = first_id(controller, "Egg"), first_id(controller, "SinkBasin")
     assert controller.step("PickupObject", objectId=egg, forceAction=True, renderImage=False)
     y = controller.last_event.metadata["agent"]["position"]["y"]
     before = {"x": -1.0, "y": y, "z": -0.5, "rotation": {"x": 0, "y": 270, "z": 0}, "horizon": 30, "standing": True}
@@ -106,7 +103,7 @@ def test_what_is_put_into_a_deep_sink_is_seen_from_nearby(controller) -> None:
 
 def test_a_near_place_that_is_not_seen_is_better_than_a_far_one_that_is(controller) -> None:
     controller.reset("FloorPlan8")
-    cup, counter = first_of(controller, "Cup"), "CounterTop|+01.17|+00.95|-00.65"
+    cup, counter = first_id(controller, "Cup"), "CounterTop|+01.17|+00.95|-00.65"
     assert controller.step("PickupObject", objectId=cup, forceAction=True, renderImage=False)
     before = {"x": -0.75, "y": 0.9, "z": 1.0, "rotation": {"x": 0, "y": 180, "z": 0}, "horizon": 0, "standing": True}
     assert controller.step("TeleportFull", **before, renderImage=False)
@@ -115,7 +112,7 @@ def test_a_near_place_that_is_not_seen_is_better_than_a_far_one_that_is(controll
 
 def test_a_mug_stands_under_the_spout_and_not_on_the_cup_rail(controller) -> None:
     controller.reset("FloorPlan7")
-    mug, machine = first_of(controller, "Mug"), first_of(controller, "CoffeeMachine")
+    mug, machine = first_id(controller, "Mug"), first_id(controller, "CoffeeMachine")
     for action, object_id in (("PickupObject", mug), ("PutObject", machine)):
         event = controller.step(action, objectId=object_id, forceAction=True, renderImage=False)
     boxes = [event.get_object(name)["axisAlignedBoundingBox"] for name in (mug, machine)]
@@ -124,7 +121,7 @@ def test_a_mug_stands_under_the_spout_and_not_on_the_cup_rail(controller) -> Non
 
 def test_a_plate_is_not_put_into_the_hollow_foot_of_a_machine(controller) -> None:
     controller.reset("FloorPlan12")
-    plate, counter = first_of(controller, "Plate"), "CounterTop|+01.51|+00.97|+02.31"
+    plate, counter = first_id(controller, "Plate"), "CounterTop|+01.51|+00.97|+02.31"
     assert controller.step("PickupObject", objectId=plate, forceAction=True, renderImage=False)
     y = controller.last_event.metadata["agent"]["position"]["y"]
     before = {"x": 0.75, "y": y, "z": 1.5, "rotation": {"x": 0, "y": 90, "z": 0}, "horizon": 30, "standing": True}

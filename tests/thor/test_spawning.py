@@ -47,6 +47,7 @@ def test_things_lie_elsewhere_at_rest_and_apart(kitchen, bathroom) -> None:
             assert all(there[name]["parentReceptacles"] for name in elsewhere)
             assert_at_rest_and_apart(controller, elsewhere)
             fixed = [o for o in before.metadata["objects"] if not o["pickupable"]]
+            assert fixed
             for o in fixed:
                 assert event.get_object(o["objectId"])["position"] == o["position"]
 

@@ -87,6 +87,7 @@ def test_a_cache_has_every_configuration_that_is_asked_about(small_rooms: Path, 
     assert first.is_reachable.sum() + second.is_reachable.sum() == rooms["Small1"].frames
     assert not np.array_equal(first.is_reachable, second.is_reachable)
     assert first.frames.shape == (rooms["Small1"].states, SIZE, SIZE, 3)
+    assert first.is_reachable.any()
     assert first.frames[first.is_reachable].any(axis=(1, 2, 3)).all()
 
 
@@ -100,6 +101,7 @@ def test_the_manifest_names_the_dataset_and_every_file_with_its_checksum(small_r
     named = {file.path for room in manifest.rooms for file in room.files}
     found = {str(path.relative_to(small_views)) for path in small_views.rglob("*") if path.is_file()}
     assert named == found - {MANIFEST, *(f"{room.scene}/{NOTE}" for room in manifest.rooms)}
+    assert manifest.rooms
     assert all(room.is_whole(small_views) for room in manifest.rooms)
 
 
@@ -164,6 +166,7 @@ def test_rooms_and_configurations_are_added_to_a_cache(small_rooms: Path, small_
     with pytest.raises(DatasetError, match=r"Small2 has configurations \(1,\), not 0"):
         alone.room("Small2", 0)
     together = Views(small_views).room("Small2", 1)
+    assert together.is_reachable.any()
     for state in np.flatnonzero(together.is_reachable).tolist():
         other = alone.room("Small2", 1).states.number(*together.states.pose(state))
         assert np.array_equal(alone.room("Small2", 1).frame(other), together.frame(state))  # type: ignore[arg-type]
@@ -304,6 +307,7 @@ def test_features_of_a_network_are_kept_beside_the_frames(small_rooms: Path, sma
         frames = np.stack([room.frame(state) for state in states])
         assert room.features[states].astype(np.float64) == pytest.approx(features(frames), abs=1e-3)
         assert room.features[states].astype(np.float64).std(axis=0).max() > 1e-3
+        assert not room.is_reachable.all()
         assert not room.features[~room.is_reachable].any()
     again = when_written(copy)
     cache_views(small_rooms, copy, Wanted(size_px=SIZE))

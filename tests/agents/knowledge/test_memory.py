@@ -29,6 +29,7 @@ def test_the_memory_is_the_stored_graph_and_map(one_room: Path) -> None:
     assert rows
     for row in rows:
         memory = memories.memory(row.scene, row.configuration)
+        assert row.graph_nodes
         assert tuple(memory.graph.objects) == row.graph_nodes
         assert memory.graph.edges == row.graph_edges
         known = {record.id: record for record in row.objects}
@@ -36,6 +37,7 @@ def test_the_memory_is_the_stored_graph_and_map(one_room: Path) -> None:
         stored = plan_labels(row.map_2d)
         seen = np.argwhere(stored >= 0) + np.array(row.semantic_map.corner)
         mine = np.argwhere(memory.plan.labels >= 0) + np.array(memory.plan.corner)
+        assert len(seen) > 0
         assert seen.tolist() == mine.tolist()
         assert memory.plan.labels[memory.plan.labels >= 0].tolist() == stored[stored >= 0].tolist()
 

@@ -104,6 +104,7 @@ def test_everything_from_a_dataset_to_the_tables(two_rooms: Path, trained: Path,
         scores = json.loads((tmp_path / f"{stage}-test.json").read_text())
         assert scores["frames"] > 0
     rows = [json.loads(line) for line in (tmp_path / "framework.jsonl").read_text().splitlines()[1:]]
+    assert len(rows) == 12
     assert {row["answer"] for row in rows} <= {"0", "1", "2", "3", "yes", "no"}
 
 

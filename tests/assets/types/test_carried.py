@@ -21,6 +21,6 @@ def test_quarter_turn_swaps_width_and_depth_only(type_: str) -> None:
     for variant in range(4):
         along_x = build(AssetSpec(type_, (width, depth, height), variant))
         along_y = build(AssetSpec(type_, (depth, width, height), variant))
-        assert along_x.triangle_count == along_y.triangle_count
+        assert along_x.triangle_count == along_y.triangle_count > 0
         for a, b in zip(along_x.links[0].surfaces, along_y.links[0].surfaces, strict=True):
             assert np.stack([-a.vertices[:, 1], a.vertices[:, 0]], 1) == pytest.approx(b.vertices[:, :2], abs=1e-6)

@@ -12,6 +12,7 @@ def test_dial_is_round_and_nothing_is_before_it(size: tuple[float, float, float]
     asset = build(AssetSpec("AlarmClock", size, variant))
     surfaces = asset.links[0].surfaces
     dial = next(s for s in surfaces if s.material.texture == "clock_face")
+    assert len(surfaces) > 1
     width, _, height = np.ptp(dial.vertices, axis=0)
     assert dial.normals[:, 1].max() < -0.99
     assert 0.8 < width / height < 1.25

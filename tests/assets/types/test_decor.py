@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
-from remqa_data.assets import Asset, AssetSpec, build, variant_count
+from remqa_data.assets import AssetSpec, build, variant_count
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.assets.looks.materials import SOIL
-
-
-def vertices(asset: Asset) -> np.ndarray:
-    return np.vstack([s.vertices for link in asset.links for s in link.surfaces]).astype(float)
+from tests.helpers.typical_assets import vertices
 
 
 @pytest.mark.parametrize("size", [(0.12, 0.4, 0.4), (0.4, 0.12, 0.4), (0.4, 0.4, 0.12)])

@@ -98,6 +98,7 @@ def test_a_counter_follows_its_footprint_and_leaves_the_sink_free(variant: int) 
     legs = 0.6 * 2.0 + 1.4 * 0.6
     assert covered == pytest.approx(legs - 0.5 * 0.4, rel=1e-3)
     assert intrusion(asset, SINK) < 1e-6
+    assert asset.spaces
     for space in asset.spaces:
         x, y = (space.box[0] + space.box[3]) / 2, (space.box[1] + space.box[4]) / 2
         assert any(x0 <= x <= x1 and y0 <= y <= y1 for x0, y0, x1, y1 in L_SHAPE)

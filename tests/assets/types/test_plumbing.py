@@ -52,6 +52,7 @@ def test_the_basin_has_its_place_to_itself(type_: str, size: Vec3, pocket: Box, 
         near[axis] += third
         far[axis] -= third
         assert not inside(points_on(asset), near, far)
+    assert asset.links[0].boxes
     for box in asset.links[0].boxes:
         centre, reach = np.array(box.centre), np.array(box.size) / 2
         assert not np.all((centre - reach < high - 1e-3) & (centre + reach > low + 1e-3)), box
@@ -132,6 +133,7 @@ def test_a_corner_of_shower_glass_encloses_free_room(variant: int) -> None:
     asset = build(AssetSpec("ShowerGlass", (1.2, 1.8, 2.0), variant))
     low, high = np.array([-0.6, -0.8, -1.0]), np.array([0.5, 0.9, 1.0])
     assert not inside(points_on(asset), low, high)
+    assert asset.links[0].boxes
     for box in asset.links[0].boxes:
         size = np.abs(np.array(box.size))
         assert min(size[0], size[1]) < 0.06

@@ -5,11 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from remqa_data.assets import Asset, AssetSpec, build
-
-
-def vertices(asset: Asset) -> np.ndarray:
-    return np.vstack([surface.vertices for link in asset.links for surface in link.surfaces])
+from remqa_data.assets import AssetSpec, build
+from tests.helpers.typical_assets import vertices
 
 
 @pytest.mark.parametrize("type_", ["BaseballBat", "Dumbbell", "TennisRacket"])

@@ -45,6 +45,7 @@ def test_slats_stay_in_order_and_below_each_other(
     asset = build(AssetSpec("Blinds", size, variant))
     poses = asset.link_poses(openness)
     centres = [asset.links[i].boxes[0].centre[2] + poses[i, 2, 3] for i in range(1, len(asset.links))]
+    assert len(centres) > 1
     assert np.all(np.diff(centres) < 0)
 
 

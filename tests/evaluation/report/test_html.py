@@ -77,7 +77,9 @@ def test_it_fits_the_width_of_a_phone_and_of_a_desk(page: tuple[Any, list[str]],
     opened.set_viewport_size({"width": width, "height": 900})
     assert opened.evaluate("document.documentElement.scrollWidth") <= width
     for name in ("svg", "figure", ".scroll"):
-        for box in (one.bounding_box() for one in opened.locator(name).all()):
+        boxes = [one.bounding_box() for one in opened.locator(name).all()]
+        assert boxes, name
+        for box in boxes:
             assert box["x"] >= 0
             assert box["x"] + box["width"] <= width
 

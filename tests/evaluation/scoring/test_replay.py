@@ -43,6 +43,7 @@ def test_scores_do_not_depend_on_workers_or_row_order(two_rooms: Path, tmp_path:
     one = scored(two_rooms, written(tmp_path / "a.jsonl", "remqa", rows))
     two = scored(two_rooms, written(tmp_path / "b.jsonl", "remqa", rows[::-1]), workers=2)
     assert one.refused == two.refused > 0
+    assert one.measures.keys() >= {"S_N", "S_QA", "S_MQA"}
     for name, values in one.measures.items():
         assert values.tolist() == two.measures[name].tolist()
 
@@ -73,6 +74,7 @@ def test_an_agent_cannot_talk_itself_to_the_goal(two_rooms: Path, tmp_path: Path
 
 def test_manipulations_that_the_room_refuses_or_of_other_things_do_not_count(two_rooms: Path, tmp_path: Path) -> None:
     rows = rows_of("oracle", two_rooms, "remqa")
+    assert rows
     for manipulation in (
         "OpenObject Nothing|1",
         "PickupObject Floor|1",

@@ -14,6 +14,7 @@ from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_check import goal_camera, manipulated
 from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.arrangement.hiding_places import hiding_places
+from remqa_data.sim.arm.arm import HOME, Arm, ArmBase
 from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import reach_distance, reachable_grid
 from remqa_data.sim.navigation.viewpoints import MIN_PIXELS, front_points, surface_points
@@ -174,6 +175,25 @@ def test_what_is_moved_aside_moves_by_more_than_its_own_length(
 
 def test_equal_rooms_have_equal_places() -> None:
     assert tuple(hiding_places(load_scene("FloorPlan417"))) == places_of("FloorPlan417")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["FloorPlan4", "FloorPlan220", "FloorPlan308", "FloorPlan405"])
+def test_every_hiding_place_is_reached_from_its_goal(name: str) -> None:
+    scene = load_scene(name)
+    places, missed = hiding_places(scene), []
+    assert places
+    with World(scene) as world:
+        world.settle()
+        arm = Arm(world)
+        for place in places:
+            i, j = place.goal.cell
+            arm.state = HOME
+            base = ArmBase(i * AGENT.step_m, j * AGENT.step_m, place.goal.yaw_deg, scene.floor_z)
+            move = arm.reach_object(base, place.object_id)
+            if not move.success:
+                missed.append((place.object_id, move.error))
+    assert missed == []
 
 
 # ---- what fits

@@ -24,6 +24,7 @@ from remqa_data.storage.shards import ShardWriter, file_info, read_rows
 from remqa_data.tables.images import StoredImage, decode_instances, encode_rgb
 from remqa_data.tables.rows import ExpressionRow, FrameRow, QuestionRow, SceneRow
 from remqa_data.tables.schema import table_spec
+from tests.helpers.bare_rooms import first_of
 from tests.helpers.forgeries import black_jpeg, png
 
 pytestmark = pytest.mark.slow
@@ -161,7 +162,7 @@ def test_what_moves_without_being_in_the_target_is_found(rooms, questions) -> No
     replay = Replay(rooms[question.configuration].scene, question.initial_pose.pose())
     ids = replay.world.ids
     before = np.array([replay.world.box(name) for name in ids])
-    floor = next(name for name in ids if replay.world.type_of(name) == "Floor")
+    floor = first_of(replay.world, "Floor")
     before[ids.index(question.target_id), :, 0] += 0.5  # as if it had been acted on
     before[ids.index(floor), :, 0] += 0.002
     broken = list(rooms[question.configuration]._is_undisturbed(question, before, replay))
@@ -270,6 +271,7 @@ def test_something_comes_to_light_whatever_the_answer_is(questions) -> None:
     for question in questions.values():
         before, after = (decode_instances(getattr(question, f"{when}_instances").bytes) for when in ("start", "end"))
         revealed.setdefault(question.group, set()).add(len(np.setdiff1d(after, before)))
+    assert revealed
     assert all(min(counts) >= 1 for counts in revealed.values())
     assert sum(len(counts) == 1 for counts in revealed.values()) >= 0.7 * len(revealed)
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from remqa_data.assets import AssetSpec, build
+from remqa_data.assets import AssetSpec, build, variant_count
 from remqa_data.assets.core.sizes import typical_size
 from remqa_data.errors import UnknownNameError
 from remqa_data.generators.figures.asset_meshes import asset_scene, write_meshes
@@ -10,6 +10,7 @@ from remqa_data.generators.figures.asset_meshes import asset_scene, write_meshes
 
 def test_trimesh_reads_back_every_variant_with_its_size_and_links(tmp_path) -> None:
     written = write_meshes(tmp_path, ["Fridge"])
+    assert len(written) == variant_count("Fridge")
     assert [path.name for path in written] == [f"Fridge-{variant}.glb" for variant in range(len(written))]
     width, depth, height = typical_size("Fridge")
     for variant, path in enumerate(written):

@@ -17,6 +17,7 @@ from remqa_data.tables.rows import QuestionRow
 def test_every_number_is_that_of_the_rows(finished) -> None:
     root, manifest = finished
     table = question_statistics(root)
+    assert len(table) > 0
     assert set(table.index) == {(s, k) for s, kinds in manifest.questions.items() for k in kinds if kinds[k]}
     for split, kind in table.index:
         rows = [row for row in read_rows(root, QuestionRow, split) if row.kind == kind]

@@ -148,6 +148,7 @@ def test_the_same_generator_gives_the_same_frames(
 ) -> None:
     view, grid = room
     again = list(walk(view, grid, grid.cells[0], SETTINGS, rng()))
+    assert again
     assert [frame.pose for frame in again] == [frame.pose for frame in frames]
     assert [frame.metadata for frame in again] == [frame.metadata for frame in frames]
     for one, other in zip(again, frames, strict=True):

@@ -22,6 +22,7 @@ from remqa_data.sim.navigation.grid import clearance_map, object_outlines, outli
 from remqa_data.sim.navigation.viewpoints import AgentPose
 from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.view import WorldView
+from tests.helpers.bare_rooms import first_of
 
 AHEAD = {0: (1, 0), 90: (0, 1), 180: (-1, 0), 270: (0, -1)}
 
@@ -58,10 +59,6 @@ def agent(loaded: tuple[Agent, Snapshot]) -> Agent:
     made.world.restore(first)
     made.place(made.grid.position(made.grid.cells[0]), 0.0)
     return made
-
-
-def first_of(agent: Agent, type_: str) -> str:
-    return next(name for name in agent.world.ids if agent.world.type_of(name) == type_)
 
 
 def go_near(agent: Agent, object_id: str, distance_m: float = 0.9) -> None:
@@ -112,7 +109,7 @@ def walker() -> Agent:
 
 
 def test_what_blocks_a_step_is_named(agent: Agent) -> None:
-    fridge = first_of(agent, "Fridge")
+    fridge = first_of(agent.world, "Fridge")
     go_near(agent, fridge, 0.0)
     errors = [agent.move(0.05).error for _ in range(30)]
     assert f"{fridge} is blocking Agent from moving" in errors
@@ -137,7 +134,7 @@ def test_the_camera_tilts_from_30_up_to_60_down(agent: Agent) -> None:
 
 def test_nobody_teleports_into_furniture(agent: Agent) -> None:
     before = (agent.x, agent.y, agent.yaw_deg)
-    x, y, _ = agent.world.state(first_of(agent, "Fridge")).position
+    x, y, _ = agent.world.state(first_of(agent.world, "Fridge")).position
     assert "is blocking" in agent.teleport(x, y, 90.0).error
     assert (agent.x, agent.y, agent.yaw_deg) == before
     cell = agent.grid.cells[3]
@@ -157,7 +154,7 @@ def test_the_object_at_an_image_point_is_the_one_that_the_picture_shows_there(ag
 
 
 def test_a_door_opens_until_it_meets_the_agent_and_not_at_all_if_that_is_at_once(agent: Agent) -> None:
-    fridge = first_of(agent, "Fridge")
+    fridge = first_of(agent.world, "Fridge")
     _, y, _ = agent.world.state(fridge).position  # it looks along +x, and its doors are half a metre wide
     face = agent.world.box(fridge)[1, 0]
     agent.place((face + 0.21, y), 180.0, 0.0)
@@ -179,21 +176,21 @@ def test_a_door_opens_until_it_meets_the_agent_and_not_at_all_if_that_is_at_once
 
 def test_an_open_door_is_in_the_way(agent: Agent) -> None:
     before = agent.grid
-    agent.open(first_of(agent, "Fridge"), force=True)
+    agent.open(first_of(agent.world, "Fridge"), force=True)
     assert len(agent.grid.cells) < len(before.cells)
-    agent.close(first_of(agent, "Fridge"), force=True)
+    agent.close(first_of(agent.world, "Fridge"), force=True)
     assert agent.grid.cells == before.cells
 
 
 @pytest.mark.slow
 def test_a_bowl_is_picked_up_put_on_the_table_and_dropped(agent: Agent) -> None:
-    bowl, counter = first_of(agent, "Bowl"), first_of(agent, "CounterTop")
+    bowl, counter = first_of(agent.world, "Bowl"), first_of(agent.world, "CounterTop")
     assert agent.drop().error == "nothing is held"
     go_near(agent, bowl)
     assert agent.pick_up(bowl).success
     assert agent.held == bowl
     assert bowl not in agent.visible_objects()
-    assert "already holding" in agent.pick_up(first_of(agent, "Apple")).error
+    assert "already holding" in agent.pick_up(first_of(agent.world, "Apple")).error
     placed = agent.put(counter, force=True)
     assert placed.success, placed.error
     assert agent.held is None
@@ -207,7 +204,7 @@ def test_a_bowl_is_picked_up_put_on_the_table_and_dropped(agent: Agent) -> None:
 
 
 def test_a_stool_slides_until_something_stops_it(agent: Agent) -> None:
-    stool = first_of(agent, "Stool")
+    stool = first_of(agent.world, "Stool")
     go_near(agent, stool, 0.7)
     start = np.array(agent.world.state(stool).position)
     result = agent.pull(stool, 0.2)
@@ -232,7 +229,7 @@ def test_a_stool_slides_until_something_stops_it(agent: Agent) -> None:
 def test_what_the_room_refuses_has_a_reason_and_changes_nothing(agent: Agent, action: str, error: str) -> None:
     word, _, rest = action.partition(" ")
     if rest in ("Bowl", "Fridge"):
-        rest = first_of(agent, rest)
+        rest = first_of(agent.world, rest)
     before = agent.world.save()
     result = perform(agent, parse_action(f"{word} {rest}"))
     assert not result.success
@@ -243,7 +240,7 @@ def test_what_the_room_refuses_has_a_reason_and_changes_nothing(agent: Agent, ac
 @pytest.mark.parametrize("hands", ["near", "reach", "arm"])
 def test_what_is_far_away_cannot_be_acted_on(kitchen: Scene, hands: Hands) -> None:
     agent = agent_in(kitchen, hands)
-    fridge = first_of(agent, "Fridge")
+    fridge = first_of(agent.world, "Fridge")
     x, y, _ = agent.world.state(fridge).position
     agent.place(max(agent.grid.positions().tolist(), key=lambda p: math.dist(p, (x, y))), 0.0)
     agent.rotate(math.degrees(math.atan2(y - agent.y, x - agent.x)))
@@ -253,7 +250,7 @@ def test_what_is_far_away_cannot_be_acted_on(kitchen: Scene, hands: Hands) -> No
 
 def test_an_arm_stays_folded_when_the_agent_itself_is_in_the_way_of_a_door(kitchen: Scene) -> None:
     agent = agent_in(kitchen, "arm")
-    fridge = first_of(agent, "Fridge")
+    fridge = first_of(agent.world, "Fridge")
     agent.place((agent.world.box(fridge)[1, 0] + 0.21, agent.world.state(fridge).position[1]), 180.0)
     folded = agent.arm.state
     assert agent.open(fridge).error == f"Agent is blocking {fridge} from moving"
@@ -263,11 +260,11 @@ def test_an_arm_stays_folded_when_the_agent_itself_is_in_the_way_of_a_door(kitch
 
 def test_misuse_is_an_exception(agent: Agent) -> None:
     with pytest.raises(UnknownNameError, match="did you mean"):
-        agent.open(first_of(agent, "Fridge")[:-1])
+        agent.open(first_of(agent.world, "Fridge")[:-1])
     with pytest.raises(ActionError, match="between 0 and 1"):
-        agent.open(first_of(agent, "Fridge"), 2.0)
+        agent.open(first_of(agent.world, "Fridge"), 2.0)
     with pytest.raises(ActionError, match="a push goes"):
-        agent.push(first_of(agent, "Stool"), 5.0)
+        agent.push(first_of(agent.world, "Stool"), 5.0)
 
 
 @pytest.mark.slow

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import pytest
 
 from remqa_data.assets.core.model import AssetSpec
-from remqa_data.assets.looks.materials import OAK
-from remqa_data.scene import Scene, SceneObject, StructureBox
+from remqa_data.scene import SceneObject
 from remqa_data.sim.agent.handling import blocker_at, drop_at
 from remqa_data.sim.physics.world import World
+from tests.helpers.bare_rooms import mug, room
 
 MUG, FRIDGE = "Mug|1", "Fridge|1"
 IN_ITS_SIDE = (0.72, 1.0, 0.6)
@@ -17,12 +17,8 @@ IN_ITS_SIDE = (0.72, 1.0, 0.6)
 @pytest.fixture
 def world() -> Iterator[World]:
     """A mug on the floor, and a fridge that hangs 1 cm above it."""
-    things = (
-        SceneObject(MUG, AssetSpec("Mug", (0.12, 0.09, 0.1)), (0.0, 0.0, 0.05), is_fixed=False),
-        SceneObject(FRIDGE, AssetSpec("Fridge", (0.6, 0.6, 1.2)), (1.0, 1.0, 0.61)),
-    )
-    floor = StructureBox("floor", (-2, -2, -0.1, 2, 2, 0), OAK)
-    with World(Scene("Test", "kitchen", (-2, -2, 2, 2), 0.0, 2.5, ((0, 0, 2.4),), (floor,), things)) as made:
+    fridge = SceneObject(FRIDGE, AssetSpec("Fridge", (0.6, 0.6, 1.2)), (1.0, 1.0, 0.61))
+    with World(room(mug(MUG, (0.0, 0.0, 0.05)), fridge)) as made:
         yield made
 
 

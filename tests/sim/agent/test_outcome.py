@@ -11,6 +11,7 @@ from remqa_data.sim.agent.agent import Agent
 from remqa_data.sim.agent.outcome import Before, Wanted, is_manipulated, look_before
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
+from tests.helpers.bare_rooms import first_of
 
 FAR = (50.0, 50.0)
 """A goal from which nobody is in the way."""
@@ -32,10 +33,6 @@ def agent(loaded: Agent) -> Iterator[Agent]:
 @pytest.fixture
 def world(agent: Agent) -> World:
     return agent.world
-
-
-def first_of(world: World, type_: str) -> str:
-    return next(name for name in world.ids if world.type_of(name) == type_)
 
 
 def test_a_thing_is_open_from_four_fifths_of_what_the_room_allows(agent: Agent, world: World) -> None:

@@ -12,6 +12,7 @@ from remqa_data.sim.agent.receptacles import lattice, open_spaces
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import Snapshot, World
 from remqa_data.sim.render.view import WorldView
+from tests.helpers.bare_rooms import first_of
 
 pytestmark = pytest.mark.slow
 
@@ -49,17 +50,13 @@ def agent(kitchen: tuple[Agent, Snapshot]) -> Agent:
     return amid(kitchen)
 
 
-def first_of(agent: Agent, type_name: str) -> str:
-    return next(name for name in agent.world.ids if agent.world.type_of(name) == type_name)
-
-
 def on(world: World, holder: str) -> list[str]:
     held_by = supports(world, {name: world.box(name) for name in world.ids})
     return [name for name, support in held_by.items() if support.id == holder]
 
 
 def hold(agent: Agent, type_name: str) -> str:
-    thing = first_of(agent, type_name)
+    thing = first_of(agent.world, type_name)
     assert agent.pick_up(thing, force=True).success
     return thing
 
@@ -67,7 +64,7 @@ def hold(agent: Agent, type_name: str) -> str:
 @pytest.mark.parametrize("cutlery", CUTLERY)
 @pytest.mark.parametrize("vessel", ["Cup", "Mug", "Bowl", "Plate", "Pan"])
 def test_cutlery_stands_in_cups_and_lies_in_bowls(agent: Agent, cutlery: str, vessel: str) -> None:
-    thing, into = hold(agent, cutlery), first_of(agent, vessel)
+    thing, into = hold(agent, cutlery), first_of(agent.world, vessel)
     put = agent.put(into, force=True)
     assert put.success, put.error
     assert support_of(agent.world, thing) == into
@@ -83,12 +80,12 @@ def test_cutlery_stands_in_cups_and_lies_in_bowls(agent: Agent, cutlery: str, ve
 def test_cutlery_in_a_cup_is_steep(agent: Agent) -> None:
     fork = hold(agent, "Fork")
     lying = np.ptp(agent.world.box(fork), axis=0)[2]
-    assert agent.put(first_of(agent, "Mug"), force=True).success
+    assert agent.put(first_of(agent.world, "Mug"), force=True).success
     assert np.ptp(agent.world.box(fork), axis=0)[2] > max(3 * lying, 0.08)
 
 
 def test_a_microwave_takes_things_in_and_not_on_its_top(agent: Agent) -> None:
-    apple, microwave = hold(agent, "Apple"), first_of(agent, "Microwave")
+    apple, microwave = hold(agent, "Apple"), first_of(agent.world, "Microwave")
     refused = agent.put(microwave, force=True)
     assert refused.error == f"{microwave} is closed"
     assert agent.held == apple
@@ -119,7 +116,7 @@ def test_what_is_put_on_a_counter_is_in_sight(agent: Agent) -> None:
 
 def test_who_puts_a_thing_on_the_floor_can_walk_away(agent: Agent) -> None:
     hold(agent, "Pot")
-    assert agent.put(first_of(agent, "Floor"), force=True).success
+    assert agent.put(first_of(agent.world, "Floor"), force=True).success
     away = 0
     for yaw in (0.0, 90.0, 180.0, 270.0):
         where = agent.position
@@ -130,14 +127,14 @@ def test_who_puts_a_thing_on_the_floor_can_walk_away(agent: Agent) -> None:
 
 
 def test_what_does_not_fit_changes_nothing(agent: Agent) -> None:
-    pot, cup = hold(agent, "Pot"), first_of(agent, "Cup")
+    pot, cup = hold(agent, "Pot"), first_of(agent.world, "Cup")
     before = agent.world.save()
     assert agent.put(cup, force=True).error == f"no free place for {pot} in {cup}"
     assert agent.world.is_as(before)
 
 
 def test_a_pot_that_is_too_large_for_a_basin_lies_across_its_rim(agent: Agent) -> None:
-    world, basin = agent.world, first_of(agent, "SinkBasin")
+    world, basin = agent.world, first_of(agent.world, "SinkBasin")
     pot, boxes = hold(agent, "Pot"), {name: world.box(name) for name in world.ids}
     assert supports(world, boxes, by_agents=True) == supports(world, boxes)  # nothing that a room comes with
     put = agent.put(basin, force=True)
@@ -178,7 +175,7 @@ def test_points_that_are_near_to_each_other_have_the_middle_among_them_and_reach
 ) -> None:
     world = agent.world
     world.open(NARROW)
-    drawer, counter = ((name, open_spaces(world, name)[0]) for name in (NARROW, first_of(agent, "CounterTop")))
+    drawer, counter = ((name, open_spaces(world, name)[0]) for name in (NARROW, first_of(agent.world, "CounterTop")))
     for (name, space), half in ((drawer, 0.02), (counter, 0.02), (counter, 2.0)):
         link, half_size = world.link_poses(name)[space.link], (half, half)
         coarse, fine = (np.array(list(lattice(link, space, half_size, is_fine))) for is_fine in (False, True))

@@ -6,13 +6,11 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from remqa_data.assets.core.model import AssetSpec
-from remqa_data.assets.looks.materials import OAK
 from remqa_data.errors import ActionError, UnknownNameError
 from remqa_data.floorplans.ithor.scenes import load_scene
-from remqa_data.generators.arrangement.hiding_places import hiding_places
 from remqa_data.geometry.rotations import quaternion_of, rotation_of
 from remqa_data.geometry.types import F64
-from remqa_data.scene import Scene, SceneObject, StructureBox
+from remqa_data.scene import SceneObject
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.arm import HOME, Arm, ArmBase, ArmState
 from remqa_data.sim.arm.obstacles import Boxes, Obstacles, depth, first_push
@@ -22,18 +20,9 @@ from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.sim.navigation.grid import reach_distance
 from remqa_data.sim.physics.bullet import BulletClient, pybullet
 from remqa_data.sim.physics.world import Snapshot, World
+from tests.helpers.bare_rooms import first_of, mug, room
 
 BASE = ArmBase(0.0, 0.0, 0.0, 0.0)
-
-
-def room(*objects: SceneObject, walls=()) -> Scene:
-    floor = StructureBox("floor", (-3, -3, -0.1, 3, 3, 0), OAK)
-    extra = tuple(StructureBox("wall", box, OAK) for box in walls)
-    return Scene("Test", "kitchen", (-3, -3, 3, 3), 0.0, 2.5, ((0, 0, 2.4),), (floor, *extra), objects)
-
-
-def mug(x: float, y: float, z: float) -> SceneObject:
-    return SceneObject("Mug|1", AssetSpec("Mug", (0.12, 0.09, 0.1)), (x, y, z))
 
 
 def drawer(x: float) -> SceneObject:
@@ -140,7 +129,7 @@ def test_depth_is_what_pybullet_measures(seed: int) -> None:
 @settings(max_examples=30)
 @given(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0.1, 1.5)), st.floats(0.0, 1.0))
 def test_what_the_hand_touches_is_what_pybullet_says(point, openness: float) -> None:
-    with World(room(mug(0.4, 0.5, 0.8), drawer(0.6))) as world:
+    with World(room(mug(position=(0.4, 0.5, 0.8), is_fixed=True), drawer(0.6))) as world:
         world.open("Drawer|1", openness)
         arm = Arm(world)
         gaps = {}
@@ -174,7 +163,7 @@ def test_a_push_is_a_step_into_a_box_and_a_step_out_is_none() -> None:
 
 
 def test_boxes_follow_what_moves_and_leave_out_what_is_held() -> None:
-    with World(room(mug(0.5, 0.0, 0.05), drawer(0.6))) as world:
+    with World(room(mug(position=(0.5, 0.0, 0.05), is_fixed=True), drawer(0.6))) as world:
         obstacles = Obstacles(world)
         before = dict(zip(*map(tuple, _owned(obstacles)), strict=True))
         world.open("Drawer|1")
@@ -198,7 +187,9 @@ def _owned(obstacles: Obstacles) -> tuple[list[int], list[float]]:
 @given(st.integers(0, 10_000))
 def test_a_carried_arm_is_stopped_where_pybullet_says_it_touches(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    with World(room(mug(0.6, 0.5, 0.8), drawer(1.2), walls=[(-3, 0.9, 0, 3, 1, 2.5)])) as world:
+    with World(
+        room(mug(position=(0.6, 0.5, 0.8), is_fixed=True), drawer(1.2), walls=[(-3, 0.9, 0, 3, 1, 2.5)])
+    ) as world:
         arm = Arm(world)
         arm.move_hand(BASE, tuple(np.add(arm.shoulder(BASE), rng.uniform((0.2, -0.3, -0.2), (0.6, 0.3, 0.3)))))
         turn, ahead = rng.uniform(-90, 90), rng.uniform(0.0, 0.4)
@@ -342,7 +333,7 @@ def test_best_shoulders_agree_with_the_reach_of_the_planner(x: float, y: float, 
 
 def test_the_hands_ball_touches_what_it_reaches_and_nothing_else_does() -> None:
     table = (0.3, -1.0, 0.7, 1.0, 1.0, 0.75)
-    with World(room(mug(0.55, 0.1, 0.8), walls=[table])) as world:
+    with World(room(mug(position=(0.55, 0.1, 0.8), is_fixed=True), walls=[table])) as world:
         arm = Arm(world)
         assert arm.reach_object(BASE, "Mug|1").success
         assert np.linalg.norm(np.array(arm.hand(BASE)) - arm.shoulder(BASE)) <= AGENT.reach_m
@@ -357,13 +348,13 @@ def test_the_hands_ball_touches_what_it_reaches_and_nothing_else_does() -> None:
 @pytest.mark.slow
 def test_a_mug_behind_a_pane_is_blocked() -> None:
     pane = (0.4, -3.0, 0.0, 0.42, 3.0, 2.5)
-    with World(room(mug(0.5, 0.0, 0.9), walls=[pane])) as world:
+    with World(room(mug(position=(0.5, 0.0, 0.9), is_fixed=True), walls=[pane])) as world:
         move = Arm(world).reach_object(BASE, "Mug|1")
         assert (move.success, move.error) == (False, "structure is blocking")
 
 
 def test_what_is_too_far_away_is_not_within_reach() -> None:
-    with World(room(mug(1.5, 0.0, 0.9))) as world:
+    with World(room(mug(position=(1.5, 0.0, 0.9), is_fixed=True))) as world:
         assert Arm(world).reach_object(BASE, "Mug|1").error == "not within reach"
 
 
@@ -386,7 +377,7 @@ def test_a_movement_depends_on_the_room_and_the_arm_only_and_leaves_the_room_alo
         for object_id in one.ids[:12]:
             used.reach_object(base, object_id)
         used.state = HOME
-        toilet = next(o for o in one.ids if one.type_of(o) == "Toilet")
+        toilet = first_of(one, "Toilet")
         assert used.reach_object(base, toilet) == fresh.reach_object(base, toilet)
         assert one.save() == other.save()
         one.settle()
@@ -395,24 +386,6 @@ def test_a_movement_depends_on_the_room_and_the_arm_only_and_leaves_the_room_alo
 
 
 def _near(world: World, type_: str) -> tuple[float, float]:
-    box = world.box(next(o for o in world.ids if world.type_of(o) == type_))
+    box = world.box(first_of(world, type_))
     x, y = (box[0, :2] + box[1, :2]) / 2
     return float(x) + 0.6, float(y)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["FloorPlan4", "FloorPlan220", "FloorPlan308", "FloorPlan405"])
-def test_every_hiding_place_is_reached_from_its_goal(name: str) -> None:
-    scene = load_scene(name)
-    missed = []
-    with World(scene) as world:
-        world.settle()
-        arm = Arm(world)
-        for place in hiding_places(scene):
-            i, j = place.goal.cell
-            arm.state = HOME
-            base = ArmBase(i * AGENT.step_m, j * AGENT.step_m, place.goal.yaw_deg, scene.floor_z)
-            move = arm.reach_object(base, place.object_id)
-            if not move.success:
-                missed.append((place.object_id, move.error))
-    assert missed == []

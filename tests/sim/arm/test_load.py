@@ -13,7 +13,8 @@ from remqa_data.scene import SceneObject
 from remqa_data.sim.arm.arm import Arm, ArmBase
 from remqa_data.sim.arm.load import BALL_M, MARGIN_M, NOTHING, Load, _balls_in, load_of
 from remqa_data.sim.physics.world import World
-from tests.sim.arm.test_arm import BASE, mug, room
+from tests.helpers.bare_rooms import mug, room
+from tests.sim.arm.test_arm import BASE
 
 SIDE = st.floats(0.004, 0.4)
 
@@ -30,7 +31,7 @@ def test_balls_lie_in_their_box_and_are_everywhere_near_its_faces(size, seed: in
 
 
 def test_a_load_is_where_the_thing_is_held_and_turned() -> None:
-    with World(room(mug(0.4, 0.5, 0.8))) as world:
+    with World(room(mug(position=(0.4, 0.5, 0.8), is_fixed=True))) as world:
         turned = quaternion_of(rotation_of((0.0, math.sin(0.4), 0.0, math.cos(0.4))))
         state = world.state("Mug|1").elsewhere((0.5, 0.1, 1.0), turned)
         load = load_of(world, {"Mug|1": state}, (0.5, 0.0, 1.0))

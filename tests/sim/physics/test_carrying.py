@@ -12,7 +12,7 @@ from remqa_data.scene import Scene, SceneObject, StructureBox
 from remqa_data.sim.physics.carrying import met_nothing
 from remqa_data.sim.physics.support import supports
 from remqa_data.sim.physics.world import World
-from tests.sim.physics.test_world import mug, room
+from tests.helpers.bare_rooms import mug, room
 
 LOWER = SceneObject("Drawer|low", AssetSpec("Drawer", (0.5, 0.4, 0.16)), (0.0, 0.0, 0.50))
 UPPER = SceneObject("Drawer|high", AssetSpec("Drawer", (0.5, 0.4, 0.16)), (0.0, 0.0, 0.662))
@@ -96,15 +96,21 @@ def test_what_stands_on_a_cupboard_or_its_board_stays_when_its_door_opens() -> N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["FloorPlan204", "FloorPlan411"])
-def test_in_recorded_rooms_drawers_take_along_what_metadata_says_is_in_them(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "count"), [("FloorPlan1", 3), ("FloorPlan12", 4), ("FloorPlan204", 0), ("FloorPlan411", 0)]
+)
+def test_in_recorded_rooms_drawers_take_along_what_metadata_says_is_in_them(name: str, count: int) -> None:
+    """So many things are recorded to be in drawers of these rooms."""
     with settled(load_scene(name)) as world:
-        assert "Drawer" in map(world.type_of, world.ids)
-        for drawer in (o for o in world.ids if world.type_of(o) == "Drawer"):
+        drawers, found = [o for o in world.ids if world.type_of(o) == "Drawer"], 0
+        assert drawers
+        for drawer in drawers:
             held_by = supports(world, {o: world.box(o) for o in world.ids})
             inside = {o for o, support in held_by.items() if support.id == drawer}
             inside |= {o for o, support in held_by.items() if support.id in inside}
             assert set(world.contents(drawer)) == inside
+            found += len(inside)
+        assert found == count
 
 
 @pytest.mark.slow

@@ -10,21 +10,11 @@ import pytest
 
 from remqa_data.assets import build
 from remqa_data.assets.core.model import AssetSpec
-from remqa_data.assets.looks.materials import OAK
 from remqa_data.errors import ActionError, UnknownNameError
 from remqa_data.floorplans.ithor.scenes import load_scene
-from remqa_data.scene import Scene, SceneObject, StructureBox
+from remqa_data.scene import Scene, SceneObject
 from remqa_data.sim.physics.world import World
-
-
-def room(*objects: SceneObject) -> Scene:
-    floor = StructureBox("floor", (-3, -3, -0.1, 3, 3, 0), OAK)
-    return Scene("Test", "kitchen", (-3, -3, 3, 3), 0.0, 2.5, ((0, 0, 2.4),), (floor,), objects)
-
-
-def mug(object_id: str = "Mug|1", position=(0.0, 0.0, 0.3), is_fixed: bool = False) -> SceneObject:
-    return SceneObject(object_id, AssetSpec("Mug", (0.12, 0.09, 0.1)), position, is_fixed=is_fixed)
-
+from tests.helpers.bare_rooms import first_of, mug, room
 
 DRAWER = SceneObject("Drawer|1", AssetSpec("Drawer", (0.5, 0.4, 0.2)), (0.0, 0.0, 0.5))
 
@@ -89,7 +79,7 @@ def test_pick_up_and_put() -> None:
 
 def test_each_agent_has_a_hand(kitchen: Scene) -> None:
     with World(kitchen) as world:
-        apple, egg, fork = (next(i for i in world.ids if world.type_of(i) == kind) for kind in ("Apple", "Egg", "Fork"))
+        apple, egg, fork = (first_of(world, kind) for kind in ("Apple", "Egg", "Fork"))
         world.pick_up(apple, agent=1)
         with pytest.raises(ActionError, match=rf"cannot pick up {re.escape(apple)}: agent 1 holds it"):
             world.pick_up(apple)
@@ -162,8 +152,8 @@ def test_save_and_restore_are_exact_and_so_is_what_follows(kitchen: Scene) -> No
     with World(kitchen) as world:
         world.settle(60)
         saved = world.save()
-        drawer = next(i for i in world.ids if world.type_of(i) == "Drawer")
-        apple = next(i for i in world.ids if world.type_of(i) == "Apple")
+        drawer = first_of(world, "Drawer")
+        apple = first_of(world, "Apple")
         world.open(drawer)
         world.pick_up(apple)
         world.settle(30)
@@ -254,6 +244,7 @@ def test_each_door_of_a_wide_fridge_opens_and_leaves_what_stands_on_the_shelves(
         for n, space in enumerate(spaces)
         for side in (-1, 1)
     ]
+    assert things
     with World(room(fridge, *things)) as world:
         world.settle()
         links = world.assets["Fridge|1"].links

@@ -15,6 +15,7 @@ from remqa_data.sim.agent.third_person import RobotView
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera, Windows
 from remqa_data.sim.render.view import WorldView
+from tests.helpers.bare_rooms import first_of
 
 FROM_ABOVE = Camera.look_at((0.0, -0.6, 0.8), (0.1, 0.2, 0.05), width=80, height=80)
 
@@ -137,7 +138,7 @@ def test_of_some_objects_as_many_pixels_are_counted_as_of_all() -> None:
     """From anywhere: also of what is behind the camera in part, hidden, or out of the picture."""
     rng = np.random.default_rng(0)
     with World(load_scene("FloorPlan1")) as room:
-        fridge = next(name for name in room.ids if room.type_of(name) == "Fridge")
+        fridge = first_of(room, "Fridge")
         room.open(fridge, 1.0)
         view = WorldView(room)
         x0, y0, x1, y1 = room.scene.bounds

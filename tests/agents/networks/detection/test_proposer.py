@@ -90,12 +90,12 @@ def test_a_second_stage_looks_at_what_is_proposed_too() -> None:
     torch.manual_seed(0)
     first, second = Blind(3), Refiner(3)
     rgb = torch.randint(0, 255, (2, 3, 80, 80), dtype=torch.uint8)
-    assert all(len(found.boxes) == 0 for found in TwoStageDetector(first, second).detect(rgb))
+    assert [len(found.boxes) for found in TwoStageDetector(first, second).detect(rgb)] == [0, 0]
     second.proposer = Sure()
-    sure = TwoStageDetector(first, second)
+    looked = TwoStageDetector(first, second).detect(rgb)
     proposed = Sure().propose([AS_IT_IS, (FEATURES, CLOSER)], NOTHING_SEEN, LEAST_VOTES)
-    assert len(proposed) == 2
-    for found in sure.detect(rgb):
+    assert len(proposed) == len(looked) == 2
+    for found in looked:
         seen = np.unique(found.boxes, axis=0)
         assert np.allclose(seen, np.unique(proposed, axis=0))  # a stage that has learnt nothing moves none
 

@@ -169,6 +169,7 @@ def test_what_is_said_is_the_mean_of_a_look_at_the_picture_and_one_from_closer_b
     rgb = torch.zeros((2, 3, PICTURE_PX, PICTURE_PX), dtype=torch.uint8)
     detector = TwoStageDetector(Rough(3), Biased(3))
     seen, found = detector.look(rgb)
+    assert len(found) == 2
     assert seen.closely is not None
     assert seen.closely.rgb.shape[-1] == PICTURE_PX * CLOSER
     types = detector.types_of(seen.of(1), torch.from_numpy(ROUGH))

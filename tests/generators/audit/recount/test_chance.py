@@ -24,6 +24,7 @@ def test_a_cue_that_goes_with_the_answer_tells_it() -> None:
 @pytest.mark.slow
 def test_cues_that_are_luck_stay_at_chance() -> None:
     found = [cue_scores(views(np.random.default_rng(seed))) for seed in range(4)]
+    assert sum(map(len, found)) == 28
     lucky = [score for scores in found for score in scores if score.accuracy > score.luck]
     assert len(lucky) <= 4  # of 28, at 2.5 in 100 and a little more
     assert all(score.chance == 0.5 for scores in found for score in scores)

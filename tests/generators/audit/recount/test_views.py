@@ -67,4 +67,5 @@ def test_a_real_dataset_is_measured_row_by_row(one_room) -> None:
     assert (found.loc[positives, "evidence_px"] >= 50).all()
     assert found.loc[~positives, "evidence_px"].isna().all()
     counts = found.loc[found["kind"] == "COUNTING"]
+    assert len(counts) > 0
     assert (counts["newly_seen"] == counts["answer"].astype(int)).all()
