@@ -37,7 +37,7 @@ class AuditedRoom:
 
     Attributes
     ----------
-    place : ConfigurationInfo
+    info : ConfigurationInfo
         Names and split of its rows.
     scene : Scene
         The configuration, settled.
@@ -45,7 +45,7 @@ class AuditedRoom:
         A freshly loaded world of it; brought back to its first state after each sample.
     """
 
-    place: ConfigurationInfo
+    info: ConfigurationInfo
     scene: Scene
     rgb_format: RgbFormat = "jpeg"
 

@@ -24,7 +24,7 @@ from remqa_data.sim.render.camera import Camera, Scissor
 from remqa_data.sim.render.view import WorldView
 from remqa_data.tables.rows import QuestionRow
 
-LEAST_SHARE = 0.77
+LEAST_SHARE_BY_CHANCE = 0.77
 """Of the 0.8 that is asked for; counted by chance points, a share may come out so much lower."""
 WAYS = 5000.0
 """Things that are tried for each square metre in which their middles can be."""

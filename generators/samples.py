@@ -17,7 +17,7 @@ from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, share_in_view
 from remqa_data.generators.audited_room import AuditedRoom
-from remqa_data.generators.provable import LEAST_SHARE as LEAST_SHARE_BY_CHANCE
+from remqa_data.generators.provable import LEAST_SHARE_BY_CHANCE
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.questions import Candidate, mentioned_types
 from remqa_data.generators.revealed import Views
@@ -65,6 +65,10 @@ LEAST_STARTS = 12
 """A further goal pose counts if it leaves so many cells to start from."""
 LEAST_CONTRAST_DE = 8.2
 """Of evidence and its surroundings in the picture as it is stored; 8 are asked for, by whoever measures it otherwise."""
+
+
+CHANGED_FACTOR, CHANGED_M = 4, 1e-3
+"""A manipulation changes so many times the pixels that an object needs to be visible: what they show, or how far that is."""
 
 
 class Refusal(NamedTuple):
@@ -131,7 +135,7 @@ def _row(room: AuditedRoom, group: GroupPlan[HidingPlace], answer: Answer, task:
     """The sample as it is stored."""
     question, hiding = group.question, group.question.place
     before, after = views.before, views.after
-    name, form = f"{group.name}-c{room.place.configuration}", room.rgb_format
+    name, form = f"{group.name}-c{room.info.configuration}", room.rgb_format
     ids = room.replay.world.ids
     shown = shown_ids(before, after, ids)
     return QuestionRow(
@@ -141,10 +145,10 @@ def _row(room: AuditedRoom, group: GroupPlan[HidingPlace], answer: Answer, task:
         expression=question.expression.text,
         answer=answer.text,
         program=json.dumps(question.program),
-        scene=room.place.scene,
-        room_type=room.place.room_type,
-        configuration=room.place.configuration,
-        split=room.place.split,
+        scene=room.info.scene,
+        room_type=room.info.room_type,
+        configuration=room.info.configuration,
+        split=room.info.split,
         group=group.name,
         initial_pose=AgentState.of(room.grid, task.start),
         goal_poses=tuple(AgentState.of(room.grid, pose) for pose in task.goals),
@@ -200,7 +204,7 @@ def shown_ids(before: Observation, after: Observation, ids: Sequence[str]) -> tu
 def _misasked(room: AuditedRoom, group: GroupPlan[HidingPlace], answer: str) -> Refusal | None:
     """What the graph says against a question: another answer than was planned, or that it is not clear what it means."""
     question, hiding = group.question, group.question.place
-    wanted = group.answers[room.place.configuration]
+    wanted = group.answers[room.info.configuration]
     if answer != wanted:
         return Refusal("answer", f"{question.text} is {answer}, planned was {wanted}")
     if question.expression.text not in {found.text for found in room.expressions.of(hiding.object_id)}:
@@ -268,8 +272,8 @@ def _check_views(room: AuditedRoom, hiding: HidingPlace, witness_ids: tuple[str,
             return Refusal("sufficient", f"{object_id} shows fewer than {rules.min_evidence_px} pixels afterwards")
         if contrast_de(stored, after.objects == index) < LEAST_CONTRAST_DE:
             return Refusal("distinct", f"{object_id} hardly stands out from what surrounds it")
-    changed = changed_pixels((before.objects, before.depth), (after.objects, after.depth), 1e-3)
-    if changed < 4 * least:
+    changed = changed_pixels((before.objects, before.depth), (after.objects, after.depth), CHANGED_M)
+    if changed < CHANGED_FACTOR * least:
         return Refusal("sufficient", f"the manipulation of {hiding.object_id} hardly changes the view")
     return None
 

@@ -171,11 +171,11 @@ class _Attempt:
         """The rows of walks through all configurations."""
         rows: Rows = {"scenes": [], "frames": [], "expressions": [], "questions": []}
         for room in self.rooms:
-            rng = self.job.rng(f"walk {room.place.configuration}")
+            rng = self.job.rng(f"walk {room.info.configuration}")
             start = room.grid.cells[int(rng.integers(len(room.grid.cells)))]
             room.start_over(AgentPose(start, 0))
             walked = walk_through(
-                room.place,
+                room.info,
                 room.replay.view,
                 room.grid,
                 start,

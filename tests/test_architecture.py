@@ -1,6 +1,7 @@
 """The floors of docs/ARCHITECTURE.md are those of the code: every package is on one, and every import points down."""
 
 import ast
+import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -125,3 +126,15 @@ def test_no_folder_holds_more_modules_than_one_can_survey():
             folders[path.parent] = folders.get(path.parent, 0) + 1
     assert len(folders) > 30
     assert {str(folder.relative_to(ROOT)): count for folder, count in folders.items() if count > MOST_MODULES} == {}
+
+
+def test_what_decides_each_truth_is_where_the_architecture_says() -> None:
+    page = (ROOT / "docs" / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    table = page.split("Each is decided twice")[1].split("\nA question of how")[0]
+    named = {word for quoted in re.findall(r"`([^`]+)`", table) for word in re.split(r"[./]", quoted)} - {"yaml"}
+    code = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "generators").rglob("*.py"))
+    stems = {path.stem for path in (ROOT / "generators").rglob("*")} | {
+        path.stem for path in (ROOT / "templates").iterdir()
+    }
+    assert len(named) > 30
+    assert {word for word in named if word not in stems and not re.search(rf"\b{word}\b", code)} == set()

@@ -2,7 +2,7 @@
 
 Nothing that generation found is trusted: answers are worked out anew, and pictures are drawn anew. Some of what it looks
 with is used again: `surface_points`, `seen_share`, `most_pixels_anywhere`, the words of `question_words`, and the limits
-`FRONT_DEG`, `LEAST_SHARE` and `MOST_PIXELS`. The limits below are said again on purpose: where generation's
+`FRONT_DEG`, `LEAST_SHARE_BY_CHANCE` and `MOST_PIXELS`. The limits below are said again on purpose: where generation's
 are lowered, that comes to light.
 """
 
@@ -20,7 +20,7 @@ from remqa_data.errors import NoPathError, RemqaError, UnknownNameError, one_lin
 from remqa_data.generators.arrangement.hiding_goals import FRONT_DEG
 from remqa_data.generators.audit.failures import Broken, Failure, Truth
 from remqa_data.generators.audit.question_words import asked, understood
-from remqa_data.generators.provable import LEAST_SHARE, seen_share
+from remqa_data.generators.provable import LEAST_SHARE_BY_CHANCE, seen_share
 from remqa_data.generators.seen_anywhere import MOST_PIXELS, most_pixels_anywhere
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.geometry import arithmetic
@@ -282,7 +282,7 @@ class CheckedRoom:
             is_none = question.answer in (NO, "0") and inner_of(asked(question)) is None
             if is_manipulated and is_none and question.goal_poses:
                 share = seen_share(replay, question)
-                if share < LEAST_SHARE:
+                if share < LEAST_SHARE_BY_CHANCE:
                     yield (
                         "provable",
                         f"one sees {share:.0%} of the ways in which a {question.answer_type} could lie there",

@@ -33,7 +33,7 @@ def test_one_configuration_is_arranged_anew_where_a_sample_is_refused(monkeypatc
         room: AuditedRoom, group: GroupPlan[HidingPlace], rng: np.random.Generator
     ) -> QuestionRow | Refusal:
         if not refused:
-            refused.append(f"{group.name}-c{room.place.configuration}")
+            refused.append(f"{group.name}-c{room.info.configuration}")
             return Refusal("necessary", "seen from elsewhere")
         return make_sample(room, group, rng)
 
