@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 from remqa_data.catalog import object_type
@@ -20,12 +19,13 @@ from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.body import Body, direction
 from remqa_data.sim.agent.receptacles import put_into
 from remqa_data.sim.agent.results import SUCCEEDED, ActionResult
+from remqa_data.sim.arm.postures import HOME
 from remqa_data.sim.navigation.embodiment import Embodiment
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
 if TYPE_CHECKING:
-    from remqa_data.sim.arm.arm import Arm, ArmBase, ArmMove
+    from remqa_data.sim.arm.arm import Arm, ArmBase, ArmMove, ArmState
 
 __all__ = ["Agent", "Embodiment", "Hands"]
 
@@ -82,18 +82,34 @@ class Agent(Body):
         super().__init__(world, view, position, yaw_deg, horizon_deg, is_standing, embodiment=embodiment)
         self.hands: Hands = hands
         self.number = number
+        self._arm: Arm | None = None
 
     @property
     def held(self) -> str | None:
         """Id of what it holds."""
         return self.world.held_by(self.number)
 
-    @cached_property
+    @property
     def arm(self) -> Arm:
         """Its arm, which is folded until it is used."""
+        if self._arm is None:
+            self._arm = self._new_arm()
+        return self._arm
+
+    def _new_arm(self) -> Arm:
         from remqa_data.sim.arm.arm import Arm
 
         return Arm(self.world)
+
+    @property
+    def arm_state(self) -> ArmState:
+        """How its arm is held."""
+        return HOME if self._arm is None else self._arm.state
+
+    def fold_arm(self) -> None:
+        """Let the whole arm be above the base."""
+        if self._arm is not None:
+            self._arm.state = HOME
 
     @property
     def base(self) -> ArmBase:
@@ -291,10 +307,7 @@ class Agent(Body):
 
     def _prepare_to_move(self) -> None:
         """Fold the arm, so that it meets nothing."""
-        if "arm" in self.__dict__:  # it has been used
-            from remqa_data.sim.arm.arm import HOME
-
-            self.arm.state = HOME
+        self.fold_arm()
 
     def _until_it_meets_an_agent(self, object_id: str, was: float, goal: float, position: Vec2) -> float:
         """How far a door or drawer can be moved before it touches an agent at a position, if not all the way."""

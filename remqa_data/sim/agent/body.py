@@ -21,7 +21,14 @@ from remqa_data.sim.render.view import WorldView
 
 
 class Body:
-    """What `remqa_data.sim.agent.agent.Agent` is without its hands; see there for the parameters."""
+    """What `remqa_data.sim.agent.agent.Agent` is without its hands; see there for the parameters.
+
+    Notes
+    -----
+    A subclass may say what else happens when the body moves, and what else is in its way: `_prepare_to_move` is called before
+    it moves, `_face` to turn it, and `_arrive` after a teleport; `_blocker`, `_blocker_of_turn` and `_blocker_at` name what
+    keeps it from a step, a turn, and from standing somewhere. None of them is called while it is made.
+    """
 
     def __init__(
         self,
@@ -37,8 +44,9 @@ class Body:
         self.world, self.view = world, view
         self.embodiment = embodiment or Embodiment()
         self.ground = Ground(world, self.embodiment)
-        self.yaw_deg = _turn(float(yaw_deg))
-        self.place(position, yaw_deg, horizon_deg, is_standing)
+        _check_finite(*position, yaw_deg, horizon_deg)
+        self.x, self.y = float(position[0]), float(position[1])
+        self.yaw_deg, self.horizon_deg, self.is_standing = _turn(float(yaw_deg)), float(horizon_deg), is_standing
 
     # ---- where it is
 

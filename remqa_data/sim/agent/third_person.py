@@ -11,7 +11,7 @@ import numpy.typing as npt
 from remqa_data.geometry.types import F64
 from remqa_data.sim.agent.agent import Agent
 from remqa_data.sim.arm import body as arm_body
-from remqa_data.sim.arm.postures import COLUMN_TOP_M, HOME
+from remqa_data.sim.arm.postures import COLUMN_TOP_M
 from remqa_data.sim.render.camera import NEAR_M, AnyCamera, Camera
 from remqa_data.sim.render.view import WorldView
 
@@ -137,4 +137,4 @@ ARM = slice(3, None)
 def body_of(agent: Agent) -> F64:
     """(n, 4, 4) poses in the room of the parts of `robot_surfaces`, of an agent as it stands and holds its arm."""
     eye = agent.embodiment.eye_height_m(agent.is_standing)
-    return arm_body.robot_poses(agent.base, agent.arm.state if "arm" in vars(agent) else HOME, eye)
+    return arm_body.robot_poses(agent.base, agent.arm_state, eye)

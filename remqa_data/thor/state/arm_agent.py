@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -16,7 +15,6 @@ from remqa_data.geometry.types import F64, Vec2, Vec3
 from remqa_data.sim.agent.agent import Hands
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.arm import jaco
-from remqa_data.sim.arm.arm import HOME as FOLDED
 from remqa_data.sim.arm.arm import Arm, ArmBase
 from remqa_data.sim.arm.load import NOTHING, Load, load_of
 from remqa_data.thor.state.agent import ThorAgent
@@ -37,8 +35,7 @@ class ArmAgent(ThorAgent):
         super().__init__(*args, **kwargs)
         self._grasp: F64 = np.zeros(3)
 
-    @cached_property
-    def arm(self) -> Arm:
+    def _new_arm(self) -> Arm:
         """See `Agent`; what the hand holds and other agents are in its way."""
 
         def load() -> Load:
@@ -58,12 +55,13 @@ class ArmAgent(ThorAgent):
     @contextmanager
     def elsewhere(self) -> Iterator[None]:
         """See `ThorAgent`; the arm is as it was, too."""
-        before = self.arm.state
+        before = self.arm_state
         try:
             with super().elsewhere():
                 yield
         finally:
-            self.arm.state = before
+            if self.arm_state != before:
+                self.arm.state = before
 
     # ---- the hand, and what it holds
 
@@ -155,7 +153,7 @@ class ArmAgent(ThorAgent):
 
     def _fold_if_in_something(self) -> None:
         if not self.arm.is_free(self.base):
-            self.arm.state = FOLDED
+            self.fold_arm()
 
     def _blocker(self, start: Vec2, end: Vec2) -> str | None:
         """See `Body`; what the arm meets is in the way, too."""
