@@ -1,10 +1,15 @@
 """One exception class per cause. All derive from `RemqaError`, so a caller can catch the whole family."""
 
+from __future__ import annotations
+
 import difflib
 import reprlib
 from collections.abc import Iterable
 from itertools import islice
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = 120
@@ -28,6 +33,23 @@ def one_line(error: object) -> str:
     a name that clears the screen: \x1b[2J
     """
     return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in " ".join(str(error).split()))
+
+
+def named(names: Iterable[str], most: int) -> str:
+    """Some names, and how many more there are.
+
+    >>> named(["a", "b", "c"], most=2), named(["a"], most=2)
+    ('a, b and 1 more', 'a')
+    """
+    every = list(names)
+    return ", ".join(every[:most]) + (f" and {len(every) - most} more" if len(every) > most else "")
+
+
+def what_is_invalid(error: ValidationError) -> str:
+    """The first field of which pydantic complains, and what is wrong with it, in one line."""
+    first = error.errors()[0]
+    field = ".".join(str(part) for part in first["loc"]) or "the whole text"
+    return f"{one_line(field)}: {one_line(first['msg'])}"
 
 
 class _RaisedAnew(type):

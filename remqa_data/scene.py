@@ -16,7 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 from remqa_data import limits
 from remqa_data.assets.core.model import AssetSpec, Material
 from remqa_data.assets.looks.textures import TEXTURE_NAMES
-from remqa_data.errors import SceneFormatError, UnknownNameError, one_line
+from remqa_data.errors import SceneFormatError, UnknownNameError, what_is_invalid
 from remqa_data.files import atomic_path
 from remqa_data.geometry.types import Box, Rect, Vec3
 
@@ -142,9 +142,7 @@ class Scene:
         try:
             scene = _ADAPTER.validate_json(text)
         except ValidationError as error:
-            first = error.errors()[0]
-            field = ".".join(str(part) for part in first["loc"]) or "the whole text"
-            raise SceneFormatError(f"{where}: {field}: {one_line(first['msg'])}") from None
+            raise SceneFormatError(f"{where}: {what_is_invalid(error)}") from None
         if scene.format_version != FORMAT_VERSION:
             msg = f"{where}: format version {scene.format_version}; this package reads {FORMAT_VERSION}"
             raise SceneFormatError(msg)

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from remqa_data.errors import QuotaError, counted
+from remqa_data.errors import QuotaError, counted, named
 from remqa_data.floorplans.sampled.naming import is_sampled
 from remqa_data.generators.questions.capacity_table import SceneCapacity, recorded_capacities
 from remqa_data.generators.questions.splits import QUESTION_SPLITS, QuestionSplit, split_of
@@ -117,10 +117,10 @@ def _lots_of(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, tot
 def _too_many(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, total: int) -> str:
     """Why rooms cannot take a total, and what to ask for instead."""
     most = LOT_SIZE * sum(room.most[kind] for room in rooms)
-    names = f"the {counted(len(rooms), 'room').removeprefix('1 ')} {_some([room.scene for room in rooms])}"
+    names = f"the {counted(len(rooms), 'room').removeprefix('1 ')} {named((room.scene for room in rooms), most=5)}"
     have = f"{names} can be asked {f'at most {most}' if most else 'none'}"
     if most and (empty := [room.scene for room in rooms if room.most[kind] == 0]):
-        have += f" ({_some(empty)} none)"
+        have += f" ({named(empty, most=5)} none)"
     others = _other_rooms(rooms, split, kind)
     return f"{total} questions need rooms that can be asked as many; {have}; ask for {others}fewer questions"
 
@@ -245,7 +245,3 @@ def _deal_lots(limits: Sequence[Mapping[str, int]], count: int, first: Mapping[s
             if dealt[name] < limit[name]:
                 heapq.heappush(waiting, (turn(name, limit[name]), order, name))
     return dealt
-
-
-def _some(names: Sequence[str]) -> str:
-    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")

@@ -14,7 +14,7 @@ from typing import ClassVar, get_args
 import networkx as nx
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
-from remqa_data.errors import SceneGraphError, UnknownNameError
+from remqa_data.errors import SceneGraphError, UnknownNameError, what_is_invalid
 from remqa_data.scene_graph.relations import Edge, Relation, RelationRules, edges_between, relation_rules
 from remqa_data.sim.metadata import FrameMetadata, ObjectMetadata
 
@@ -44,9 +44,7 @@ class GraphUpdate:
         try:
             return _UPDATE.validate_json(text)
         except ValidationError as error:
-            first = error.errors()[0]
-            field = ".".join(str(part) for part in first["loc"]) or "the whole text"
-            raise SceneGraphError(f"{where}: {field}: {first['msg']}") from None
+            raise SceneGraphError(f"{where}: {what_is_invalid(error)}") from None
 
 
 _UPDATE = TypeAdapter(GraphUpdate)

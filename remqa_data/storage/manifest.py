@@ -21,7 +21,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from remqa_data.errors import DatasetError, one_line
+from remqa_data.errors import DatasetError, one_line, what_is_invalid
 from remqa_data.files import uri_of
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.folder import Folder
@@ -194,9 +194,7 @@ def load_manifest(root: str | os.PathLike[str]) -> Manifest:
     try:
         manifest = _ADAPTER.validate_json(text)
     except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"]) or "the whole text"
-        raise DatasetError(f"{path}: {field}: {first['msg']}; generate the dataset again") from None
+        raise DatasetError(f"{path}: {what_is_invalid(error)}; generate the dataset again") from None
     _check_names(path, manifest.files)
     return manifest
 

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import get_args
 
-from remqa_data.errors import DatasetError
+from remqa_data.errors import DatasetError, named
 from remqa_data.files import name_of_leftover
 from remqa_data.storage.card import CARD, CROISSANT
 from remqa_data.storage.locks import is_lock
@@ -80,7 +79,7 @@ def look(storage: Storage) -> Place:
     foreign += [name for name, sign in _SIGNS.items() if name in paths and sign not in storage.read(name)]
     if foreign:
         raise DatasetError(
-            f"{storage.where()} holds {_some(foreign)}: no part of a dataset of ours; give another folder"
+            f"{storage.where()} holds {named(sorted(foreign), most=3)}: no part of a dataset of ours; give another folder"
         )
     has_parts = any(path.startswith(f"{PARTS}/") for path in paths)
     return Place(not paths, listed is not None, has_parts, tuple(name for name in _SIGNS if name not in paths))
@@ -146,9 +145,3 @@ def _remove_all(storage: Storage, folder: str) -> None:
         storage.delete_folder(folder)
     else:
         storage.delete(path for path in found if is_known(path))
-
-
-def _some(names: Iterable[str], most: int = 3) -> str:
-    ordered = sorted(names)
-    more = f" and {len(ordered) - most} more" if len(ordered) > most else ""
-    return ", ".join(ordered[:most]) + more

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
 
-from remqa_data.errors import DatasetError
+from remqa_data.errors import DatasetError, what_is_invalid
 from remqa_data.files import atomic_path, sha256_of
 from remqa_data.storage.manifest import Manifest, config_hash
 from remqa_data.version import __version__
@@ -209,9 +209,7 @@ def _last(path: str) -> str:
 
 
 def _unreadable(path: Path, error: ValidationError) -> DatasetError:
-    first = error.errors()[0]
-    field = ".".join(str(part) for part in first["loc"]) or "the whole text"
-    return DatasetError(f"{path}: {field}: {first['msg']}; remove the cache and make it again")
+    return DatasetError(f"{path}: {what_is_invalid(error)}; remove the cache and make it again")
 
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", re.ASCII)

@@ -111,8 +111,8 @@ class _Known:
 
     Attributes
     ----------
-    others : tuple of (float, float)
-        Where the other agents were.
+    others : tuple of bytes
+        Where the other agents were, and what of their arms was held out.
     can_walk : dict
         Whether the agent can walk from a place to another, by both; see `_exact`.
     ways : dict
@@ -121,7 +121,7 @@ class _Known:
         From a place to a goal, by both.
     """
 
-    others: tuple[Vec2, ...] = ()
+    others: tuple[bytes, ...] = ()
     can_walk: dict[tuple[Cell, Cell], bool] = field(default_factory=dict)
     ways: dict[Cell, _WaysTo] = field(default_factory=dict)
     metres_left: dict[tuple[Cell, Cell], float] = field(default_factory=dict)
@@ -172,7 +172,8 @@ def _known(simulator: SimulatorState) -> _Known:
     """What is known of the room as it is now."""
     agent = simulator.agent
     known = _KNOWN.setdefault(agent.grid.graph, _Known())
-    others = tuple((other.x, other.y) for other in simulator.room.agents if other is not agent)
+    tall = agent.embodiment.height_m
+    others = tuple(other.outline(tall).tobytes() for other in simulator.room.agents if other is not agent)
     if known.others != others or len(known.can_walk) > MOST_REMEMBERED:
         known.others, known.can_walk = others, {}
     if len(known.metres_left) > MOST_REMEMBERED:
