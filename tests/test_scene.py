@@ -70,7 +70,7 @@ def test_objects_by_id() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("forgery", room_forgeries(), ids=lambda forgery: forgery.what)
+@pytest.mark.parametrize("forgery", list(room_forgeries()), ids=lambda forgery: forgery.what)
 def test_a_room_that_cannot_be_is_refused_or_built_in_no_time(forgery):
     text = forgery.change(small_scene().to_json().decode())
     started, said = time.process_time(), ""
