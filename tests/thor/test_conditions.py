@@ -189,6 +189,7 @@ def test_eggs_are_broken_alike_by_either_action(kitchen, held) -> None:
         if held:
             assert forced(kitchen, "PickupObject", "Egg")
         assert kitchen.step(action, **arguments)
+        assert kitchen.last_event.metadata["errorMessage"] == ""
         assert first(kitchen, "Egg")["isBroken"]
         assert first(kitchen, "EggCracked")
         assert kitchen.last_event.metadata["inventoryObjects"] == []

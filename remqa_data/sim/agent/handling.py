@@ -19,7 +19,7 @@ from remqa_data.geometry.types import F64, Vec3
 from remqa_data.sim.physics.support import Support, contents_of, supports
 from remqa_data.sim.physics.world import SETTLE_STEPS, World
 
-Place = TypeVar("Place")
+Where = TypeVar("Where")
 
 DROP_SPOTS_M = ((0.45, 0.9), (0.6, 0.9), (0.45, 1.3), (0.35, 1.1), (0.6, 0.4), (0.75, 0.9))
 """Where a thing is let go: how far before the agent and how high above the floor, the best first."""
@@ -149,7 +149,7 @@ def slide(
     """
     held_by = support_of(world, object_id, by_agents=True)
     if held_by is None and world.state(object_id).is_fixed:
-        return Slide(0.0, "what it hangs on")
+        return Slide(0.0, "what holds it")
     wholes = [object_id, *parts_of(world, object_id)]
     group = list(dict.fromkeys([*wholes, *(name for whole in wholes for name in world.contents(whole))]))
     leaning = [name for whole in wholes for name in world.borne(whole) if name not in group]
@@ -229,9 +229,9 @@ def touched(world: World, object_id: str) -> dict[str, float]:
     return {other: -gap for other, gap in world.overlapping(object_id, AROUND_M) if gap <= 0.0}
 
 
-def deeper(now: Mapping[Place, float], before: Mapping[Place, float]) -> list[Place]:
+def deeper(now: Mapping[Where, float], before: Mapping[Where, float]) -> list[Where]:
     """Where something is deeper in something than it was before, metres, by more than things that touch are."""
-    return [place for place, depth in now.items() if depth > before.get(place, 0.0) + OVERLAP_M]
+    return [where for where, depth in now.items() if depth > before.get(where, 0.0) + OVERLAP_M]
 
 
 def sunk_into(world: World, object_id: str, most_m: float = OVERLAP_M) -> list[str]:

@@ -83,7 +83,7 @@ def break_all(simulator: SimulatorState, targets: Sequence[str]) -> list[str]:
         if holder is not None:
             holder.drop(force=True)
         broken.append(target)
-    if cracked := [name for name in broken if name in eggs]:
+    if cracked := [name for name in broken if name in eggs and name not in room.world.held]:
         cut(simulator, cracked)
     return broken
 
@@ -119,9 +119,8 @@ def _put(
     if refusal is not None:
         return refusal
     if name == BROKEN and is_so:
-        return ActionResult(
-            bool(break_all(simulator, [target])), f"{target} is in what is held: put that down to break it"
-        )
+        is_broken = break_all(simulator, [target]) == [target]
+        return ActionResult(is_broken, "" if is_broken else f"{target} is in what is held: put that down to break it")
     room.conditions.put(target, name, is_so, liquid)
     return ActionResult(True)
 
