@@ -45,6 +45,9 @@ NOTE = "run.json"
 VIEWS_KEPT = 600
 """Whoever plays walks by the same places; 0.8 GB in each process."""
 
+Room = tuple[str, int]
+"""Scene and configuration."""
+
 
 @dataclass(frozen=True)
 class Player:
@@ -75,7 +78,7 @@ class Player:
         """Where finished rooms lie."""
         return parts_path(self.path)
 
-    def part(self, room: tuple[str, int]) -> Path:
+    def part(self, room: Room) -> Path:
         """Where the rows about a scene and a configuration go."""
         return self.parts / f"{room[0]}-c{room[1]}.jsonl"
 
@@ -88,8 +91,8 @@ class PlayJob:
     ----------
     root, split : path, str
         Of the dataset.
-    room : (str, int)
-        Scene and configuration.
+    room : Room
+        Where.
     question_ids : tuple of str
     players : tuple of Player
         Those that have not played there yet, one after the other: the room is loaded and lit once for all.
@@ -97,7 +100,7 @@ class PlayJob:
 
     root: Path
     split: str
-    room: tuple[str, int]
+    room: Room
     question_ids: tuple[str, ...]
     players: tuple[Player, ...]
 
@@ -181,47 +184,70 @@ def play_all(
     ConfigError
         If what is to be gone on with is another run.
     """
-    for path, count in Counter(player.path for player in players).items():
-        if count > 1:
-            raise ConfigError(
-                f"{count} systems would write {path}: let them play one after the other, to folders of their own"
-            )
-    dataset = dataset_sha256(load_manifest(root))
-    asked = read_table(root, "questions", split, ["question_id", "scene", "configuration"]).to_pylist()
-    if only is not None:
-        wanted = frozenset(only)
-        asked = [row for row in asked if row["question_id"] in wanted]
+    _check_paths_differ(players)
+
+    def tell(played: int) -> None:
+        if progress is not None and played:
+            progress(played)
+
+    dataset, asked = dataset_sha256(load_manifest(root)), _questions(root, split, only)
+    rooms = _by_room(asked)
     questions = crc32(" ".join(row["question_id"] for row in asked).encode())
     about = {"dataset": dataset, "split": split, "questions": questions, "version": __version__}
     runs = {player.path: about | _told_of(player) for player in players}
     playing = [player for player in players if not (resume and _is_finished(player.path, runs[player.path]))]
-    if progress is not None and len(playing) < len(players):
-        progress(len(asked) * (len(players) - len(playing)))
     for player in playing:
         _prepare(player.parts, runs[player.path], resume)
-    rooms: dict[tuple[str, int], list[str]] = {}
-    for row in asked:
-        rooms.setdefault((row["scene"], row["configuration"]), []).append(row["question_id"])
-    jobs = []
-    for room, ids in rooms.items():
-        waiting = tuple(player for player in playing if not player.part(room).is_file())
-        if progress is not None and len(waiting) < len(playing):
-            progress(len(ids) * (len(playing) - len(waiting)))
-        if waiting:
-            jobs.append(PlayJob(root, split, room, tuple(ids), waiting))
+    jobs = _jobs(root, split, rooms, playing)
+    tell(len(asked) * len(players) - sum(map(_size, jobs)))  # what has been played already
     for job, _ in LocalExecutor(min(workers, len(jobs)) or 1).run(play_room, jobs):
-        if progress is not None:
-            progress(len(job.question_ids) * len(job.players))
+        tell(_size(job))
     for player in playing:
-        header = Header(track="remqa", split=split, dataset=dataset, agent=player.title)
         parts = [player.part(room) for room in rooms]
         rows = {row["question_id"]: row for part in parts for row in _rows(part)}
+        header = Header(track="remqa", split=split, dataset=dataset, agent=player.title)
         write_submission(player.path, header, [rows[row["question_id"]] for row in asked])
         _write_pace(player.path, rows.values(), parts, runs[player.path])
     for player in players:
         if (player.parts / NOTE).is_file():  # a run that was stopped here has left them
             shutil.rmtree(player.parts)
     return len(asked)
+
+
+def _check_paths_differ(players: Iterable[Player]) -> None:
+    for path, count in Counter(player.path for player in players).items():
+        if count > 1:
+            raise ConfigError(
+                f"{count} systems would write {path}: let them play one after the other, to folders of their own"
+            )
+
+
+def _questions(root: Path, split: str, only: Sequence[str] | None) -> list[dict[str, Any]]:
+    """Ids and rooms of the questions of a split, or of some of them."""
+    asked: list[dict[str, Any]] = read_table(
+        root, "questions", split, ["question_id", "scene", "configuration"]
+    ).to_pylist()
+    wanted = None if only is None else frozenset(only)
+    return [row for row in asked if wanted is None or row["question_id"] in wanted]
+
+
+def _by_room(asked: Iterable[dict[str, Any]]) -> dict[Room, list[str]]:
+    """Ids of questions by the configuration that they are about."""
+    rooms: dict[Room, list[str]] = {}
+    for row in asked:
+        rooms.setdefault((row["scene"], row["configuration"]), []).append(row["question_id"])
+    return rooms
+
+
+def _jobs(root: Path, split: str, rooms: dict[Room, list[str]], playing: Sequence[Player]) -> list[PlayJob]:
+    """What is left to play: in each room, by those who have not played there yet."""
+    waiting = {room: tuple(player for player in playing if not player.part(room).is_file()) for room in rooms}
+    return [PlayJob(root, split, room, tuple(ids), waiting[room]) for room, ids in rooms.items() if waiting[room]]
+
+
+def _size(job: PlayJob) -> int:
+    """How many questions are played, by all players."""
+    return len(job.question_ids) * len(job.players)
 
 
 def play_room(job: PlayJob) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from remqa_data.generators.arrangement.hiding_check import HidingWish
 from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, plan_ratio
 from remqa_data.generators.questions.groups import GroupPlan
-from remqa_data.generators.questions.questions import confusable, mentioned_types
+from remqa_data.generators.questions.questions import any_confusable, mentioned_types
 from remqa_data.generators.questions.sites import FittingTypes, HasRoom, SiteKey, site_key
 
 ASKED_FACTOR = 4.0
@@ -72,62 +73,88 @@ def distractors(
     for group in groups:
         sites.setdefault(site_key(group.question.place), []).append(group)
     named = {name for group in groups for name in mentioned_types(group.question.expression.program)}
-    asked = {group.question.type for group in groups}
-    used: Counter[str] = Counter()
+    draw = _Draw(fitting, has_room, clashes, frozenset(group.question.type for group in groups), rng)
     made: list[list[HidingWish]] = [[] for _ in range(configurations)]
     for key, own in sites.items():
-        place = own[0].question.place
-        counts = np.sum([group.counts for group in own], axis=0)
-        at_site = tuple(sorted({g.question.type for g in own if g.question.partner is None}))
-        taken = named.union(*(group.question.types for group in own))
-        stay = (before or {}).get(key, ())
-        if stay and not any(confusable(name, other) for names in stay for name in names for other in taken):
-            for number, names in enumerate(stay):
-                made[number] += [HidingWish(place, name, count) for name, count in sorted(Counter(names).items())]
-                used.update(names)
-            continue
-        for number in range(configurations):
-            missing = [g.question.type for g in own for _ in range(max(g.counts) - g.counts[number])]
-            there = [name for g in own for name in g.things(number)]
-            chosen: list[str] = []
-            for wanted in missing[: int(counts.max() - counts[number])]:
-                options = [
-                    (name, weight * _likeness(name, wanted) * (ASKED_FACTOR if name in asked else 1.0))
-                    for name, weight in fitting(place, 1)
-                    if not any(confusable(name, other) for other in taken)
-                    and not any(clash <= {*there, *chosen, name} for clash in clashes.get(key, ()))
-                ]
-                weights = {name: weight / AGAIN_FACTOR ** used[name] for name, weight in options}
-                name = _that_fits(place, [*there, *chosen], at_site, weights, has_room, rng)
-                if name is None and (there or chosen):
-                    break  # something comes to light all the same
-                if name is None:
-                    msg = f"{place.object_id}: nothing else than {wanted} can be hidden {place.relation} it"
-                    raise ArrangementError(msg, *key, at_site)
-                chosen.append(name)
-                used[name] += 1
-            made[number] += [HidingWish(place, name, count) for name, count in sorted(Counter(chosen).items())]
+        place, taken = own[0].question.place, named.union(*(group.question.types for group in own))
+        chosen = (before or {}).get(key, ())
+        if chosen and not any_confusable((name for names in chosen for name in names), taken):
+            for names in chosen:
+                draw.used.update(names)
+        else:
+            chosen = [draw.beside(key, own, number, taken) for number in range(configurations)]
+        for wishes, names in zip(made, chosen, strict=True):
+            wishes += [HidingWish(place, name, count) for name, count in sorted(Counter(names).items())]
     return made
 
 
-def _that_fits(
-    place: HidingPlace,
-    there: Sequence[str],
-    at_site: tuple[str, ...],
-    weights: Mapping[str, float],
-    has_room: HasRoom[HidingPlace],
-    rng: np.random.Generator,
-) -> str | None:
-    """A type drawn by its weight of which a place takes one more beside what is there; None if there is none."""
-    left = dict(weights)
-    while left:
-        names = sorted(left)
-        shares = np.array([left[name] for name in names])
-        name = names[int(rng.choice(len(names), p=shares / shares.sum()))]
-        if has_room(place, tuple(sorted((*there, name))), at_site):
-            return name
-        del left[name]
-    return None
+@dataclass
+class _Draw:
+    """Draws types for one place after the other; parameters as of `distractors`.
+
+    Attributes
+    ----------
+    asked : frozenset of str
+        Types that questions of the room ask for.
+    used : Counter
+        How often a type was chosen already.
+    """
+
+    fitting: FittingTypes[HidingPlace]
+    has_room: HasRoom[HidingPlace]
+    clashes: Mapping[SiteKey, Collection[frozenset[str]]]
+    asked: frozenset[str]
+    rng: np.random.Generator
+    used: Counter[str] = field(default_factory=Counter)
+
+    def beside(
+        self, key: SiteKey, own: Sequence[GroupPlan[HidingPlace]], number: int, taken: Collection[str]
+    ) -> list[str]:
+        """Types for a place in one configuration, beside what its own questions ask for there; none of those that are taken."""
+        place, counts = own[0].question.place, np.sum([group.counts for group in own], axis=0)
+        at_site = tuple(sorted({g.question.type for g in own if g.question.partner is None}))
+        missing = [g.question.type for g in own for _ in range(max(g.counts) - g.counts[number])]
+        there = [name for g in own for name in g.things(number)]
+        chosen: list[str] = []
+        for wanted in missing[: int(counts.max() - counts[number])]:
+            weights = self._weights(key, place, wanted, {*there, *chosen}, taken)
+            name = self._that_fits(place, [*there, *chosen], at_site, weights)
+            if name is None and (there or chosen):
+                break  # something comes to light all the same
+            if name is None:
+                msg = f"{place.object_id}: nothing else than {wanted} can be hidden {place.relation} it"
+                raise ArrangementError(msg, *key, at_site)
+            chosen.append(name)
+            self.used[name] += 1
+        return chosen
+
+    def _weights(
+        self, key: SiteKey, place: HidingPlace, wanted: str, there: set[str], taken: Collection[str]
+    ) -> dict[str, float]:
+        """How often each type is to be drawn in the place of one that is wanted."""
+        return {
+            name: weight
+            * _likeness(name, wanted)
+            * (ASKED_FACTOR if name in self.asked else 1.0)
+            / AGAIN_FACTOR ** self.used[name]
+            for name, weight in self.fitting(place, 1)
+            if not any_confusable([name], taken)
+            and not any(clash <= there | {name} for clash in self.clashes.get(key, ()))
+        }
+
+    def _that_fits(
+        self, place: HidingPlace, there: Sequence[str], at_site: tuple[str, ...], weights: Mapping[str, float]
+    ) -> str | None:
+        """A type drawn by its weight of which a place takes one more beside what is there; None if there is none."""
+        left = dict(weights)
+        while left:
+            names = sorted(left)
+            shares = np.array([left[name] for name in names])
+            name = names[int(self.rng.choice(len(names), p=shares / shares.sum()))]
+            if self.has_room(place, tuple(sorted((*there, name))), at_site):
+                return name
+            del left[name]
+        return None
 
 
 def _likeness(one: str, wanted: str) -> float:
