@@ -97,6 +97,18 @@ def test_arguments_of_earlier_versions_are_taken(controller: Controller) -> None
     assert not controller.last_event.metadata["inventoryObjects"]
 
 
+def test_time_goes_on_step_by_step_only_while_it_is_paused(controller: Controller) -> None:
+    controller.reset("FloorPlan405")
+    assert not controller.step("AdvancePhysicsStep")
+    assert controller.step("AdvancePhysicsStep", allowAutoSimulation=True)
+    assert controller.step("PausePhysicsAutoSim")
+    assert controller.step("AdvancePhysicsStep", timeStep=0.05, simSeconds=1.0)
+    for wrong in ({"timeStep": 0.0}, {"timeStep": 0.06}, {"simSeconds": -1.0}):
+        assert not controller.step("AdvancePhysicsStep", **wrong)
+    assert controller.step("UnpausePhysicsAutoSim")
+    assert not controller.step("AdvancePhysicsStep")
+
+
 def test_visible_things_open_as_far_as_is_asked() -> None:
     kitchen = Controller(scene="FloorPlan2", width=64, height=64)
     drawer = next(name for name, thing in objects(kitchen).items() if thing["objectType"] == "Drawer")

@@ -25,6 +25,7 @@ from remqa_data.thor.state.settings import QUALITIES, FrameSize, Images, Setting
 from remqa_data.thor.state.simulator import SCENE_SUFFIX, SimulatorState
 
 MOST_AGENTS = 8
+MOST_TIME_STEP_S = 0.05
 ORTHOGRAPHIC_SIZE = 5.0
 """Half of the height, metres, that a camera without perspective shows if it is not told."""
 EYE = "FirstPersonCharacter"
@@ -160,8 +161,31 @@ def do_nothing(simulator: SimulatorState) -> ActionResult:
     return ActionResult(True)
 
 
-def advance_physics(simulator: SimulatorState, timeStep: float = 0.02) -> ActionResult:
-    """Nothing is in motion between actions, so time has nothing to do."""
+def pause_physics(simulator: SimulatorState) -> ActionResult:
+    """Say that physics is to go on by AdvancePhysicsStep only; as all is at rest between actions, that changes nothing."""
+    simulator.is_paused = True
+    return ActionResult(True)
+
+
+def unpause_physics(simulator: SimulatorState) -> ActionResult:
+    """Say that physics is to go on by itself."""
+    simulator.is_paused = False
+    return ActionResult(True)
+
+
+def advance_physics(
+    simulator: SimulatorState,
+    timeStep: float = 0.02,
+    simSeconds: float | None = None,
+    allowAutoSimulation: bool = False,
+) -> ActionResult:
+    """Let physics go on, seconds, as AI2-THOR allows it: there is nothing left to do."""
+    if not (simulator.is_paused or allowAutoSimulation):
+        return ActionResult(False, "physics goes on by itself: PausePhysicsAutoSim first, or set allowAutoSimulation")
+    if not 0.0 < timeStep <= MOST_TIME_STEP_S:
+        return ActionResult(False, f"timeStep {timeStep:g} is not more than 0 and at most {MOST_TIME_STEP_S}")
+    if simSeconds is not None and simSeconds < 0.0:
+        return ActionResult(False, f"simSeconds {simSeconds:g} is negative")
     return ActionResult(True)
 
 
@@ -314,7 +338,7 @@ ACTIONS: dict[str, ActionFunction] = {
     "Initialize": initialize,
     "NoOp": do_nothing,
     "Pass": do_nothing,
-    "PausePhysicsAutoSim": do_nothing,
+    "PausePhysicsAutoSim": pause_physics,
     "RemoveFromScene": remove_from_scene,
     "RemoveObjsFromScene": remove_from_scene,
     "Reset": reset,
@@ -322,7 +346,7 @@ ACTIONS: dict[str, ActionFunction] = {
     "SetObjectFilter": set_object_filter,
     "SetObjectFilterForType": set_object_filter_for_type,
     "ToggleMapView": toggle_map_view,
-    "UnpausePhysicsAutoSim": do_nothing,
+    "UnpausePhysicsAutoSim": unpause_physics,
     "UpdateThirdPartyCamera": update_third_party_camera,
 }
 

@@ -37,6 +37,8 @@ class SimulatorState:
         In the order in which they were added.
     shown_objects : frozenset of str or None
         What SetObjectFilter restricts the metadata to; None for all objects.
+    is_paused : bool
+        Whether a client has told physics to wait for it. All is at rest between actions in any case.
     lock : RLock
         Held by who changes or reads the room, where clients have several threads.
     rng : numpy.random.Generator
@@ -51,6 +53,7 @@ class SimulatorState:
         self.scene_name = ""
         self.cameras: list[ThirdPartyCamera] = []
         self.shown_objects: frozenset[str] | None = None
+        self.is_paused = False
         self.rng = generator(0)
         self._room: LoadedFloorPlan | None = None
 
@@ -87,7 +90,7 @@ class SimulatorState:
             self.close()
             self._room = room
         self.scene_name = scene_name
-        self.cameras, self.shown_objects = [], None
+        self.cameras, self.shown_objects, self.is_paused = [], None, False
 
     def seed(self, seed: int) -> None:
         """Start anew what is random."""
