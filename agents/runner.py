@@ -28,6 +28,7 @@ from remqa_data.env import RemqaEnv
 from remqa_data.env.recorder import Recorder
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
+from remqa_data.evaluation.scoring.replay import RoomKey
 from remqa_data.evaluation.submission.reader import Header, write_submission
 from remqa_data.files import atomic_path, check_is_new
 from remqa_data.limits import MAX_ACTIONS
@@ -44,9 +45,6 @@ NOTE = "run.json"
 
 VIEWS_KEPT = 600
 """Whoever plays walks by the same places; 0.8 GB in each process."""
-
-Room = tuple[str, int]
-"""Scene and configuration."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +76,7 @@ class Player:
         """Where finished rooms lie."""
         return parts_path(self.path)
 
-    def part(self, room: Room) -> Path:
+    def part(self, room: RoomKey) -> Path:
         """Where the rows about a scene and a configuration go."""
         return self.parts / f"{room[0]}-c{room[1]}.jsonl"
 
@@ -91,7 +89,7 @@ class PlayJob:
     ----------
     root, split : path, str
         Of the dataset.
-    room : Room
+    room : RoomKey
         Where.
     question_ids : tuple of str
     players : tuple of Player
@@ -100,7 +98,7 @@ class PlayJob:
 
     root: Path
     split: str
-    room: Room
+    room: RoomKey
     question_ids: tuple[str, ...]
     players: tuple[Player, ...]
 
@@ -231,15 +229,15 @@ def _questions(root: Path, split: str, only: Sequence[str] | None) -> list[dict[
     return [row for row in asked if wanted is None or row["question_id"] in wanted]
 
 
-def _by_room(asked: Iterable[dict[str, Any]]) -> dict[Room, list[str]]:
+def _by_room(asked: Iterable[dict[str, Any]]) -> dict[RoomKey, list[str]]:
     """Ids of questions by the configuration that they are about."""
-    rooms: dict[Room, list[str]] = {}
+    rooms: dict[RoomKey, list[str]] = {}
     for row in asked:
         rooms.setdefault((row["scene"], row["configuration"]), []).append(row["question_id"])
     return rooms
 
 
-def _jobs(root: Path, split: str, rooms: dict[Room, list[str]], playing: Sequence[Player]) -> list[PlayJob]:
+def _jobs(root: Path, split: str, rooms: dict[RoomKey, list[str]], playing: Sequence[Player]) -> list[PlayJob]:
     """What is left to play: in each room, by those who have not played there yet."""
     waiting = {room: tuple(player for player in playing if not player.part(room).is_file()) for room in rooms}
     return [PlayJob(root, split, room, tuple(ids), waiting[room]) for room, ids in rooms.items() if waiting[room]]

@@ -84,7 +84,7 @@ def distractors(
         else:
             chosen = [draw.beside(key, own, number, taken) for number in range(configurations)]
         for wishes, names in zip(made, chosen, strict=True):
-            wishes += [HidingWish(place, name, count) for name, count in sorted(Counter(names).items())]
+            wishes.extend(HidingWish(place, name, count) for name, count in sorted(Counter(names).items()))
     return made
 
 

@@ -36,7 +36,7 @@ from remqa_data.geometry.types import F32, Vec3
 from remqa_data.scene import Scene
 from remqa_data.sim.navigation.grid import Outline, object_outlines, reachable_grid
 from remqa_data.sim.navigation.viewpoints import FRAME_PX, MIN_PIXELS, AgentPose, front_points, surface_points
-from remqa_data.sim.physics.support import Support, supports
+from remqa_data.sim.physics.support import Support, directly_held, supports
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView
 
@@ -63,7 +63,7 @@ def hiding_places(scene: Scene) -> list[HidingPlace]:
     with World(scene) as world:
         world.settle()
         grid = reachable_grid(world)
-        held_by = supports(world, {object_id: world.box(object_id) for object_id in world.ids})
+        held_by = supports(world)
         for object_id in world.ids:
             if object_type(world.type_of(object_id)).is_container:
                 world.open(object_id, 0.0)
@@ -127,7 +127,7 @@ class _Finder:
         if type_ not in types_with("pickup_cover") or not object_type(type_).pickupable or type_ not in self.questioned:
             return None
         area = self._area_beneath(object_id, self.rules.min_pickup_side_m, math.inf)
-        if area is None or self._contents(object_id) or self._holds_what_is_beneath(object_id, area):
+        if area is None or directly_held(self.held_by, object_id) or self._holds_what_is_beneath(object_id, area):
             return None
         return next(iter(self._taken_away(object_id, area, "Pickup", [None])), None)
 
@@ -183,9 +183,6 @@ class _Finder:
             if above and -0.03 < other_low[2] - high[2] < 0.1:
                 return True
         return False
-
-    def _contents(self, object_id: str) -> list[str]:
-        return [other for other, support in self.held_by.items() if support.id == object_id]
 
     def _holds_what_is_beneath(self, object_id: str, area: Area) -> bool:
         """Whether the world's metadata would say that a thin thing beneath an object is in or on it.

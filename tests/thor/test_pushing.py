@@ -36,6 +36,7 @@ def test_pushes_along_the_heading(kitchen) -> None:
     assert event, event.metadata["errorMessage"]
     assert event.get_object(STOOL)["position"]["x"] > after["x"]
     assert not kitchen.step("PushObject", objectId=FRIDGE, moveMagnitude=100.0)
+    assert "incompatible with push/pull" in kitchen.last_event.metadata["errorMessage"]
     assert not kitchen.step("PushObject", objectId=STOOL, moveMagnitude=-5)
     event = kitchen.step("PushObject", objectId=STOOL)
     assert event.metadata["actionReturn"] == event.get_object(STOOL)["position"]

@@ -270,7 +270,7 @@ def _shifts() -> tuple[Vec3, ...]:
 
 def support_of(world: World, object_id: str, *, by_agents: bool = False) -> str | None:
     """Id of what holds an object, if anything does; `by_agents` as for `supports`."""
-    found = supports(world, {name: world.box(name) for name in world.ids}, by_agents=by_agents).get(object_id)
+    found = supports(world, by_agents=by_agents).get(object_id)
     return found.id if found else None
 
 

@@ -18,7 +18,7 @@ from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.scene import Quaternion
 from remqa_data.sim.agent.handling import GAP_M, Release, comes_along, is_free, settle, sunk_into, support_of, touched
 from remqa_data.sim.navigation.grid import collision_corners
-from remqa_data.sim.physics.support import support_rules, supports, surrounds
+from remqa_data.sim.physics.support import directly_held, support_rules, supports, surrounds
 from remqa_data.sim.physics.world import Snapshot, World
 
 LATTICE_M = 0.05
@@ -125,8 +125,10 @@ def put_into(
         world.restore(before)
         return refused
     kind = world.type_of(receptacle_id)
-    if kind in types_with("one_in_a_slot") and len(_held_by(world, receptacle_id)) >= len(spaces):
-        return refused
+    if kind in types_with("one_in_a_slot"):
+        in_slots = directly_held(supports(world, by_agents=True), receptacle_id)
+        if len(in_slots) >= len(spaces):
+            return refused
     for is_in in (True, False):  # under the spout of a coffee machine before on its top
         part = [space for space in spaces if surrounds(kind, space) is is_in]
         if part and _is_put(world, held, receptacle_id, part, near, are_seen, is_clear, are_near):
@@ -180,21 +182,14 @@ def _is_put(
 
 def _stays(world: World, held: str, receptacle_id: str, load: Sequence[str]) -> bool:
     """Whether what has been put lies in or on a receptacle, with its load, in nothing else and in no machine's hollow foot."""
-    boxes = {name: world.box(name) for name in world.ids}
-    held_by = supports(world, boxes, by_agents=True)
+    held_by = supports(world, by_agents=True)
     if held not in held_by or held_by[held].id != receptacle_id or sunk_into(world, held):
         return False
-    others = [name for name, support in held_by.items() if support.id == receptacle_id and name != held]
+    others = [name for name in directly_held(held_by, receptacle_id) if name != held]
     is_floor = world.type_of(receptacle_id) == "Floor"  # where furniture stands, which is open below
     machines = [name for name in others if not (is_floor or object_type(world.type_of(name)).pickupable)]
-    is_swallowed = any(_is_within(boxes[held], boxes[name]) for name in machines)
+    is_swallowed = any(_is_within(world.box(held), world.box(name)) for name in machines)
     return not is_swallowed and set(load) <= comes_along(world, held, held_by)
-
-
-def _held_by(world: World, receptacle_id: str) -> list[str]:
-    """What is in or on a receptacle, without what is in or on that."""
-    found = supports(world, {name: world.box(name) for name in world.ids}, by_agents=True)
-    return [name for name, support in found.items() if support.id == receptacle_id]
 
 
 def _fits_closed(world: World, held: str, receptacle_id: str) -> bool:

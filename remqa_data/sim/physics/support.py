@@ -70,15 +70,15 @@ class Support:
     kind: SupportKind
 
 
-def supports(world: World, boxes: Mapping[str, F64], *, by_agents: bool = False) -> dict[str, Support]:
+def supports(world: World, boxes: Mapping[str, F64] | None = None, *, by_agents: bool = False) -> dict[str, Support]:
     """What holds each object that something holds.
 
     Parameters
     ----------
     world : World
         The room; what an agent holds neither holds nor is held.
-    boxes : mapping of str to (2, 3) array
-        `world.box` of every object.
+    boxes : mapping of str to (2, 3) array, optional
+        The box of every object; by default `world.box`.
     by_agents : bool
         Whether what lies across the rim of a basin, and is not in or on something loose, is in it; whether of two things of
         which each seems to be in the other the lower one is not; and whether what stands on a space's floor is on it, however
@@ -89,6 +89,7 @@ def supports(world: World, boxes: Mapping[str, F64], *, by_agents: bool = False)
     Support by object id; no entry for what rests on nothing known.
     """
     rules = support_rules()
+    boxes = {name: world.box(name) for name in world.ids} if boxes is None else boxes
     spaces = _all_spaces(world)
     floor = next((object_id for object_id in world.ids if world.type_of(object_id) == "Floor"), None)
     # The space of what things hang on reaches below it.
@@ -132,13 +133,18 @@ def supports(world: World, boxes: Mapping[str, F64], *, by_agents: bool = False)
     return held_by
 
 
+def directly_held(found: Mapping[str, Support], object_id: str) -> list[str]:
+    """Ids of what rests in or on an object itself, of what has been found to support what."""
+    return [name for name, support in found.items() if support.id == object_id]
+
+
 def contents_of(found: Mapping[str, Support], object_id: str) -> list[str]:
     """Ids of what rests in or on an object, and of what rests in or on that, of what has been found to support what."""
     names: list[str] = []
     waiting = [object_id]
     while waiting:
         holder = waiting.pop()
-        news = [name for name, support in found.items() if support.id == holder and name not in names]
+        news = [name for name in directly_held(found, holder) if name not in names]
         names += news
         waiting += news
     return names

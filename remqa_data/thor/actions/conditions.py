@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from remqa_data.catalog import object_type
 from remqa_data.sim.agent.handling import settle
 from remqa_data.sim.agent.results import ActionResult
+from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.targets import target_of
 from remqa_data.thor.object_states.conditions import BROKEN, CONDITIONS, FILLED, LIQUIDS
 from remqa_data.thor.object_states.pieces import pieces_of
@@ -42,7 +43,7 @@ def slice_object(
     if isinstance(target, ActionResult):
         return target
     room, agent = simulator.room, simulator.agent
-    if object_type(room.world.type_of(target)).slices is None:
+    if not _has_pieces(room.world, target):
         return ActionResult(False, f"{target} is not sliceable")
     if target in room.world.held:
         return ActionResult(False, f"{target} is in the hand: put it down to slice it")
@@ -51,6 +52,15 @@ def slice_object(
         return refusal
     cut(simulator, [target])
     return ActionResult(True)
+
+
+def can_be_cut(world: World, object_id: str) -> bool:
+    """Whether an object can be sliced, or cracked, where it is."""
+    return object_id not in world.held and _has_pieces(world, object_id)
+
+
+def _has_pieces(world: World, object_id: str) -> bool:
+    return object_type(world.type_of(object_id)).slices is not None
 
 
 def cut(simulator: SimulatorState, targets: Sequence[str]) -> None:
@@ -74,16 +84,15 @@ def break_all(simulator: SimulatorState, targets: Sequence[str]) -> list[str]:
     An egg in something that is held stays whole.
     """
     room, broken = simulator.room, []
-    eggs = [name for name in targets if object_type(room.world.type_of(name)).slices is not None]
     for target in targets:
         holder = next((agent for agent in room.agents if agent.held == target), None)
-        if target in eggs and holder is None and target in room.world.held:
+        if holder is None and target in room.world.held and _has_pieces(room.world, target):
             continue
         room.conditions.put(target, BROKEN, True)
         if holder is not None:
             holder.drop(force=True)
         broken.append(target)
-    if cracked := [name for name in broken if name in eggs and name not in room.world.held]:
+    if cracked := [name for name in broken if can_be_cut(room.world, name)]:
         cut(simulator, cracked)
     return broken
 

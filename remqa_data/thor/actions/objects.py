@@ -299,7 +299,7 @@ def _push(
     if target in simulator.room.world.held:
         return ActionResult(False, "Please use Throw for an item in the Agent's Hand")
     if not object_type(simulator.room.world.type_of(target)).is_loose:
-        return ActionResult(False, "Target Primary Property type incompatible with push/pull")
+        return ActionResult(False, f"{target} is not moveable")
     if newtons < 0.0:
         return ActionResult(False, f"moveMagnitude {newtons:g} is not a force: give newtons")
     agent, room = simulator.agent, simulator.room

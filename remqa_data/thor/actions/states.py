@@ -11,7 +11,7 @@ from remqa_data.catalog import object_type
 from remqa_data.sim.agent.handling import OVERLAP_M
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.world import World
-from remqa_data.thor.actions.conditions import break_all, cut
+from remqa_data.thor.actions.conditions import break_all, can_be_cut, cut
 from remqa_data.thor.object_states.conditions import BROKEN, CONDITIONS, FILLED
 from remqa_data.thor.state.dispatch import ActionFunction, missing_argument
 from remqa_data.thor.state.floor_plan import LoadedFloorPlan
@@ -167,7 +167,7 @@ def _change(simulator: SimulatorState, flag: str, is_so: bool, chosen: Sequence[
     elif flag == "isToggled":
         _switch(simulator, {name for name in chosen if object_type(world.type_of(name)).toggleable}, is_so)
     elif flag == "isSliced":
-        if is_so and (whole := _sliceable(simulator, chosen)):
+        if is_so and (whole := [name for name in chosen if can_be_cut(world, name)]):
             cut(simulator, whole)
     else:
         able = [name for name in chosen if CONDITIONS[flag].able in object_type(world.type_of(name)).can]
@@ -184,12 +184,6 @@ def _switch(simulator: SimulatorState, chosen: set[str], on: bool) -> None:
     for name in chosen:
         if not on or conditions.switch_refusal(name) is None:
             conditions.change(name, isToggled=on)
-
-
-def _sliceable(simulator: SimulatorState, chosen: Sequence[str]) -> list[str]:
-    """What of some objects can be sliced where it is."""
-    world = simulator.room.world
-    return [n for n in chosen if n not in world.held and object_type(world.type_of(n)).slices is not None]
 
 
 def _set_openness(room: LoadedFloorPlan, is_open: bool, chosen: Sequence[str], openness: float = 1.0) -> None:

@@ -181,7 +181,7 @@ class ThorAgent(Agent):
         world = self.world
         if not object_type(world.type_of(object_id)).receptacle:
             return []
-        found = supports(world, {name: world.box(name) for name in world.ids}, by_agents=True)
+        found = supports(world, by_agents=True)
         comes = handling.comes_along(world, object_id, found) - world.held.keys()
         return [name for name in world.ids if name in comes and object_type(world.type_of(name)).pickupable]
 

@@ -10,6 +10,7 @@ WORDS = {
     r"(.+) is not openable": r"\1 is not an Openable object",
     r"(.+) is not pickupable": r"\1 must have the property CanPickup to be picked up.",
     r".+ is not a receptacle": "This target object is NOT a receptacle!",
+    r".+ is not moveable": "Target Primary Property type incompatible with push/pull",
     r"cannot pick up .+: already holding .+": "Agent hand has something in it already! Can't pick up anything else",
     r"(.+) is not sliceable": r"\1 Does not have the CanBeSliced property!",
     r"(.+) is not dirty": r"\1 is already Clean!",
