@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,3 +63,17 @@ def rotation_of(quaternion: tuple[float, float, float, float]) -> F64:
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
+
+
+def steps_of(rotation: F64, step: float) -> F64:
+    """(n, 3, 3) rotations from none at all to a (3, 3) one, the short way round; their quaternions are at most a step apart.
+
+    >>> steps_of(about_z(90.0), 0.5).round(3)[:, 0, 0].tolist()
+    [1.0, 0.707, 0.0]
+    """
+    end = np.array(quaternion_of(rotation))
+    start = np.array([0.0, 0.0, 0.0, 1.0 if end[3] >= 0.0 else -1.0])
+    count = math.ceil(float(arithmetic.length(end - start)) / step) + 1
+    between = start + np.linspace(0.0, 1.0, max(count, 2))[:, None] * (end - start)
+    x, y, z, w = (between / arithmetic.length(between)[:, None]).T.tolist()
+    return np.stack([rotation_of(quaternion) for quaternion in zip(x, y, z, w, strict=True)])

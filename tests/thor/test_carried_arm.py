@@ -40,6 +40,12 @@ def test_an_arm_that_is_held_out_meets_what_the_agent_would_pass(before_apple) -
     assert not event
     assert "is blocking" in event.metadata["errorMessage"]
     assert event.metadata["agent"]["position"] == start
+    event = before_apple.step("MoveAgent", ahead=0.25, returnToStart=False)
+    assert not event
+    walked = event.metadata["agent"]["position"]["x"] - start["x"]
+    assert 0.02 < walked < 0.25
+    assert not before_apple.step("MoveAgent", ahead=0.02)
+    assert before_apple.step("MoveAgent", ahead=-walked)
     assert before_apple.step("MoveArmBase", y=1.4, normalizedY=False)
     assert before_apple.step("MoveAgent", ahead=0.25), "it passes above"
 
@@ -56,6 +62,11 @@ def test_an_arm_that_is_held_out_does_not_turn_into_things(before_apple) -> None
         assert event.metadata["agent"] == before["agent"]
         assert event.metadata["arm"] == before["arm"]
     assert before_apple.step("RotateAgent", degrees=20)
+    event = before_apple.step("RotateAgent", degrees=180, returnToStart=False)
+    assert not event
+    assert 20 < (event.metadata["agent"]["rotation"]["y"] - before["agent"]["rotation"]["y"]) % 360 < 180
+    assert event.metadata["arm"] != before["arm"]
+    assert not before_apple.step("RotateAgent", degrees=1)
 
 
 def test_the_arm_folds_where_it_would_be_in_something_after_a_teleport(armed) -> None:
@@ -97,6 +108,24 @@ def test_what_the_hand_holds_stops_before_the_fridge(armed) -> None:
     assert hand(stopped)["x"] > front + 0.05
     fell = armed.step("ReleaseObject")
     assert fell.get_object(bread)["position"]["y"] < stopped.get_object(bread)["position"]["y"]
+
+
+def test_what_the_hand_holds_does_not_turn_into_the_worktop(armed) -> None:
+    knife = "ButterKnife|-00.41|+01.11|-00.46"
+    middle = armed.last_event.get_object(knife)["axisAlignedBoundingBox"]["center"]
+    stand_before(armed, middle)
+    assert armed.step("MoveArm", position=middle, coordinateSpace="world")
+    before = armed.step("PickupObject", objectIdCandidates=[knife])
+    assert before, before.metadata["errorMessage"]
+    for turn in ({"pitch": 90}, {"roll": 90}, {"roll": -90}):
+        event = armed.step("RotateWristRelative", **turn, returnToStart=False)
+        assert "CounterTop|-00.08|+01.15|00.00 is blocking" in event.metadata["errorMessage"], turn
+        assert event.metadata["arm"] == before.metadata["arm"]
+        assert event.get_object(knife)["rotation"] == before.get_object(knife)["rotation"]
+    assert armed.step("MoveArmRelative", offset={"x": 0.0, "y": 0.2, "z": 0.0})
+    event = armed.step("RotateWristRelative", roll=90)
+    assert event, event.metadata["errorMessage"]
+    assert event.get_object(knife)["rotation"] != before.get_object(knife)["rotation"]
 
 
 def test_an_arm_does_not_reach_into_another_agent(armed) -> None:

@@ -65,6 +65,9 @@ def test_reaches_for_what_it_sees_and_pushes_it(kitchen) -> None:
     assert (
         event.get_object(STOOL)["position"]["x"] > before.get_object(STOOL)["position"]["x"]
     )  # towards who looks along -x
+    there = event.get_object(STOOL)["position"]["x"]
+    backwards = kitchen.step("TouchThenApplyForce", x=x, y=y, handDistance=5.0, **{**force, "moveMagnitude": -400})
+    assert backwards.get_object(STOOL)["position"]["x"] < there
     far = kitchen.step("TouchThenApplyForce", x=0.02, y=0.02, handDistance=20.0, **force)
     assert far.metadata["errorMessage"] == "Object successfully hit, but it is outside of the Agent's interaction range"
     assert not far.metadata["actionReturn"]["didHandTouchSomething"]

@@ -7,15 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
 
-from remqa_data.catalog import object_type, types_with
-from remqa_data.geometry import arithmetic, boxes
-from remqa_data.geometry.types import F64, Vec3
+from remqa_data.geometry import arithmetic
+from remqa_data.geometry.types import Vec3
 from remqa_data.sim.physics.support import Support, contents_of, supports
 from remqa_data.sim.physics.world import SETTLE_STEPS, World
 
@@ -33,9 +32,7 @@ GAP_M = 0.003
 NEAR_M, NEAR_STEP_M = 0.06, 0.02
 FAR_M, FAR_STEP_M = 0.4, 0.1
 """What is put into something is put aside, and up to twice as far up: so far in such steps, then farther in longer ones."""
-SLIDE_STEP_M = 0.025
-PART_SHARE = 0.8
-"""So much of a drawer or shelf, by volume, is in the furniture that it is a part of."""
+SLIDE_STEP_M, LEAST_STEP_M = 0.025, 0.0005
 FLIGHT_STEPS = 960
 """What is thrown has come to rest after so many steps of physics at the most."""
 
@@ -150,9 +147,9 @@ def slide(
     held_by = support_of(world, object_id, by_agents=True)
     if held_by is None and world.state(object_id).is_fixed:
         return Slide(0.0, "what holds it")
-    wholes = [object_id, *parts_of(world, object_id)]
-    group = list(dict.fromkeys([*wholes, *(name for whole in wholes for name in world.contents(whole))]))
-    leaning = [name for whole in wholes for name in world.borne(whole) if name not in group]
+    parts = world.built_into(object_id)
+    group = [object_id, *parts, *world.contents(object_id, along=parts)]
+    leaning = [name for name in world.borne(object_id, along=parts) if name not in group]
     before, depths = world.save(), _depths(world, group, leaning)
     starts = {name: np.array(world.state(name).position) for name in (*group, *leaning)}
     sine, cosine = arithmetic.sin_cos(heading)
@@ -184,21 +181,23 @@ def slide(
     return Slide(gone, blocker)
 
 
-def parts_of(world: World, object_id: str) -> list[str]:
-    """Ids of the drawers, shelves and cabinets that furniture is made of: what is, closed, nearly all in its box."""
-    if not object_type(world.type_of(object_id)).moveable:
-        return []
-    others = [name for name in world.ids if name != object_id and world.type_of(name) in types_with("cupboard_part")]
-    if not others:
-        return []
-    closed = np.stack([_closed_box(world, name).ravel() for name in (object_id, *others)])
-    shared = boxes.intersection_volume(closed[1:], closed[:1])[:, 0]
-    return [name for name, share in zip(others, shared / boxes.volume(closed[1:]), strict=True) if share >= PART_SHARE]
+def lower(world: World, object_id: str) -> None:
+    """Let furniture, with its parts and what is in or on it, down until it would touch something; it does not tilt."""
+    parts = world.built_into(object_id)
+    group = {object_id, *parts, *world.contents(object_id, along=parts)}
 
+    def meets() -> bool:
+        return any(other not in group for name in group for other in touched(world, name))
 
-def _closed_box(world: World, object_id: str) -> F64:
-    asset = world.assets[object_id]
-    return asset.box_at(replace(world.state(object_id), openness=0.0).link_poses(asset))
+    x, y, z = world.state(object_id).position
+    step = 0.0 if meets() else SLIDE_STEP_M
+    while step >= LEAST_STEP_M and z > world.scene.floor_z:
+        world.move(object_id, (x, y, z - step), along=parts)
+        if meets():
+            world.move(object_id, (x, y, z), along=parts)
+            step /= 2
+        else:
+            z -= step
 
 
 def _depths(world: World, group: Sequence[str], others_of_it: Sequence[str]) -> dict[tuple[str, str], float]:

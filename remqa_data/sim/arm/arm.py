@@ -142,6 +142,12 @@ class Arm:
         owner = self._search(start, load=load, walk_m=walk).met_on_the_way(bases)
         return None if owner is None else self._obstacles.name(owner)
 
+    def blocker_of_load(self, base: ArmBase, rotation: F64) -> str | None:
+        """What the load meets first if the hand turns with it by a (3, 3) rotation about axes of the room, or None."""
+        load = self._load()
+        owner = self._search(base, load=load).met_by_turning_load(rotation) if len(load.radii) else None
+        return None if owner is None else self._obstacles.name(owner)
+
     def is_free(self, base: ArmBase) -> bool:
         """Whether the arm, held as it is, would be in nothing if the agent stood there."""
         load = self._load()

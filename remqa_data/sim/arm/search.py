@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remqa_data.geometry import arithmetic
+from remqa_data.geometry.rotations import steps_of
 from remqa_data.geometry.types import F64
 from remqa_data.sim.arm import jaco
 from remqa_data.sim.arm.joint_paths import path, ways
@@ -46,6 +47,8 @@ BATCH = 32
 """So many pairs of a column and a direction of the hand, with eight postures each, are tried at a time."""
 MAX_GOALS = 24
 """So many points at which the tip of the hand is free are tried."""
+TURN_STEP = 0.02
+"""What is held is looked at in steps of a turn that change its quaternion by so much: 2.3 degrees."""
 POSTURES_PER_BATCH = 3
 """So many of the free postures of a batch are tried to get to, the shortest ways first, where the column may slide and
 turn: there are many more batches then. Where it stays all are tried, for there are at most 216 of them."""
@@ -136,6 +139,13 @@ class Search:
         frames = np.stack([base.pose() for base in bases])
         carried = arithmetic.moved(arithmetic.moved_back(here, self.base.pose()), frames[:, None])
         box = first_push(carried, self._radii, self.boxes, self._spared_with_agent())[1]
+        return None if box < 0 else int(self.owners[box])
+
+    def met_by_turning_load(self, rotation: F64) -> int | None:
+        """The owner of what the load meets first, if anything, when a (3, 3) rotation turns it about the hand, which stays."""
+        hand = link_poses(self.base, self.start[None])[0, jaco.HAND, :3, 3]
+        turned = np.stack([hand + arithmetic.turned(self.load.offsets, step) for step in steps_of(rotation, TURN_STEP)])
+        box = first_push(turned, self.load.radii, self.boxes, self._load_spared)[1]
         return None if box < 0 else int(self.owners[box])
 
     def starts_free(self) -> bool:

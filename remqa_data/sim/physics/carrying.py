@@ -44,7 +44,13 @@ NEAR_M = 0.01
 
 
 def riders(
-    world: WorldLike, bodies: Bodies, object_id: str, link: int | None = None, *, or_lean: bool = False
+    world: WorldLike,
+    bodies: Bodies,
+    object_id: str,
+    link: int | None = None,
+    *,
+    along: Collection[str] = (),
+    or_lean: bool = False,
 ) -> set[str]:
     """Ids of the things that go along with an object, or with one link of it.
 
@@ -58,12 +64,14 @@ def riders(
         What moves.
     link : int, optional
         Which part of it moves; by default all of it.
+    along : collection of str
+        What moves as one with it, whatever it rests on; not among what is found.
     or_lean : bool
         Whether to count what rests on something else too, and would stay or fall.
     """
     carriers: dict[str, set[Part]] = {}
-    found: set[str] = set()
-    news = [object_id]
+    group, found = (object_id, *along), set(along)
+    news = [*group]
     while news:
         for other in sorted(bodies.around(world.box(news.pop()), NEAR_M) - found - {object_id}):
             if not _can_ride(world, other):
@@ -71,14 +79,18 @@ def riders(
             if other not in carriers:
                 carriers[other] = bodies.carriers(other, world.box(other))
             rests = any(_moves(part, object_id, link, found) for part in carriers[other])
-            if rests or (not carriers[other] and _is_enclosed(world, other, object_id, link)):
+            if rests or (not carriers[other] and any(_is_enclosed(world, other, one, link) for one in group)):
                 found.add(other)
                 news.append(other)
     if or_lean:
-        return found
-    while held_back := {o for o in found if any(not _moves(part, object_id, link, found) for part in carriers[o])}:
+        return found.difference(along)
+    while held_back := {
+        other
+        for other in found.difference(along)
+        if any(not _moves(part, object_id, link, found) for part in carriers[other])
+    }:
         found -= held_back
-    return found
+    return found.difference(along)
 
 
 def met_nothing(paths: Mapping[str, tuple[F64, F64]], awake: Collection[str]) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from remqa_data.assets.core.model import Asset
 from remqa_data.errors import ActionError
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.rotations import rotation_of
+from remqa_data.geometry.rotations import quaternion_of, rotation_of
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Quaternion
 
@@ -41,6 +41,14 @@ class ObjectState:
             msg = f"no pose: position {position!r:.80}, quaternion {turn!r:.80}; give finite numbers and a unit quaternion"
             raise ActionError(msg)
         return replace(self, position=(x, y, z), quaternion=turn)
+
+    def moved(self, motion: F64) -> ObjectState:
+        """The state of the same object after a (4, 4) motion in the world."""
+        x, y, z = arithmetic.moved(self.position, motion).tolist()
+        quaternion = self.quaternion
+        if not np.allclose(motion[:3, :3], np.eye(3), rtol=0, atol=1e-12):
+            quaternion = quaternion_of(arithmetic.product(motion[:3, :3], rotation_of(self.quaternion)))
+        return replace(self, position=(x, y, z), quaternion=quaternion)
 
     def matrix(self) -> F64:
         """(4, 4) pose, asset frame to world frame."""

@@ -7,24 +7,23 @@ closed box, and PyBullet's centre of mass is put there too, so that no conversio
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import TracebackType
 from typing import NoReturn
-
-import numpy as np
 
 from remqa_data.assets import Asset, build
 from remqa_data.catalog import object_type
 from remqa_data.errors import ActionError, UnknownNameError
 from remqa_data.geometry import arithmetic
-from remqa_data.geometry.rotations import quaternion_of, rotation_of
 from remqa_data.geometry.types import F64, Vec3
 from remqa_data.scene import Quaternion, Scene, SceneObject
 from remqa_data.sim.physics.bodies import Bodies
 from remqa_data.sim.physics.bullet import BulletClient
 from remqa_data.sim.physics.carrying import met_nothing, riders
+from remqa_data.sim.physics.furniture import parts_of_furniture
 from remqa_data.sim.physics.state import ObjectState
 
 SETTLE_STEPS = 240
@@ -110,13 +109,22 @@ class World:
         """(2, 3) corners of the axis-aligned box of an object's visible mesh as it is now, metres."""
         return self._known(self._boxes, object_id, self._find_box)
 
-    def contents(self, object_id: str, link: int | None = None) -> list[str]:
+    def contents(self, object_id: str, link: int | None = None, *, along: Collection[str] = ()) -> list[str]:
         """Ids of the things that go along with an object (with one link of it, if given), in the scene's order.
 
-        What rests on it or in it, and what rests on that; see `remqa_data.sim.physics.carrying`.
+        What rests on it or in it, or `along` on or in what is moved as one with it, and what rests on that; see
+        `remqa_data.sim.physics.carrying`.
         """
-        carried = riders(self, self._bodies, object_id, link)
+        carried = riders(self, self._bodies, object_id, link, along=along)
         return [other for other in self._objects if other in carried]
+
+    def built_into(self, object_id: str) -> tuple[str, ...]:
+        """Ids of the drawers, shelves and cabinets that an object is made of; see `remqa_data.sim.physics.furniture`."""
+        return self._furniture.get(object_id, ())
+
+    @cached_property
+    def _furniture(self) -> dict[str, tuple[str, ...]]:
+        return parts_of_furniture(self.scene.objects, self.assets)
 
     def most_open(self, object_id: str) -> float:
         """How far an object opens where it stands, from 0 (not at all) to 1."""
@@ -131,9 +139,9 @@ class World:
         """The object, or "structure", whose collision boxes a ray meets first, and where, metres; None if none."""
         return self._bodies.first_hit(start, end)
 
-    def borne(self, object_id: str) -> list[str]:
-        """Ids of what rests on or in an object, if only partly, and would fall without it, in the scene's order."""
-        found = riders(self, self._bodies, object_id, or_lean=True)
+    def borne(self, object_id: str, *, along: Collection[str] = ()) -> list[str]:
+        """Ids of what rests on or in an object, or on what is moved along with it, if only partly, in the scene's order."""
+        found = riders(self, self._bodies, object_id, along=along, or_lean=True)
         return [other for other in self._objects if other in found]
 
     def to_scene(self) -> Scene:
@@ -234,8 +242,12 @@ class World:
         """Close an object; see `open`."""
         return self.open(object_id, 0.0)
 
-    def move(self, object_id: str, position: Vec3, quaternion: Quaternion | None = None) -> list[str]:
+    def move(
+        self, object_id: str, position: Vec3, quaternion: Quaternion | None = None, *, along: Collection[str] = ()
+    ) -> list[str]:
         """Put an object somewhere else, with what is in or on it; no check for obstacles (see `overlapping`).
+
+        Others may go `along` as if they were one with it.
 
         Returns
         -------
@@ -247,7 +259,7 @@ class World:
             If a number is not finite, or the quaternion not a unit one.
         """
         state = self.state(object_id)
-        carried = self.contents(object_id)
+        carried = [*along, *self.contents(object_id, along=along)]
         before = state.matrix()
         moved = state.elsewhere(position, quaternion)
         motion = arithmetic.product(moved.matrix(), arithmetic.inverse(before))
@@ -450,12 +462,7 @@ class World:
                 self._let_go(name)
 
     def _move_by(self, object_id: str, motion: F64) -> None:
-        state = self._states[object_id]
-        x, y, z = arithmetic.moved(state.position, motion).tolist()
-        quaternion = state.quaternion
-        if not np.allclose(motion[:3, :3], np.eye(3), rtol=0, atol=1e-12):
-            quaternion = quaternion_of(arithmetic.product(motion[:3, :3], rotation_of(state.quaternion)))
-        self._put_at(object_id, replace(state, position=(x, y, z), quaternion=quaternion))
+        self._put_at(object_id, self._states[object_id].moved(motion))
 
     def _check_known(self, object_id: str) -> None:
         if object_id not in self._objects:

@@ -22,7 +22,7 @@ from remqa_data.sim.navigation.embodiment import AGENT
 from remqa_data.thor.actions import navigation
 from remqa_data.thor.actions import objects as actions_objects
 from remqa_data.thor.state.agent import ThorAgent
-from remqa_data.thor.state.arm_agent import ArmAgent
+from remqa_data.thor.state.arm_agent import CARRY_STEP_DEG, CARRY_STEP_M, ArmAgent
 from remqa_data.thor.state.arm_metadata import hand_facing
 from remqa_data.thor.state.dispatch import ActionFunction
 from remqa_data.thor.state.frames import SWAP, PartialVector, Vector, facing, to_room, turn_of_euler, whole
@@ -125,17 +125,31 @@ def set_hand_sphere_radius(simulator: SimulatorState, radius: float) -> ActionRe
 
 
 def move_agent(
-    simulator: SimulatorState, ahead: float | None = None, right: float | None = None, forceAction: bool = False
+    simulator: SimulatorState,
+    ahead: float | None = None,
+    right: float | None = None,
+    forceAction: bool = False,
+    returnToStart: bool = True,
 ) -> ActionResult:
-    """Walk straight, metres, with the arm as it is held."""
+    """Walk straight, metres, with the arm as it is held; who is stopped goes back, or stays there."""
     if ahead is None and right is None:
         return ActionResult(False, "Must specify ahead or right!")
-    return simulator.agent.move(ahead or 0.0, right or 0.0, forceAction)
+    agent, ahead, right = simulator.agent, ahead or 0.0, right or 0.0
+    walked = agent.move(ahead, right, forceAction)
+    if not walked.success and not returnToStart:
+        steps = math.ceil(math.hypot(ahead, right) / CARRY_STEP_M)
+        _as_far_as_it_goes(steps, lambda: agent.move(ahead / steps, right / steps))
+    return walked
 
 
-def rotate_agent(simulator: SimulatorState, degrees: float) -> ActionResult:
-    """Turn clockwise, with the arm as it is held."""
-    return simulator.agent.rotate(-degrees)
+def rotate_agent(simulator: SimulatorState, degrees: float, returnToStart: bool = True) -> ActionResult:
+    """Turn clockwise, with the arm as it is held; who is stopped turns back, or stays so."""
+    agent = simulator.agent
+    turned = agent.rotate(-degrees)
+    if not turned.success and not returnToStart:
+        steps = math.ceil(min(abs(degrees), 360.0) / CARRY_STEP_DEG)
+        _as_far_as_it_goes(steps, lambda: agent.rotate(-degrees / steps))
+    return turned
 
 
 def rotate_wrist_relative(
@@ -170,6 +184,13 @@ ACTIONS: dict[str, ActionFunction] = {
     "RotateWristRelative": rotate_wrist_relative,
     "SetHandSphereRadius": set_hand_sphere_radius,
 }
+
+
+def _as_far_as_it_goes(steps: int, step: Callable[[], ActionResult]) -> None:
+    """Take so many steps, or as many as succeed."""
+    for _ in range(steps):
+        if not step().success:
+            break
 
 
 def _with_arm(simulator: SimulatorState) -> ArmAgent:

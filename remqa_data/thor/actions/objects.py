@@ -196,7 +196,7 @@ def touch_then_apply_force(
 ) -> ActionResult:
     """Reach for what a point of the frame shows, as far as `handDistance`, and push it, in newtons; returns what is touched.
 
-    A direction is as the agent faces; what of it goes up or down is lost to friction.
+    A direction is as the agent faces; what of it goes up or down is lost to friction. Less than no force pushes backwards.
     """
     shown = shown_at(simulator, x, y)
     if isinstance(shown, ActionResult):
@@ -212,9 +212,9 @@ def touch_then_apply_force(
             {"didHandTouchSomething": False, "objectId": "", "armsLength": reach},
         )
     share = math.hypot(ahead["x"], ahead["z"]) / (math.hypot(ahead["x"], ahead["y"], ahead["z"]) or 1.0)
-    if touched is not None and moveMagnitude * share > 0.0:  # what cannot be moved stays
-        angle = math.degrees(math.atan2(ahead["x"], ahead["z"]))
-        _push(simulator, touched, moveMagnitude * share, angle, force=True)
+    if touched is not None and moveMagnitude * share != 0.0:  # what cannot be moved stays
+        angle = math.degrees(math.atan2(ahead["x"], ahead["z"])) + (180.0 if moveMagnitude < 0.0 else 0.0)
+        _push(simulator, touched, abs(moveMagnitude) * share, angle, force=True)
     value = {"didHandTouchSomething": True, "objectId": touched or NO_OBJECT, "armsLength": shown.away_m}
     return ActionResult(True, value=value)
 

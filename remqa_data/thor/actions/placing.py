@@ -78,18 +78,18 @@ def set_object_poses(
     for object_id, pose in poses.items():
         state = _wanted(room, object_id, pose)
         if state is not world.state(object_id) or object_id in world.held:
-            world.put_back(object_id, state)
-            moved.append(object_id)
-    gone = {
-        name: away.get(name, before.states[name])
-        for name in world.ids
-        if name not in poses and _leaves(world.type_of(name), skipMoveable)
-    }
+            for name, placed in {object_id: state, **_parts_with(room, object_id, state)}.items():
+                world.put_back(name, placed)
+                moved.append(name)
+                away.pop(name, None)
+    wholes = [name for name in world.ids if name not in poses and _leaves(world.type_of(name), skipMoveable)]
+    gone = {name: away.get(name, before.states[name]) for whole in wholes for name in (whole, *world.built_into(whole))}
     for name in gone:
         world.put_away(name)
     if not forceAction:
         for name in sorted(moved, key=lambda name: (float(world.box(name)[0, 2]), name)):  # the lowest first
-            if world.state(name) is not room.at_rest.states.get(name):
+            is_whole = name in poses and not world.built_into(name)
+            if is_whole and world.state(name) is not room.at_rest.states.get(name):
                 handling.move_out(world, name)
     blocker = _come_to_rest(room, moved, MOST_STUCK_M)
     if blocker is not None:
@@ -97,7 +97,7 @@ def set_object_poses(
         for name in new:
             world.put_away(name)
         return ActionResult(False, f"the poses put an object into {blocker}")
-    room.show_all_but({**{name: state for name, state in away.items() if name not in poses}, **gone})
+    room.show_all_but({**away, **gone})
     return ActionResult(not complaint, complaint)
 
 
@@ -181,13 +181,14 @@ def _place_at(
     quaternion = world.state(objectId).quaternion
     if rotation is not None:
         quaternion = room.records.pose_of(objectId, (0.0, 0.0, 0.0), turn_of_euler(whole(rotation)))[1]
-    moved = [objectId, *world.move(objectId, world.state(objectId).position, quaternion)]
+    parts = world.built_into(objectId)
+    moved = [objectId, *world.move(objectId, world.state(objectId).position, quaternion, along=parts)]
     low, high = world.box(objectId)
     bottom = np.array([*(low + high)[:2] / 2, low[2] - handling.GAP_M])
     x, y, z = arithmetic.snapped(
         world.state(objectId).position + np.asarray(to_room(whole(position))) - bottom
     ).tolist()
-    world.move(objectId, (x, y, z))
+    world.move(objectId, (x, y, z), along=parts)
     blocker = sunken(world, moved) or _come_to_rest(room, moved)
     if blocker is not None:
         world.restore(before)
@@ -248,7 +249,7 @@ def _teleport_to(
         world.put(objectId, world.state(objectId).position)
     pivot, quaternion = room.records.pose_of(objectId, to_room(whole(position)), turn)
     if was_held or not _is_same(world.state(objectId), pivot, quaternion):
-        moved = [objectId, *world.move(objectId, pivot, quaternion)]
+        moved = [objectId, *world.move(objectId, pivot, quaternion, along=world.built_into(objectId))]
         home = room.at_rest.states.get(objectId)
         is_home = home is not None and _is_same(home, pivot, quaternion)  # there it was at rest, or it hung
         blocker = None if force else sunken(world, moved)
@@ -291,6 +292,21 @@ def get_spawn_coordinates_above_receptacle(
     return ActionResult(True, value=[to_thor(point) for point in found])
 
 
+def let_fall(world: World, furniture: Sequence[str], awake: Sequence[str] | None = None) -> None:
+    """Let furniture fall, which stands still afterwards, and all that is loose, or of that only what is said to be awake."""
+    for name in furniture:
+        if world.built_into(name):
+            handling.lower(world, name)  # physics would drive it and its parts apart
+        else:
+            world.set_fixed(name, False)
+    if awake is None:
+        settle(world)
+    else:
+        handling.settle(world, awake=awake)
+    for name in furniture:
+        world.set_fixed(name, True)
+
+
 def settle(world: World, times: int = 1) -> None:
     """Let all come to rest, so many times if need be; what physics moves by no more than a hair in the end does not move."""
     for _ in range(times):
@@ -308,8 +324,20 @@ def farthest(world: World, states: Mapping[str, ObjectState]) -> float:
 
 
 def sunken(world: World, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
-    """What one of some objects is in by more than metres, by default more than things that touch are."""
-    return next((other for name in moved for other in handling.sunk_into(world, name, most_m)), None)
+    """What one of some objects is in by more than metres, by default more than things that touch are.
+
+    What furniture is made of may be as deep in it as it was built.
+    """
+    wholes = [{name, *parts} for name in moved if (parts := world.built_into(name))]
+    return next(
+        (
+            other
+            for name in moved
+            for other in handling.sunk_into(world, name, most_m)
+            if not any(name in whole and other in whole for whole in wholes)
+        ),
+        None,
+    )
 
 
 ACTIONS: dict[str, ActionFunction] = {
@@ -376,19 +404,30 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
     return wanted
 
 
+def _parts_with(room: LoadedFloorPlan, object_id: str, state: ObjectState) -> dict[str, ObjectState]:
+    """The states of what a piece of furniture is made of, once that is in another state, by their ids."""
+    world, away = room.world, room.records.away
+    before = away.get(object_id, world.state(object_id))
+    motion = arithmetic.product(state.matrix(), arithmetic.inverse(before.matrix()))
+    return {part: away.get(part, world.state(part)).moved(motion) for part in world.built_into(object_id)}
+
+
 def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
     """Let what is loose of what was moved fall, and furniture stand still then.
 
     Returns what any of it is in afterwards by more than metres.
     """
-    world = room.world
-    moved = [name for name in moved if object_type(world.type_of(name)).is_loose]
+    world, home = room.world, room.at_rest.states
     furniture = [
-        name for name in moved if world.state(name).is_fixed and world.state(name) is not room.at_rest.states.get(name)
+        name
+        for name in moved
+        if object_type(world.type_of(name)).is_loose
+        and world.state(name).is_fixed
+        and world.state(name) is not home.get(name)
     ]
-    for name in furniture:
-        world.set_fixed(name, False)
-    settle(world)
-    for name in furniture:
-        world.set_fixed(name, True)
-    return sunken(world, [name for name in moved if world.state(name) is not room.at_rest.states.get(name)], most_m)
+    let_fall(world, furniture)
+    parts = {part for name in furniture for part in world.built_into(name)}
+    is_checked = {name for name in moved if object_type(world.type_of(name)).is_loose or name in parts}
+    return sunken(
+        world, [name for name in moved if name in is_checked and world.state(name) is not home.get(name)], most_m
+    )

@@ -11,10 +11,9 @@ from typing import Any
 from remqa_data.catalog import object_type
 from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import scene_names
-from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
-from remqa_data.thor.actions.placing import settle, sunken
+from remqa_data.thor.actions.placing import let_fall, settle, sunken
 from remqa_data.thor.actions.targets import not_there, of_type
 from remqa_data.thor.state.cameras import ThirdPartyCamera
 from remqa_data.thor.state.dispatch import ActionFunction, missing_argument
@@ -226,10 +225,11 @@ def _remove(room: LoadedFloorPlan, names: Sequence[str]) -> ActionResult:
     for name in dict.fromkeys(names):
         if name in room.records.away:
             continue  # it was held with one before
-        borne = [other for other in room.world.borne(name) if other not in room.world.held]
+        parts = room.world.built_into(name)
+        borne = [other for other in room.world.borne(name, along=parts) if other not in room.world.held]
         room.take_away(name)
         if borne:
-            handling.settle(room.world, awake=borne)
+            let_fall(room.world, [other for other in borne if room.world.state(other).is_fixed], borne)
     return ActionResult(True)
 
 
@@ -239,7 +239,7 @@ def disable_all_objects_of_type(simulator: SimulatorState, objectType: str) -> A
 
 
 def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
-    """Put an object back to where it was when it was taken out of the scene."""
+    """Put an object back to where it was when it was taken out of the scene, with what it is made of."""
     room, world = simulator.room, simulator.room.world
     absence = not_there(simulator, objectId)
     if absence is None:
@@ -247,11 +247,13 @@ def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     if objectId in room.records.sliced:
         return absence
     before, away = world.save(), dict(room.records.away)
-    world.put_back(objectId, away[objectId])
-    if blocker := sunken(world, [objectId]):
+    names = [objectId, *(part for part in world.built_into(objectId) if part in away)]
+    for name in names:
+        world.put_back(name, away.pop(name))
+    if blocker := sunken(world, names):
         world.restore(before)
         return ActionResult(False, f"{objectId} cannot come back: {blocker} is where it was")
-    room.show_all_but({name: state for name, state in away.items() if name != objectId})
+    room.show_all_but(away)
     settle(world)
     return ActionResult(True)
 

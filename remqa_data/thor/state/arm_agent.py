@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, ClassVar, Self
@@ -13,9 +13,9 @@ import numpy as np
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec2, Vec3
 from remqa_data.sim.agent.agent import Hands
-from remqa_data.sim.agent.results import ActionResult
+from remqa_data.sim.agent.results import SUCCEEDED, ActionResult
 from remqa_data.sim.arm import jaco
-from remqa_data.sim.arm.arm import Arm, ArmBase
+from remqa_data.sim.arm.arm import Arm, ArmBase, ArmMove
 from remqa_data.sim.arm.load import NOTHING, Load, load_of
 from remqa_data.thor.state.agent import ThorAgent
 
@@ -96,19 +96,28 @@ class ArmAgent(ThorAgent):
 
     def turn_hand(self, rotation: F64) -> ActionResult:
         """Turn the hand, and what it holds with it, by a (3, 3) rotation about axes of the room."""
-        turned = self.arm.turn_hand(self.base, rotation)
-        if turned.success:
-            self.turn_held(rotation)
-        return ActionResult(turned.success, turned.error)
+        return self._turn(lambda: self.arm.turn_hand(self.base, rotation), rotation)
 
     def turn_elbow(self, angle: float) -> ActionResult:
         """Lead the elbow round the line from shoulder to hand, radians; what the hand holds turns with it."""
-        before = self.arm.link_poses(self.base)[jaco.HAND][:3, :3]
-        turned = self.arm.turn_elbow(self.base, angle)
-        after = self.arm.link_poses(self.base)[jaco.HAND][:3, :3]
-        if turned.success:
-            self.turn_held(arithmetic.product(after, before.T))
-        return ActionResult(turned.success, turned.error)
+        return self._turn(lambda: self.arm.turn_elbow(self.base, angle))
+
+    def _turn(self, movement: Callable[[], ArmMove], rotation: F64 | None = None) -> ActionResult:
+        """Let the arm move its hand, whose middle stays, and turn what that holds by as much, or by what is known of it.
+
+        If what it holds, lying where it lies in the hand, would meet something, all stays as it is.
+        """
+        before, axes = self.arm.state, self.arm.link_poses(self.base)[jaco.HAND][:3, :3]
+        turned = movement()
+        if not turned.success or self.held is None:
+            return ActionResult(turned.success, turned.error)
+        if rotation is None:
+            rotation = arithmetic.product(self.arm.link_poses(self.base)[jaco.HAND][:3, :3], axes.T)
+        if (blocker := self.arm.blocker_of_load(self.base, rotation)) is not None:
+            self.arm.state = before
+            return ActionResult(False, f"{blocker} is blocking", blocked_by=blocker)
+        self.turn_held(rotation)
+        return SUCCEEDED
 
     def drop_spots(self) -> list[Vec3]:
         """See `Agent`; where the arm holds the thing, a little above, or nearer to the agent, comes first."""

@@ -167,8 +167,9 @@ class LoadedFloorPlan:
         return self.records.conditions
 
     def take_away(self, object_id: str) -> None:
-        """Take an object out of the scene, with what is held with it."""
-        gone = {name: self.world.state(name) for name in (object_id, *self.world.load_of(object_id))}
+        """Take an object out of the scene, with what it is made of and what is held with it."""
+        names = [object_id, *self.world.built_into(object_id), *self.world.load_of(object_id)]
+        gone = {name: self.world.state(name) for name in names if name not in self.records.away}
         for name in gone:
             self.world.put_away(name)
         self.show_all_but({**self.records.away, **gone})
