@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import TracebackType
 from typing import NoReturn
@@ -27,8 +27,8 @@ from remqa_data.sim.physics.furniture import parts_of_furniture
 from remqa_data.sim.physics.state import ObjectState
 
 SETTLE_STEPS = 240
-AWAY: Vec3 = (0.0, 0.0, -1000.0)
-"""Where things are that were taken out of the room, metres."""
+AWAY_Z_M, AWAY_APART_M = -1000.0, 10.0
+"""Where things are that were taken out of the room: how high, and how far from each other."""
 
 _Kept = dict[str, tuple[ObjectState, F64]]
 """What was found of objects, with the state that they were in."""
@@ -36,10 +36,11 @@ _Kept = dict[str, tuple[ObjectState, F64]]
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The state of a whole world; see `World.save`."""
+    """The state of a whole world; see `World.save`, and `World` for what is held and away."""
 
     states: dict[str, ObjectState]
     held: dict[str, int]
+    away: dict[str, ObjectState] = field(default_factory=dict)
 
 
 class World:
@@ -53,7 +54,9 @@ class World:
     Attributes
     ----------
     held : dict of str to int
-        Ids of the objects that are out of the room, each with the number of the agent in whose hand it is.
+        Ids of the objects that are in no place of the room, each with the number of the agent in whose hand it is.
+    away : dict of str to ObjectState
+        Ids of the objects that were taken out of the room, each with the state in which it would come back.
     revision : int
         Grows with every change, so that who follows the world can tell that nothing has changed.
 
@@ -71,6 +74,7 @@ class World:
         self._boxes: _Kept = {}
         self._states = {o.id: ObjectState(o.position, o.quaternion, o.openness, o.is_fixed) for o in scene.objects}
         self.held: dict[str, int] = {}
+        self.away: dict[str, ObjectState] = {}
         self.revision = self._afresh = 0
         self._bodies = Bodies()
         self._reload()
@@ -348,15 +352,25 @@ class World:
         self._reload()
         self.revision += 1
 
-    def put_away(self, object_id: str) -> None:
-        """Take an object, and not what is in or on it, out of the room: it lies far below, where nothing meets it."""
+    def put_away(self, object_id: str, state: ObjectState | None = None) -> None:
+        """Take an object, and not what is in or on it, out of the room: it lies far below, where nothing meets it.
+
+        It would come back in the state in which it is, or in the one that is given.
+        """
+        state = state or self.away.get(object_id) or self.state(object_id)
         self._take_out_of_hand(object_id)
         self.set_fixed(object_id, True)
-        self.move_alone(object_id, AWAY)
+        self.move_alone(object_id, self.place_away(object_id))
+        self.away[object_id] = state
+
+    def place_away(self, object_id: str) -> Vec3:
+        """Where an object is while it is out of the room, metres."""
+        return AWAY_APART_M * self.ids.index(object_id), 0.0, AWAY_Z_M
 
     def put_back(self, object_id: str, state: ObjectState) -> None:
-        """Give an object a state that it had before; no check for obstacles."""
+        """Give an object a state that it had before, or may have; no check for obstacles."""
         self._take_out_of_hand(object_id)
+        self.away.pop(object_id, None)
         self.set_fixed(object_id, state.is_fixed)
         self._put_at(object_id, state)
 
@@ -374,18 +388,18 @@ class World:
 
     def save(self) -> Snapshot:
         """The state of everything, to come back to with `restore`."""
-        return Snapshot(dict(self._states), dict(self.held))
+        return Snapshot(dict(self._states), dict(self.held), dict(self.away))
 
     def is_as(self, snapshot: Snapshot) -> bool:
         """Whether everything is where it was when a state was saved, or has been brought back; states are never changed."""
         same = (state is snapshot.states.get(object_id) for object_id, state in self._states.items())
-        return self.held == snapshot.held and all(same)
+        return (self.held, self.away) == (snapshot.held, snapshot.away) and all(same)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Bring back a saved state exactly: later actions give what they would have given then."""
         for object_id in self.held.keys() - snapshot.held.keys():
             self._bodies.set_collisions(object_id, True)
-        self.held = dict(snapshot.held)
+        self.held, self.away = dict(snapshot.held), dict(snapshot.away)
         for object_id, state in snapshot.states.items():
             self.set_fixed(object_id, state.is_fixed)  # may load all anew, but for what is held
         for object_id, state in snapshot.states.items():

@@ -163,7 +163,7 @@ class WorldView:
         self._changes += 1
 
     def sync(self) -> None:
-        """Follow the world's poses, and what is held; `render` does it by itself."""
+        """Follow the world's poses, what is held and what is away; `render` does it by itself."""
         if self.world.revision == self._revision:
             return
         self._revision = self.world.revision
@@ -172,12 +172,12 @@ class WorldView:
             if state is not self._shown[object_id]:
                 self._shown[object_id] = state
                 self.renderer.set_poses(np.arange(rows.start, rows.stop), self.world.link_poses(object_id))
-        before, self._out_of_room = self._out_of_room, frozenset(self.world.held)
+        before, self._out_of_room = self._out_of_room, frozenset((*self.world.held, *self.world.away))
         for changed in before ^ self._out_of_room:
             self._show_or_hide(changed)
 
     def hide(self, object_id: str, hidden: bool = True) -> None:
-        """Leave an object out of the pictures, or in them again; what is held needs no hiding."""
+        """Leave an object out of the pictures, or in them again; what is held or away needs no hiding."""
         self.world.state(object_id)  # which there must be
         (self._asked_to_hide.add if hidden else self._asked_to_hide.discard)(object_id)
         self._changes += 1

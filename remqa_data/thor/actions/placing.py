@@ -70,10 +70,10 @@ def set_object_poses(
     if not poses:
         return ActionResult(not complaint, complaint)
     room = simulator.room
-    there = {name for name in room.world.ids if name not in room.records.away}
+    there = {name for name in room.world.ids if name not in room.world.away}
     new = {name: original for name, original in copies.items() if name not in there}
     room.copy(new, "(Clone)_copy_", simulator.settings)
-    world, away = room.world, dict(room.records.away)
+    world = room.world
     before, moved = world.save(), []
     for object_id, pose in poses.items():
         state = _wanted(room, object_id, pose)
@@ -81,11 +81,9 @@ def set_object_poses(
             for name, placed in {object_id: state, **_parts_with(room, object_id, state)}.items():
                 world.put_back(name, placed)
                 moved.append(name)
-                away.pop(name, None)
-    wholes = [name for name in world.ids if name not in poses and _leaves(world.type_of(name), skipMoveable)]
-    gone = {name: away.get(name, before.states[name]) for whole in wholes for name in (whole, *world.built_into(whole))}
-    for name in gone:
-        world.put_away(name)
+    for name in world.ids:
+        if name not in poses and _leaves(world.type_of(name), skipMoveable):
+            room.take_away(name)
     if not forceAction:
         for name in sorted(moved, key=lambda name: (float(world.box(name)[0, 2]), name)):  # the lowest first
             is_whole = name in poses and not world.built_into(name)
@@ -94,10 +92,7 @@ def set_object_poses(
     blocker = _come_to_rest(room, moved, MOST_STUCK_M)
     if blocker is not None:
         world.restore(before)
-        for name in new:
-            world.put_away(name)
         return ActionResult(False, f"the poses put an object into {blocker}")
-    room.show_all_but({**away, **gone})
     return ActionResult(not complaint, complaint)
 
 
@@ -392,7 +387,7 @@ def _leaves(type_name: str, skips_moveable: bool) -> bool:
 
 def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectState:
     """The state that a pose asks for: the one that the object has, or had when the room was loaded, if that is it."""
-    now = room.records.away.get(object_id, room.world.state(object_id))
+    now = room.world.away.get(object_id, room.world.state(object_id))
     loaded = room.at_rest.states.get(object_id, now)  # slices and copies were not there then
     position, quaternion = room.records.pose_of(
         object_id, to_room(whole(pose["position"])), turn_of_euler(whole(pose.get("rotation", {})))
@@ -406,10 +401,10 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
 
 def _parts_with(room: LoadedFloorPlan, object_id: str, state: ObjectState) -> dict[str, ObjectState]:
     """The states of what a piece of furniture is made of, once that is in another state, by their ids."""
-    world, away = room.world, room.records.away
-    before = away.get(object_id, world.state(object_id))
+    world = room.world
+    before = world.away.get(object_id, world.state(object_id))
     motion = arithmetic.product(state.matrix(), arithmetic.inverse(before.matrix()))
-    return {part: away.get(part, world.state(part)).moved(motion) for part in world.built_into(object_id)}
+    return {part: world.away.get(part, world.state(part)).moved(motion) for part in world.built_into(object_id)}
 
 
 def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:

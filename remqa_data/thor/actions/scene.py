@@ -223,7 +223,7 @@ def remove_from_scene(
 
 def _remove(room: LoadedFloorPlan, names: Sequence[str]) -> ActionResult:
     for name in dict.fromkeys(names):
-        if name in room.records.away:
+        if name in room.world.away:
             continue  # it was held with one before
         parts = room.world.built_into(name)
         borne = [other for other in room.world.borne(name, along=parts) if other not in room.world.held]
@@ -246,14 +246,13 @@ def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
         return ActionResult(True)
     if objectId in room.records.sliced:
         return absence
-    before, away = world.save(), dict(room.records.away)
-    names = [objectId, *(part for part in world.built_into(objectId) if part in away)]
+    before = world.save()
+    names = [objectId, *(part for part in world.built_into(objectId) if part in world.away)]
     for name in names:
-        world.put_back(name, away.pop(name))
+        world.put_back(name, world.away[name])
     if blocker := sunken(world, names):
         world.restore(before)
         return ActionResult(False, f"{objectId} cannot come back: {blocker} is where it was")
-    room.show_all_but(away)
     settle(world)
     return ActionResult(True)
 

@@ -204,8 +204,8 @@ def get_2d_semantic_hulls(
     """The convex hulls of objects as seen from above, by their ids, each a list of x and z; by default of all."""
     if objectIds is not None and objectTypes is not None:
         return ActionResult(False, "Either objectIds or objectTypes should be null.")
-    world, away = simulator.room.world, simulator.room.records.away
-    names = [name for name in world.ids if name not in away] if objectIds is None else objectIds
+    world = simulator.room.world
+    names = [name for name in world.ids if name not in world.away] if objectIds is None else objectIds
     for name in names:
         if (refusal := not_there(simulator, name)) is not None:
             return refusal

@@ -7,6 +7,7 @@ to rest; what would not stay where it was put is put down anew, alone.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 from typing_extensions import TypedDict
@@ -16,7 +17,7 @@ from remqa_data.floorplans.loose_objects import OpenSurface, put_anew
 from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.receptacles import open_spaces, spaces_for_things
 from remqa_data.sim.agent.results import ActionResult
-from remqa_data.sim.physics.world import AWAY, World
+from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.compatible import is_compatible
 from remqa_data.thor.actions.placing import AT_REST_M, farthest, settle
 from remqa_data.thor.actions.targets import copy_id_of, of_type
@@ -90,15 +91,11 @@ def initial_random_spawn(
     if (refusal := room.let_go(room.agents)) is not None:
         return refusal
     room.copy(copies, "(Clone)_random_copy_", simulator.settings)
-    world, away = room.world, dict(room.records.away)
-    surfaces = _surfaces(world, {*away, *kept_free}, set(excludedReceptacles or []), forceVisible)
-    loose = [name for name in world.ids if name in copies or (name not in away and _may_move(world, name, excluded))]
-    spawned = _spawn(world, loose, surfaces, numPlacementAttempts, rng)
-    unplaced = [name for name in copies if _waits(world, name)]
-    for name in unplaced:
-        world.put_away(name)
-    room.show_all_but({name: state for name, state in away.items() if name in unplaced or name not in copies})
-    return spawned
+    world = room.world
+    surfaces = _surfaces(world, {*world.away, *kept_free}, set(excludedReceptacles or []), forceVisible)
+    there = {name for name in world.ids if name not in world.away and _may_move(world, name, excluded)}
+    loose = [name for name in world.ids if name in copies or name in there]
+    return _spawn(world, loose, surfaces, numPlacementAttempts, rng)
 
 
 def _drawn(simulator: SimulatorState, wishes: Sequence[ObjectTypeCount], rng: np.random.Generator) -> set[str]:
@@ -116,7 +113,7 @@ def _copies(simulator: SimulatorState, wishes: Sequence[ObjectTypeCount], rng: n
     Of what there is nothing, or cannot be picked up, there is nothing to copy.
     """
     copies: dict[str, str] = {}
-    there = {name for name in simulator.room.world.ids if name not in simulator.room.records.away}
+    there = {name for name in simulator.room.world.ids if name not in simulator.room.world.away}
     for wish in wishes:
         kind = object_type(wish["objectType"])
         names = of_type(simulator, kind.name) if kind.pickupable else []
@@ -158,11 +155,14 @@ def _spawn(
     world: World, loose: Sequence[str], surfaces: Sequence[OpenSurface], tries: int, rng: np.random.Generator
 ) -> ActionResult:
     before = world.save()
+    copies = {name: world.away[name] for name in loose if name in world.away}
+    for name, state in copies.items():
+        world.put_back(name, replace(state, position=world.place_away(name), is_fixed=False))
     order = [loose[index] for index in rng.permutation(len(loose))]
     moved = [name for name in order if _put_anew(world, name, surfaces, tries, rng)]
-    for name in loose:
-        if _waits(world, name):
-            world.put_away(name)
+    for name, state in copies.items():
+        if name not in moved:
+            world.put_away(name, state)
     owners = {surface.owner for surface in surfaces}
     settle(world, MOST_SETTLING)
     for name in moved:
@@ -170,18 +170,14 @@ def _spawn(
             _put_alone(world, name, surfaces, tries, rng)
     settle(world, MOST_SETTLING)
     for name, state in before.states.items():
-        if name not in moved and farthest(world, {name: state}) <= AT_REST_M:
+        is_there = name not in moved and name not in world.away
+        if is_there and farthest(world, {name: state}) <= AT_REST_M:
             world.put_back(name, state)
     sunken = next((name for name in moved if handling.sunk_into(world, name)), None)
     if sunken is not None:
         world.restore(before)
         return ActionResult(False, f"no room was found for {sunken}: try another seed")
     return ActionResult(True)
-
-
-def _waits(world: World, object_id: str) -> bool:
-    """Whether an object is a copy that was put nowhere yet."""
-    return world.state(object_id).position[2] == AWAY[2]
 
 
 def _put_anew(

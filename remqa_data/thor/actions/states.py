@@ -161,7 +161,7 @@ def _open_visible(simulator: SimulatorState, is_open: bool, openness: float = 1.
 def _change(simulator: SimulatorState, flag: str, is_so: bool, chosen: Sequence[str]) -> None:
     """Set a flag of those of some objects that can have it and are in the scene."""
     room, world = simulator.room, simulator.room.world
-    chosen = [name for name in chosen if name not in room.records.away]
+    chosen = [name for name in chosen if name not in world.away]
     if flag == "isOpen":
         _set_openness(room, is_so, chosen)
     elif flag == "isToggled":

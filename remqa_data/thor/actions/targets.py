@@ -29,10 +29,10 @@ def not_there(simulator: SimulatorState, object_id: str) -> ActionResult | None:
 
 
 def _absence(simulator: SimulatorState, object_id: str) -> ActionResult | None:
-    records = simulator.room.records
-    if object_id in records.sliced:
+    if object_id in simulator.room.records.sliced:
         return ActionResult(False, f"{object_id} has been sliced")
-    return ActionResult(False, f"{object_id} is not in the scene") if object_id in records.away else None
+    is_away = object_id in simulator.room.world.away
+    return ActionResult(False, f"{object_id} is not in the scene") if is_away else None
 
 
 def copy_id_of(object_id: str, number: int, taken: Collection[str]) -> str:
@@ -43,5 +43,5 @@ def copy_id_of(object_id: str, number: int, taken: Collection[str]) -> str:
 
 def of_type(simulator: SimulatorState, type_name: str) -> list[str]:
     """The ids of the objects of a type that are in the scene."""
-    world, away = simulator.room.world, simulator.room.records.away
-    return [name for name in world.ids if world.type_of(name) == type_name and name not in away]
+    world = simulator.room.world
+    return [name for name in world.ids if world.type_of(name) == type_name and name not in world.away]

@@ -23,8 +23,7 @@ from remqa_data.sim.arm.body import robot_surfaces
 from remqa_data.sim.arm.postures import COLUMN_TOP_M
 from remqa_data.sim.navigation.grid import ReachableGrid, reachable_grid
 from remqa_data.sim.navigation.viewpoints import HEADINGS_DEG, MIN_PIXELS, AgentPose
-from remqa_data.sim.physics.state import ObjectState
-from remqa_data.sim.physics.world import AWAY, Snapshot, World
+from remqa_data.sim.physics.world import AWAY_Z_M, World
 from remqa_data.sim.render.camera import AnyCamera, Camera, OrthographicCamera, are_outside
 from remqa_data.sim.render.view import Figure, Observation, WorldView
 from remqa_data.thor.object_states.appearance import shapes_of
@@ -42,8 +41,6 @@ AGENT_MIDDLE_M = 0.900999
 """AI2-THOR describes its agent by its middle, which is so high above the floor."""
 APART_M = 0.5
 """Agents begin at least so far from each other."""
-APART_AWAY_M = 10.0
-"""Copies that are to be put somewhere wait so far from each other, out of the room."""
 BELOW_CEILING_M = 0.05
 """Where the map camera is."""
 HOVERS_M = {"FloorPlan12": 0.079}
@@ -110,7 +107,6 @@ class LoadedFloorPlan:
             self.world.close()
             self._live_in(World(self._as_built))
         self.world.restart(self.at_rest)
-        self.show_all_but({})
         self.records = ObjectRecords(self.world)
         self.shows_map = False
         self.looks.change(Look())
@@ -168,34 +164,22 @@ class LoadedFloorPlan:
 
     def take_away(self, object_id: str) -> None:
         """Take an object out of the scene, with what it is made of and what is held with it."""
-        names = [object_id, *self.world.built_into(object_id), *self.world.load_of(object_id)]
-        gone = {name: self.world.state(name) for name in names if name not in self.records.away}
-        for name in gone:
+        for name in (object_id, *self.world.built_into(object_id), *self.world.load_of(object_id)):
             self.world.put_away(name)
-        self.show_all_but({**self.records.away, **gone})
-
-    def show_all_but(self, away: dict[str, ObjectState]) -> None:
-        """Say which objects are out of the scene, with the state that they were in."""
-        for object_id in {*self.records.away, *away}:
-            self.view.hide(object_id, object_id in away)
-        self.records.away = away
 
     def add(self, objects: Sequence[SceneObject], settings: Settings) -> None:
         """Let there be more objects; the room is loaded anew with them, and all else is as it was."""
         before, records, look = self.world, self.records, self.looks.look
         saved = before.save()
         self._live_in(World(before.scene.with_objects((*before.scene.objects, *objects))))
-        self.world.restore(Snapshot({**self.world.save().states, **saved.states}, saved.held))
+        self.world.restore(replace(saved, states={**self.world.save().states, **saved.states}))
         before.close()
         self.records.take_over(records)
-        self.show_all_but(records.away)
         self.looks.change(look)
         self.embody(settings)
 
     def copy(self, copies: Mapping[str, str], suffix: str, settings: Settings) -> None:
         """Let there be copies of objects, out of the scene; one that was made before, and is out of it, is taken again.
-
-        They are free to fall: each is to be put somewhere, or taken away, before physics goes on.
 
         Parameters
         ----------
@@ -206,20 +190,19 @@ class LoadedFloorPlan:
         settings : Settings
             Of the agents.
         """
-        world, records, away = self.world, self.records, dict(self.records.away)
-        spots = {copy_id: (APART_AWAY_M * number, 0.0, AWAY[2]) for number, copy_id in enumerate(copies, 1)}
-        added = []
-        for copy_id, original in copies.items():
-            if copy_id in world.ids:
-                world.put_back(copy_id, replace(away[copy_id], position=spots[copy_id], is_fixed=False))
-                continue
-            state = away[copy_id] = away.get(original, world.state(original))
-            records.copy_of(original, copy_id, records.name_of(original) + suffix + copy_id.rpartition("_")[2])
-            spec = world.assets[original].spec
-            added.append(SceneObject(copy_id, spec, spots[copy_id], openness=state.openness, is_fixed=False))
-        if added:
-            self.add(added, settings)
-        self.show_all_but(away)
+        world, records = self.world, self.records
+        new = {name: original for name, original in copies.items() if name not in world.ids}
+        states = {name: world.away.get(original, world.state(original)) for name, original in new.items()}
+        for name, original in new.items():
+            records.copy_of(original, name, records.name_of(original) + suffix + name.rpartition("_")[2])
+        if new:
+            at = (0.0, 0.0, AWAY_Z_M)
+            self.add(
+                [SceneObject(n, world.assets[o].spec, at, openness=states[n].openness) for n, o in new.items()],
+                settings,
+            )
+        for name, state in states.items():
+            self.world.put_away(name, state)
 
     def show_conditions(self) -> None:
         """Let pictures show what objects are in: stains, liquids, what glows, ..."""

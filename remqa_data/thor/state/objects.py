@@ -65,17 +65,14 @@ class ObjectRecords:
     ----------
     conditions : Conditions
         What they are in besides where they are. Nothing in the world depends on it.
-    away : dict of str to ObjectState
-        The objects that are out of the scene, with the state that they were in; they are not listed.
     sliced : set of str
-        Those of them that have been sliced: they are listed all the same, where they were.
+        Those of the objects that are away from the scene that have been sliced: they are listed all the same, where they were.
     copies : dict of str to Copy
         The objects that were copied, by their ids.
     """
 
     def __init__(self, world: World) -> None:
         self.conditions = Conditions(world)
-        self.away: dict[str, ObjectState] = {}
         self.sliced: set[str] = set()
         self.copies: dict[str, Copy] = {}
         self._world = world
@@ -181,7 +178,7 @@ class ObjectRecords:
         distances = np.linalg.norm(self._positions - np.asarray(agent), axis=1).tolist()
         listed, changed = [], self.conditions.changed
         for object_id, distance, lists in zip(self._world.ids, distances, marshal.loads(self._lists), strict=True):
-            is_away = object_id in self.away and object_id not in self.sliced
+            is_away = object_id in self._world.away and object_id not in self.sliced
             if is_away or (only is not None and object_id not in only):
                 continue
             record = self._records[object_id].copy()
@@ -220,7 +217,7 @@ class ObjectRecords:
             if self.conditions.of(object_id).get(FILLED) and self.turn(object_id)[1, 1] < 0.0:
                 self.conditions.put(object_id, FILLED, False)  # it is turned over
         self._held = frozenset(world.held)
-        parents, self._contents = _parents_and_contents(world, self._boxes, self.away)
+        parents, self._contents = _parents_and_contents(world, self._boxes, world.away)
         holding = _holding(world, parents, self._contents)
         self._records = {
             object_id: {**self._static[object_id], **self._moving[object_id], **holding[object_id]}
