@@ -19,7 +19,7 @@ def bedroom_controller():
 
 @pytest.fixture
 def bedroom(bedroom_controller):
-    bedroom_controller.reset()
+    bedroom_controller.reset("FloorPlan301")
     return bedroom_controller
 
 
@@ -256,6 +256,31 @@ def test_furniture_goes_with_its_drawers(bedroom, action) -> None:
     assert {name: position(bedroom.last_event, name) for name in before} == {
         name: pytest.approx(there) for name, there in before.items()
     }
+
+
+def test_a_table_is_moved_among_the_chairs_that_stand_under_it(bedroom_controller) -> None:
+    """As recorded the chairs are 4 cm in the table; who moves it must not think that it is stuck, and lift it over them."""
+    table = "DiningTable|-04.30|+00.01|-00.38"
+    start = bedroom_controller.reset("FloorPlan203")
+    record, depths = start.get_object(table), bedroom_controller.server.session._simulator.room.depths
+    assert sum(depth > 0.03 for (name, _), depth in depths.items() if name == table) == 3
+    along = {table, *record["receptacleObjectIds"]}
+    for shift in (0.05, -0.05, 0.2):
+        wanted = [
+            {"objectId": o["objectId"], "position": dict(o["position"]), "rotation": o["rotation"]}
+            for o in start.metadata["objects"]
+            if o["pickupable"] or o["moveable"]
+        ]
+        for one in wanted:
+            one["position"]["x"] += shift if one["objectId"] in along else 0.0
+        event = bedroom_controller.step("SetObjectPoses", objectPoses=wanted)
+        if shift == 0.2:  # the chairs' backs are there
+            assert event.metadata["errorMessage"].startswith(f"the poses put {table} into Chair|")
+            continue
+        assert event, event.metadata["errorMessage"]
+        x, y, z = position(start, table)
+        assert position(event, table) == pytest.approx([x + shift, y, z], abs=0.021)
+        assert event.get_object(table)["rotation"] == pytest.approx(record["rotation"], abs=0.1)
 
 
 @pytest.mark.parametrize("action", ["RemoveFromScene", "DisableObject", "SetObjectPoses"])

@@ -238,16 +238,36 @@ def sunk_into(world: World, object_id: str, most_m: float = OVERLAP_M) -> list[s
     return [other for other, depth in touched(world, object_id).items() if depth > most_m]
 
 
-def move_out(world: World, object_id: str) -> None:
-    """Move an object that is in something to the nearest place where it is in nothing; where there is none near, it stays."""
+Depths = Mapping[tuple[str, str], float]
+"""How deep things are in others, metres, by the ids of both."""
+
+
+def depths(world: World) -> Depths:
+    """How deep each object is in what it is in by more than things that touch are."""
+    found = {(name, other): depth for name in world.ids for other, depth in touched(world, name).items()}
+    return {pair: depth for pair, depth in found.items() if depth > OVERLAP_M}
+
+
+def move_out(world: World, object_id: str, usual: Depths) -> None:
+    """Move an object that is in something, and deeper than is usual, to the nearest place where it is not.
+
+    Where there is none near, it stays. Furniture is moved by a hair only, and not up: it would fall onto what it is in.
+    """
     state = world.state(object_id)
-    if not sunk_into(world, object_id):
+
+    def is_stuck() -> bool:
+        return any(
+            depth > usual.get((object_id, other), 0.0) + OVERLAP_M for other, depth in touched(world, object_id).items()
+        )
+
+    if not is_stuck():
         return
     for shift in _shifts():
-        x, y, z = arithmetic.snapped(np.add(state.position, shift)).tolist()
-        world.move_alone(object_id, (x, y, z))
-        if not sunk_into(world, object_id):
-            return
+        if not state.is_fixed or (shift[2] == 0.0 and math.hypot(*shift) <= NEAR_M):
+            x, y, z = arithmetic.snapped(np.add(state.position, shift)).tolist()
+            world.move_alone(object_id, (x, y, z))
+            if not is_stuck():
+                return
     world.put_back(object_id, state)
 
 

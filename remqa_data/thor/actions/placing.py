@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NotRequired
 
@@ -88,11 +88,11 @@ def set_object_poses(
         for name in sorted(moved, key=lambda name: (float(world.box(name)[0, 2]), name)):  # the lowest first
             is_whole = name in poses and not world.built_into(name)
             if is_whole and world.state(name) is not room.at_rest.states.get(name):
-                handling.move_out(world, name)
-    blocker = _come_to_rest(room, moved, MOST_STUCK_M)
-    if blocker is not None:
+                handling.move_out(world, name, room.depths)
+    stuck = _come_to_rest(room, moved, MOST_STUCK_M)
+    if stuck is not None:
         world.restore(before)
-        return ActionResult(False, f"the poses put an object into {blocker}")
+        return ActionResult(False, f"the poses put {stuck[0]} into {stuck[1]}")
     return ActionResult(not complaint, complaint)
 
 
@@ -184,10 +184,10 @@ def _place_at(
         world.state(objectId).position + np.asarray(to_room(whole(position))) - bottom
     ).tolist()
     world.move(objectId, (x, y, z), along=parts)
-    blocker = sunken(world, moved) or _come_to_rest(room, moved)
-    if blocker is not None:
+    stuck = sunken(room, moved, as_one=True) or _come_to_rest(room, moved)
+    if stuck is not None:
         world.restore(before)
-        return ActionResult(False, f"spawn area not clear ({blocker} is in the way), can't place object at that point")
+        return ActionResult(False, f"spawn area not clear ({stuck[1]} is in the way), can't place object at that point")
     simulator.agent.rest_hand()
     return ActionResult(True, value=to_thor(room.records.position(objectId)))
 
@@ -247,12 +247,12 @@ def _teleport_to(
         moved = [objectId, *world.move(objectId, pivot, quaternion, along=world.built_into(objectId))]
         home = room.at_rest.states.get(objectId)
         is_home = home is not None and _is_same(home, pivot, quaternion)  # there it was at rest, or it hung
-        blocker = None if force else sunken(world, moved)
-        if blocker is None and not is_home:
-            blocker = _come_to_rest(room, moved)
-        if blocker is not None and not force:
+        stuck = None if force else sunken(room, moved, as_one=True)
+        if stuck is None and not is_home:
+            stuck = _come_to_rest(room, moved)
+        if stuck is not None and not force:
             world.restore(before)
-            return ActionResult(False, f"{blocker} is in the way of {objectId}")
+            return ActionResult(False, f"{stuck[1]} is in the way of {objectId}")
     simulator.agent.rest_hand()
     return ActionResult(True, value=to_thor(room.records.position(objectId)))
 
@@ -288,10 +288,13 @@ def get_spawn_coordinates_above_receptacle(
 
 
 def let_fall(world: World, furniture: Sequence[str], awake: Sequence[str] | None = None) -> None:
-    """Let furniture fall, which stands still afterwards, and all that is loose, or of that only what is said to be awake."""
+    """Let furniture fall, which stands still afterwards, and all that is loose, or of that only what is said to be awake.
+
+    Furniture with parts, or around chairs, does not tilt: physics would drive it and them apart.
+    """
     for name in furniture:
-        if world.built_into(name):
-            handling.lower(world, name)  # physics would drive it and its parts apart
+        if world.built_into(name) or handling.sunk_into(world, name):
+            handling.lower(world, name)
         else:
             world.set_fixed(name, False)
     if awake is None:
@@ -318,21 +321,18 @@ def farthest(world: World, states: Mapping[str, ObjectState]) -> float:
     return float(arithmetic.length(moved).max())
 
 
-def sunken(world: World, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
-    """What one of some objects is in by more than metres, by default more than things that touch are.
+def sunken(
+    room: LoadedFloorPlan, moved: Collection[str], most_m: float = handling.OVERLAP_M, *, as_one: bool = False
+) -> tuple[str, str] | None:
+    """Which of some objects is in what, by more metres than when the room was loaded; by default more than things that touch.
 
-    What furniture is made of may be as deep in it as it was built.
+    What was moved `as_one` is in one another as it was before.
     """
-    wholes = [{name, *parts} for name in moved if (parts := world.built_into(name))]
-    return next(
-        (
-            other
-            for name in moved
-            for other in handling.sunk_into(world, name, most_m)
-            if not any(name in whole and other in whole for whole in wholes)
-        ),
-        None,
-    )
+    for name in moved:
+        for other, depth in handling.touched(room.world, name).items():
+            if depth > room.depths.get((name, other), 0.0) + most_m and not (as_one and other in moved):
+                return name, other
+    return None
 
 
 ACTIONS: dict[str, ActionFunction] = {
@@ -407,22 +407,13 @@ def _parts_with(room: LoadedFloorPlan, object_id: str, state: ObjectState) -> di
     return {part: world.away.get(part, world.state(part)).moved(motion) for part in world.built_into(object_id)}
 
 
-def _come_to_rest(room: LoadedFloorPlan, moved: Sequence[str], most_m: float = handling.OVERLAP_M) -> str | None:
-    """Let what is loose of what was moved fall, and furniture stand still then.
-
-    Returns what any of it is in afterwards by more than metres.
-    """
+def _come_to_rest(
+    room: LoadedFloorPlan, moved: Sequence[str], most_m: float = handling.OVERLAP_M
+) -> tuple[str, str] | None:
+    """Let what is loose of what was moved fall, and furniture stand still then; returns what `sunken` finds afterwards."""
     world, home = room.world, room.at_rest.states
-    furniture = [
-        name
-        for name in moved
-        if object_type(world.type_of(name)).is_loose
-        and world.state(name).is_fixed
-        and world.state(name) is not home.get(name)
-    ]
-    let_fall(world, furniture)
-    parts = {part for name in furniture for part in world.built_into(name)}
-    is_checked = {name for name in moved if object_type(world.type_of(name)).is_loose or name in parts}
-    return sunken(
-        world, [name for name in moved if name in is_checked and world.state(name) is not home.get(name)], most_m
-    )
+    moved = [name for name in moved if world.state(name) is not home.get(name)]
+    loose = [name for name in moved if object_type(world.type_of(name)).is_loose]
+    let_fall(world, [name for name in loose if world.state(name).is_fixed])
+    parts = {part for name in loose for part in world.built_into(name)}
+    return sunken(room, [name for name in moved if name in {*loose, *parts}], most_m)

@@ -250,9 +250,9 @@ def enable_object(simulator: SimulatorState, objectId: str) -> ActionResult:
     names = [objectId, *(part for part in world.built_into(objectId) if part in world.away)]
     for name in names:
         world.put_back(name, world.away[name])
-    if blocker := sunken(world, names):
+    if stuck := sunken(room, names):
         world.restore(before)
-        return ActionResult(False, f"{objectId} cannot come back: {blocker} is where it was")
+        return ActionResult(False, f"{objectId} cannot come back: {stuck[1]} is where it was")
     settle(world)
     return ActionResult(True)
 

@@ -16,6 +16,7 @@ from remqa_data.floorplans.load import load_scene
 from remqa_data.geometry.boxes import corners
 from remqa_data.geometry.types import F64, Flags, Vec2, Vec3
 from remqa_data.scene import SceneObject
+from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.pictures import Pictures
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.agent.third_person import ARM, body_of
@@ -76,6 +77,8 @@ class LoadedFloorPlan:
         Number of the one that acts.
     at_rest : Snapshot
         The world as it was loaded.
+    depths : mapping
+        How deep things were in others then: recorded chairs are in tables. See `handling.depths`.
     shows_map : bool
         Whether the agent's pictures are those of the map camera.
     """
@@ -86,6 +89,7 @@ class LoadedFloorPlan:
         world = World(self._as_built)
         world.settle()
         self.at_rest = world.save()
+        self.depths = handling.depths(world)
         self._live_in(world)
         self._start = _start_pose(self.view, reachable_grid(self.world))
         self.restart(settings, frame)
