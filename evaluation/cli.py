@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from remqa_data.command_line import Counting, OneLineErrors, announce_compiling, command_group, out_option, output
+from remqa_data.command_line import (
+    Counting,
+    OneLineErrors,
+    announce_compiling,
+    command_group,
+    on_stdout,
+    out_option,
+    output,
+)
 from remqa_data.errors import nearest_names
 from remqa_data.evaluation.submission.tracks import TRACKS, Track
 from remqa_data.limits import MOST_SEED
@@ -200,7 +208,8 @@ def schema() -> None:
     """Print the JSON Schema of results.json."""
     from remqa_data.evaluation.scoring.results import schema_json
 
-    typer.echo(schema_json(), nl=False)
+    with on_stdout():
+        typer.echo(schema_json(), nl=False)
 
 
 def _write_reference(agent: Agent, data: Path, path: Path, track: Track, split: str, seed: int) -> None:

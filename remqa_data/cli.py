@@ -286,7 +286,7 @@ def stats(
         with atomic_path(csv) as temporary:
             table.to_csv(temporary)
     output().say(table.to_string())
-    output().say("words: means; path_m and path_steps, of the shortest way: medians")
+    output().say("words: means; path_m and path_steps, of the way that is stored: medians")
     output().result(questions=json.loads(table.reset_index().to_json(orient="records")))
 
 

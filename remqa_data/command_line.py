@@ -30,6 +30,19 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
+STDOUT = "standard output"
+
+
+@contextmanager
+def on_stdout() -> Iterator[None]:
+    """Let an error of what is written say where: a stream knows no name."""
+    try:
+        yield
+    except OSError as error:
+        error.filename = STDOUT
+        raise
+
+
 @dataclass(frozen=True)
 class Output:
     """What a command says, and to whom; its options decide.
@@ -48,14 +61,16 @@ class Output:
     def say(self, text: str) -> None:
         """Print a line for people on stdout."""
         if not (self.is_quiet or self.is_json):
-            typer.echo(text)
+            with on_stdout():
+                typer.echo(text)
 
     def show(self, table: Any) -> None:
         """Print something of rich on stdout."""
         from rich.console import Console
 
         if not (self.is_quiet or self.is_json):
-            Console().print(table)
+            with on_stdout():
+                Console().print(table)
 
     def note(self, text: str) -> None:
         """Print a line about progress on stderr."""
@@ -65,7 +80,8 @@ class Output:
     def result(self, **facts: Any) -> None:
         """Print what came of the command, for programs; a path is written as text."""
         if self.is_json:
-            typer.echo(json.dumps(facts, default=str, ensure_ascii=False))
+            with on_stdout():
+                typer.echo(json.dumps(facts, default=str, ensure_ascii=False))
 
     def console(self) -> Console:
         """Where progress bars are drawn; draw none unless it `is_terminal`."""
@@ -84,7 +100,7 @@ def announce_compiling(workers: int) -> None:
     from remqa_data.compiled import is_cache_empty
 
     if workers > 1 and is_cache_empty():
-        output().note("the workers compile their kernels, once; this takes a minute or two")
+        output().note("the workers compile their kernels, once; this takes about a minute")
 
 
 class Counting:
@@ -135,7 +151,8 @@ class _PlainOptions:
                 if value == "" or (isinstance(value, list | tuple) and "" in value):
                     name = param.opts[0] if param.param_type_name == "option" else param.metavar or param.name
                     ctx.fail(f"{name} is empty; give a value")
-        return super().parse_args(ctx, args)  # type: ignore[misc]
+        with on_stdout():  # help and versions
+            return super().parse_args(ctx, args)  # type: ignore[misc]
 
 
 class _Command(_PlainOptions, TyperCommand):
@@ -177,6 +194,10 @@ class OneLineErrors(_PlainOptions, TyperGroup):
                 raise
             turn_outputs_away()
             raise SystemExit(PIPE_CLOSED) from None
+        except OSError as error:  # of --help and --version, which speak before a command is invoked
+            typer.echo(f"{self.name}: {one_line(_in_words(error))}", err=True)
+            turn_outputs_away()
+            raise SystemExit(2) from None
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""
@@ -326,8 +347,10 @@ _NO_THREAD = "can't start new thread"
 
 def _in_words(error: Exception) -> str:
     """What is wrong, where first; without the number that the system gives it."""
-    if isinstance(error, OSError) and error.filename is not None and error.errno is not None and error.strerror:
-        return f"{error.filename}: {os.strerror(error.errno)}; choose another path"
+    if isinstance(error, OSError) and error.errno is not None and error.strerror:
+        what = os.strerror(error.errno)
+        hint = "" if error.filename == STDOUT else "; choose another path"
+        return what if error.filename is None else f"{error.filename}: {what}{hint}"
     if _NO_THREAD in str(error):
         return "the system starts no more threads (ulimit -u)"
     return str(error)

@@ -65,8 +65,14 @@ class RemqaError(Exception, metaclass=_RaisedAnew):
     """Base of every error this package raises on purpose; its text is meant for the person who reads it."""
 
 
+MOST_TOLD = 4
+"""So many names that are known are told where none is near."""
+
+
 class UnknownNameError(RemqaError, KeyError):
-    """A name that is not known, with the nearest names that are.
+    """A name that is not known, with the nearest names that are, or a few of them where none is near.
+
+    Of objects none is told that was not asked for: an agent may not have seen them.
 
     Parameters
     ----------
@@ -79,11 +85,15 @@ class UnknownNameError(RemqaError, KeyError):
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
-        self.kind, self.name = kind, name
+        self.kind, self.name, known = kind, name, list(known)
         self.nearest = nearest_names(name, known) if isinstance(name, str) else []
+        self.some = [] if self.nearest or kind == "object" else sorted(known)[: MOST_TOLD + 1]
         msg = f"unknown {kind} {_SHORT.repr(name)}"
         if self.nearest:
             msg += f"; did you mean {' or '.join(repr(near) for near in self.nearest)}?"
+        elif self.some:
+            more = ", ..." if len(self.some) > MOST_TOLD else ""
+            msg += f"; known are {', '.join(repr(other) for other in self.some[:MOST_TOLD])}{more}"
         self.message = msg
         super().__init__(msg)
 
@@ -91,7 +101,7 @@ class UnknownNameError(RemqaError, KeyError):
         return self.message  # KeyError would show the repr of the text
 
     def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.kind, self.name, self.nearest)  # whole again after a worker process
+        return type(self), (self.kind, self.name, self.nearest or self.some)  # whole again after a worker process
 
 
 class CatalogError(RemqaError, ValueError):

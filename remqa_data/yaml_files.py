@@ -151,8 +151,17 @@ def read_keys(text: str, where: str) -> Mapping[str, Any]:
         data: Any = yaml.load(text, _Plain)
     except _NotPlainError as error:
         raise ConfigError(f"{where}: {error}") from None
+    except yaml.constructor.ConstructorError as error:
+        what = "tags (!) are not read" if "for the tag" in str(error.problem) else error.problem
+        raise ConfigError(f"{where}: {_at(error)}{what}") from None
+    except yaml.composer.ComposerError as error:
+        raise ConfigError(f"{where}: {_at(error)}a second document, where one is read") from None
+    except yaml.MarkedYAMLError as error:
+        raise ConfigError(f"{where}: not YAML: {_at(error)}{one_line(error.problem)[:200]}") from None
     except (yaml.YAMLError, ValueError) as error:  # ValueError: a date such as 2020-99-99, a number of 5,000 digits
         raise ConfigError(f"{where}: not YAML: {one_line(error)[:300]}") from None
+    if data is None:
+        raise ConfigError(f"{where}: says nothing; expected keys such as 'seed'")
     if not isinstance(data, Mapping):
         raise ConfigError(f"{where}: expected keys such as 'seed', found {type(data).__name__}")
     return data
@@ -174,8 +183,14 @@ def checked(kind: type[M], data: Mapping[str, Any], where: str) -> M:
         raise ConfigError(f"{where}: {error}") from None
 
 
+def _at(error: yaml.MarkedYAMLError) -> str:
+    """Where something is wrong, as the beginning of what is."""
+    mark = error.problem_mark
+    return "" if mark is None else f"line {mark.line + 1}, column {mark.column + 1}: "
+
+
 class _NotPlainError(Exception):
-    """What a configuration never needs; says where."""
+    """What a configuration must not have; says where."""
 
 
 class _Plain(yaml.SafeLoader):
@@ -209,7 +224,7 @@ class _Plain(yaml.SafeLoader):
         for key, _ in node.value:
             said = str(key.value)
             if said in seen:
-                raise ValueError(f"line {key.start_mark.line + 1}: the key {said!r:.80} is there twice")
+                raise _NotPlainError(f"line {key.start_mark.line + 1}: the key {said!r:.80} is there twice")
             seen.add(said)
         return found
 
@@ -229,6 +244,8 @@ def _first_problem(error: ValidationError, kind: type[BaseModel]) -> str:
         if part not in ("constrained-int", "int", "[key]") and "tuple" not in str(part)
     )
     reason = _unknown_key(kind, problem["loc"]) if unknown else problem["msg"].removeprefix("Value error, ")
+    if problem["type"] == "too_short":
+        reason = f"expected at least {problem['ctx']['min_length']}, found {problem['ctx']['actual_length']}"
     return f"{one_line(key)[:80]}: {one_line(reason)}" if key else one_line(reason)
 
 

@@ -89,6 +89,25 @@ def test_where_nobody_reads_on_a_command_ends_without_a_word(name) -> None:
         assert (done.returncode, done.stderr) == (PIPE_CLOSED, b"")
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="needs /dev/full")
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("remqa-gen", ["--help"]),
+        ("remqa-data", ["--version"]),
+        ("remqa-data", ["show", "--help"]),
+        ("remqa-eval", ["schema"]),
+        ("remqa-eval", ["--json", "schema"]),
+    ],
+)
+def test_what_cannot_be_written_to_stdout_is_one_line_that_says_so(name, words) -> None:
+    command = [sys.executable, "-m", f"{HOMES[name]}.cli", *words]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stderr) == (2, f"{name}: standard output: No space left on device\n")
+
+
 def test_a_closed_pipe_is_no_error_of_a_file(drawing, monkeypatch) -> None:
     def fail(*_: object, **__: object) -> None:
         raise BrokenPipeError(32, "Broken pipe")

@@ -165,8 +165,8 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
         )
     if root is not None and not force and (sha256 := dataset_sha256(load_manifest(root))) != about.datasets[0]:
         raise ConfigError(
-            f"{path} has learnt from the dataset {about.datasets[0][:12]}, which scored it; {root} is {sha256[:12]}. Rooms "
-            "of its test split may be among those learnt from: train on it, or use --force"
+            f"{path} was trained on another dataset ({about.datasets[0][:12]}) than {root} ({sha256[:12]}), and may have "
+            "learnt from rooms of its test split: use --force to try it all the same, or remqa-agent train on this one"
         )
     return model.eval(), about
 

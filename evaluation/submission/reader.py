@@ -155,7 +155,7 @@ def open_submission(path: Path) -> Submission:
     if path.suffix not in (".jsonl", ".parquet"):
         raise SubmissionError(path, "", "the name must end with .jsonl or .parquet")
     if not path.is_file():
-        raise SubmissionError(path, "", "no such file")
+        raise SubmissionError(path, "", "is no ordinary file" if path.exists() else "no such file")
     is_parquet = path.suffix == ".parquet"
     text, where = parquet_header(path) if is_parquet else _first_line(path), _header_place(is_parquet=is_parquet)
     try:
@@ -163,9 +163,7 @@ def open_submission(path: Path) -> Submission:
         _refuse_repeated_keys(path, where, text)
     except ValidationError as error:
         field, reason = _first_error(error)
-        msg = (
-            f'the header {reason}; expected {{"format": "{FORMAT}", "version": {VERSION}, "track": ..., "split": ...}}'
-        )
+        msg = f'{reason}; a header is {{"format": "{FORMAT}", "version": {VERSION}, "track": ..., "split": ...}}'
         raise SubmissionError(path, ", field ".join(filter(None, (where, field))), msg) from None
     return Submission(path, header, is_parquet)
 

@@ -73,6 +73,10 @@ class Vocabulary:
         train = read_table(Path(root), "questions", "train", ["question", "answer"])
         return cls.build(train["question"].to_pylist(), train["answer"].to_pylist(), min_count)
 
+    def __len__(self) -> int:
+        """How many words there are, with "<pad>" and "<unk>": the rows of an embedding."""
+        return len(self.words)
+
     def encode(self, question: str) -> list[int]:
         """Numbers of a question's words; unknown words are 1."""
         return [self._word_ids.get(word, 1) for word in tokenize(question)]

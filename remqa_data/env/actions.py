@@ -158,7 +158,7 @@ def command(action: Any, mode: ActionMode, agent: Agent) -> Command:
         return _of_text(action)
     if isinstance(action, dict):
         action = {name: _as_in_space(entry) for name, entry in action.items()}
-    if not _known_space(mode).contains(action):
+    if isinstance(action, bool | np.bool_) or not _known_space(mode).contains(action):
         what = f"a number below {len(DISCRETE)}" if mode == "discrete" else "an element of the action space"
         told = one_line(repr(action))
         raise ActionError(f"{told:.200} is not an action of the {mode} space: give {what}, a text or a Command")

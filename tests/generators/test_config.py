@@ -114,7 +114,9 @@ def test_numbers_of_rooms_that_there_are_not(count) -> None:
         ("horizons_deg: [0, 30]", "horizons_deg: []", "walk.horizons_deg: .*at least 1"),
         ("horizons_deg: [0, 30]", "horizons_deg: [0, 30, 0]", "walk.horizons_deg: 0 is there twice"),
         ("horizons_deg: [0, 30]", "horizons_deg: [0, 30]\n  headings_deg: [0]", ".*'headings_deg' is there twice"),
-        ("seed: 0", "seed: 0\nseed: 1", "not YAML: line 3: the key 'seed' is there twice"),
+        ("seed: 0", "seed: !!python/object:os.system x", r"line 2, column 7: tags \(!\) are not read$"),
+        ("seed: 0", "seed: 0\n---\nseed: 1", "line 3, column 1: a second document, where one is read$"),
+        ("seed: 0", "seed: 0\nseed: 1", "line 3: the key 'seed' is there twice"),
     ],
 )
 def test_mistakes_are_told_in_one_line_with_file_and_key(old, new, message) -> None:
@@ -122,6 +124,12 @@ def test_mistakes_are_told_in_one_line_with_file_and_key(old, new, message) -> N
     with pytest.raises(ConfigError, match=f"^my.yaml: {message}") as caught:
         parsed(Config, PAPER.replace(old, new, 1), "my.yaml")
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["", "# nothing\n", "---\n"])
+def test_a_file_that_says_nothing(text) -> None:
+    with pytest.raises(ConfigError, match=r"^my\.yaml: says nothing; expected keys such as 'seed'$"):
+        parsed(Config, text, "my.yaml")
 
 
 def test_a_missing_file_and_a_file_of_something_else(tmp_path) -> None:

@@ -155,9 +155,11 @@ def parse_action(text: str) -> Action:
         raise ActionError(f"{text!r:.80} is no action: give a text")
     name, *rest = text.split(" ")
     spec = action_spec(name)
+    if rest and not all(rest):
+        raise ActionError(f"{text!r:.200}: between words is one blank, and none at the end")
     target: Target | None = None
     if spec.has_target:
-        if not rest or not rest[0]:
+        if not rest:
             raise ActionError(f"{text!r:.200}: {_usage(name)}")
         target = _image_point(rest[0], text) if rest[0].startswith("@") else rest[0]
         rest = rest[1:]

@@ -49,6 +49,7 @@ def test_what_goes_along_is_moved_as_one_with_what_lies_in_and_on_it(bedroom) ->
 
 def test_furniture_is_let_down_to_the_floor_with_its_parts(bedroom) -> None:
     parts = bedroom.built_into(DRESSER)
+    assert parts
     heights = {name: bedroom.box(name)[0, 2] for name in (DRESSER, *parts)}
     x, y, z = bedroom.state(DRESSER).position
     bedroom.move(DRESSER, (x + 0.3, y, z + 0.4), along=parts)
