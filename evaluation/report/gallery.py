@@ -34,7 +34,7 @@ TRUE_PX, PREDICTED_PX = 3, 1
 """Widths of the frames of boxes."""
 JPEG = [cv2.IMWRITE_JPEG_QUALITY, 85, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444]
 """Colours as sharp as all else, as a frame may be a pixel wide."""
-MAP_MARGIN, MAP_CUT_M = 1.12, 2.0
+MAP_PX, MAP_MARGIN, MAP_CUT_M = 300, 1.12, 2.0
 """How much larger than the room its map is, and the height above the floor at which the map is cut."""
 
 
@@ -181,11 +181,11 @@ def _after_manipulation(replay: Replay, attempt: Attempt) -> Iterator[Picture]:
 class _Map:
     """The room from above."""
 
-    def __init__(self, replay: Replay, size_px: int = 300) -> None:
+    def __init__(self, replay: Replay) -> None:
         x0, y0, x1, y1 = replay.world.scene.bounds
         extent = MAP_MARGIN * max(x1 - x0, y1 - y0)
         height = replay.world.scene.floor_z + MAP_CUT_M
-        self.camera = TopDownCamera(((x0 + x1) / 2, (y0 + y1) / 2), height, extent, size_px, size_px)
+        self.camera = TopDownCamera(((x0 + x1) / 2, (y0 + y1) / 2), height, extent, MAP_PX, MAP_PX)
         rendered = replay.view.render(self.camera, shadows=False).rgb
         (left, top), (right, bottom) = self._pixels(np.array([(x0, y1), (x1, y0)]))
         self.image = np.full_like(rendered, 255)  # what is out of the room is scenery

@@ -47,7 +47,7 @@ def slab(grid: F64, thickness: float) -> Mesh:
     return joined([front, back, side])
 
 
-def over_bar(depth: float, height: float, back: float, thickness: float, arc_steps: int = 4) -> F64:
+def over_bar(depth: float, height: float, back: float, thickness: float) -> F64:
     """Middle line of a strip laid over a bar: (n, 2) points (y, z) from the hem in front to the hem behind.
 
     Parameters
@@ -62,7 +62,7 @@ def over_bar(depth: float, height: float, back: float, thickness: float, arc_ste
     radius = (depth - thickness) / 2
     shoulder = height - thickness / 2 - radius
     steps = np.linspace(0.0, 1.0, 6)
-    angles = np.linspace(np.pi, 0.0, arc_steps + 1)[1:-1]
+    angles = np.linspace(np.pi, 0.0, 5)[1:-1]
     front = np.column_stack([np.full(6, -radius), shoulder * steps])
     top = np.column_stack([radius * np.cos(angles), shoulder + radius * np.sin(angles)])
     behind = np.column_stack([np.full(2, radius), np.linspace(shoulder, back, 2)])

@@ -307,7 +307,7 @@ def _side_walls(ring: F64, half: float, crease_deg: float) -> Mesh:
     return Mesh(vertices, normals, faces)
 
 
-def loft(rings: Sequence[F64] | F64, crease_deg: float = 50.0, *, capped: bool = True) -> Mesh:
+def loft(rings: Sequence[F64] | F64, *, capped: bool = True) -> Mesh:
     """A skin over rings of points, each (n, 3), counter-clockwise as seen from above, from the bottom to the top.
 
     Shaded round throughout; flat caps close both ends unless `capped` is False.

@@ -168,12 +168,12 @@ def solid_body(b: Builder, box: Box, holes: Sequence[Box]) -> None:
         _solid(b, part)
 
 
-def rim_spaces(b: Builder, holes: Sequence[Box], name: str = "rim") -> None:
+def rim_spaces(b: Builder, holes: Sequence[Box]) -> None:
     """Declare the flat parts of the top around the holes as room to put things."""
     plan = solid_around((-b.w / 2, -b.d / 2, 0, b.w / 2, b.d / 2, 1), [(*h[:2], -1, *h[3:5], 2) for h in holes])
     for i, (x0, y0, _, x1, y1, _) in enumerate(plan):
         if min(x1 - x0, y1 - y0) > 0.05:
-            b.space(f"{name} {i}", (x1 - x0, y1 - y0, 0.4), ((x0 + x1) / 2, (y0 + y1) / 2, b.h + 0.2))
+            b.space(f"rim {i}", (x1 - x0, y1 - y0, 0.4), ((x0 + x1) / 2, (y0 + y1) / 2, b.h + 0.2))
 
 
 def free_boxes(b: Builder, basins: Sequence[Box], margin: float = 0.006) -> tuple[Box, ...]:

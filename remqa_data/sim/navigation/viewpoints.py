@@ -27,8 +27,8 @@ HORIZONS_DEG = (-30, 0, 30, 60)
 MIN_PIXELS = 50
 """An object is visible in a 300 x 300 frame when at least this many pixels are its own."""
 FRAME_PX = 300
-FRONT_POINTS = 5
-"""Along each side of the lattice of points on an object's front."""
+FRONT_POINTS, SURFACE_POINTS = 5, 4
+"""Along each side of the lattice of points on an object's front, and of that on each side of its box."""
 Pose = tuple[float, float, float, float]
 """x, y in metres, yaw_deg, horizon_deg."""
 
@@ -86,10 +86,10 @@ def facing_poses(
                 yield AgentPose(cell, heading, horizon, is_standing)
 
 
-def surface_points(world: World, object_id: str, count: int = 4) -> F64:
+def surface_points(world: World, object_id: str) -> F64:
     """(n, 3) points spread over the sides and the top of an object's box in the room."""
     low, high = world.box(object_id)
-    spread = np.linspace(-0.9, 0.9, count)
+    spread = np.linspace(-0.9, 0.9, SURFACE_POINTS)
     a, b = (axis.ravel() for axis in np.meshgrid(spread, spread))
     one = np.ones_like(a)
     faces = [(a, b, one), (one, a, b), (-one, a, b), (a, one, b), (a, -one, b)]

@@ -255,13 +255,13 @@ def _tea_light(b: Builder, at: Vec3, wax: Material, *, top: bool) -> None:
     b.cylinder(0.003, 0.08 * b.h, (at[0], at[1], 0.1 * b.h + tall), materials.SHADOW_GAP, sections=5, solid=False)
 
 
-def _smooth(points: list[tuple[float, float]], steps: int = 2) -> list[tuple[float, float]]:
+def _smooth(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Points on a smooth curve through a profile's corners (monotone in between: cubic Hermite with limited slopes)."""
     p = np.asarray(points)
     tangents = np.gradient(p, axis=0)
     curve = [points[0]]
     for i in range(len(p) - 1):
-        for t in np.linspace(0, 1, steps + 1)[1:]:
+        for t in (0.5, 1.0):
             h = (2 * t**3 - 3 * t**2 + 1, t**3 - 2 * t**2 + t, -2 * t**3 + 3 * t**2, t**3 - t**2)
             r, z = h[0] * p[i] + h[1] * 0.7 * tangents[i] + h[2] * p[i + 1] + h[3] * 0.7 * tangents[i + 1]
             curve.append((float(min(max(r, 0.02), 1.0)), float(min(max(z, curve[-1][1]), 1.0))))

@@ -136,8 +136,9 @@ def _fern(b: Builder, green: Material) -> list[Part]:
     return [(_frond(137.5 * i, 90 - 2.2 * i, b.between(0.85, 1.1)), tones[i % 3]) for i in range(18)]
 
 
-def _frond(yaw_deg: float, pitch_deg: float, length: float, leaflets: int = 11) -> Mesh:
+def _frond(yaw_deg: float, pitch_deg: float, length: float) -> Mesh:
     """A bent stalk with a pointed leaflet to each side at every step; one triangle a leaflet, one open sheet."""
+    leaflets = 11
     t = np.linspace(0, 1, leaflets + 1)
     bend = np.radians(pitch_deg - 95 * t)
     yaw = np.radians(yaw_deg)

@@ -192,8 +192,9 @@ def tennis_racket(b: Builder) -> None:
     b.looks_like(shade)
 
 
-def _sphere_wedges(count: int, index: int, sections: int = 24, rings: int = 10) -> Mesh:
+def _sphere_wedges(count: int, index: int) -> Mesh:
     """Every count-th of the eight slices of a unit sphere about z."""
+    sections, rings = 24, 10
     latitude = np.linspace(-np.pi / 2, np.pi / 2, rings + 1)
     longitude = np.linspace(0, 2 * np.pi, sections + 1)
     lon, lat = np.meshgrid(longitude, latitude, indexing="ij")
@@ -206,12 +207,12 @@ def _sphere_wedges(count: int, index: int, sections: int = 24, rings: int = 10) 
     return Mesh(points, points, faces[(slices % count == index) & (flat > 1e-9)])
 
 
-def _seam(curve: F64, width: float = 0.05) -> Mesh:
-    """A ribbon along a closed curve on the unit sphere."""
+def _seam(curve: F64) -> Mesh:
+    """A ribbon along a closed curve on the unit sphere, a twentieth of its radius wide."""
     along = np.gradient(curve, axis=0)
     along[[0, -1]] = curve[1] - curve[-2]
     across = arithmetic.cross(curve, along)
-    across *= width / 2 / np.linalg.norm(across, axis=1, keepdims=True)
+    across *= 0.025 / np.linalg.norm(across, axis=1, keepdims=True)
     left, right = curve + across, curve - across
     points = np.vstack([left, right])
     i, n = np.arange(len(curve) - 1), len(curve)
