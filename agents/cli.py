@@ -34,7 +34,10 @@ Weights = Annotated[
         "--weights", metavar="DIR", exists=True, file_okay=False, help="Weights that come before those of the package."
     ),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Use weights on another dataset than that they have learnt from.")]
+Force = Annotated[
+    bool,
+    typer.Option("--force", help="Use weights that may have learnt from the rooms they are tried in, too."),
+]
 Device = Annotated[str, typer.Option(metavar="NAME", help="Where networks compute: cpu, cuda, cuda:1, mps.")]
 Seed = Annotated[
     int | None,

@@ -19,8 +19,9 @@ from pydantic import (
 from remqa_data.errors import ConfigError, UnknownNameError
 from remqa_data.floorplans.ithor.table import scene_names
 from remqa_data.floorplans.sampled.naming import sampled_index, sampled_name
+from remqa_data.floorplans.splits import QUESTION_SPLITS, QuestionSplit, split_of
 from remqa_data.generators.questions.allotment import LOT_SIZE
-from remqa_data.generators.questions.splits import QUESTION_SPLITS, QuestionSplit, choose_scenes, split_of
+from remqa_data.generators.questions.chosen_scenes import choose_scenes
 from remqa_data.generators.walks.walk import WalkSettings
 from remqa_data.limits import MOST_IMAGE_PX, MOST_SEED
 from remqa_data.scene import Light

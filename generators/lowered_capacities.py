@@ -13,11 +13,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from remqa_data.floorplans.ithor.scenes import scene_names
+from remqa_data.floorplans.splits import QUESTION_SPLITS
 from remqa_data.generators.config import stored_config
 from remqa_data.generators.questions.allotment import LOT_SIZE, SceneQuota, allot
 from remqa_data.generators.questions.capacities import table_path, write_capacities
 from remqa_data.generators.questions.capacity_table import SceneCapacity, capacities
-from remqa_data.generators.questions.splits import QUESTION_SPLITS
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 from remqa_data.tables.rows import KINDS

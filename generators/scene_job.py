@@ -11,13 +11,13 @@ from remqa_data.errors import ArrangementError, QuotaError
 from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.floorplans.sampled.naming import is_sampled, sampled_index
 from remqa_data.floorplans.sampled.scenes import sampled_scene
+from remqa_data.floorplans.splits import expression_split
 from remqa_data.generators.arrangement.configurations import Configuration
 from remqa_data.generators.arrangement.hiding_place import HidingPlace
 from remqa_data.generators.audited_room import AuditedRoom
 from remqa_data.generators.questions.groups import GroupPlan
 from remqa_data.generators.questions.selection import select
 from remqa_data.generators.questions.shortfalls import missing
-from remqa_data.generators.questions.splits import expression_split
 from remqa_data.generators.samples import Refusal, make_sample
 from remqa_data.generators.scene_plan import Job, RoomPlanner
 from remqa_data.generators.walks.scene_walk import ConfigurationInfo, walk_through

@@ -1,4 +1,7 @@
-"""Which rooms may be learnt from: those of the train split that are in no val or test split of any of the datasets."""
+"""Which rooms may be learnt from: those of the train split that are in no val or test split of any of the datasets.
+
+Which split a room is of follows from its name, so that what has learnt from one dataset may be tried on any other.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from pathlib import Path
 import pyarrow.compute as pc
 
 from remqa_data.errors import DatasetError
+from remqa_data.floorplans.splits import expression_split
 from remqa_data.storage.manifest import load_manifest
 from remqa_data.storage.shards import read_table
 
@@ -34,6 +38,13 @@ def learning_rooms(roots: Sequence[Path]) -> frozenset[str]:
     """
     held_out = frozenset().union(*(rooms_of(root, split) for root in roots for split in HELD_OUT))
     rooms = frozenset().union(*(rooms_of(root, "train") for root in roots)) - held_out
+    rooms = frozenset(room for room in rooms if expression_split(room) == "train")
     if not rooms:
         raise DatasetError(f"{', '.join(map(str, roots))}: no room to learn from that is not in val or test")
     return rooms
+
+
+def held_out_elsewhere(root: Path) -> tuple[str, ...]:
+    """Val and test rooms of a dataset that are train rooms by their names, from which others may have learnt; sorted."""
+    rooms = frozenset().union(*(rooms_of(root, split) for split in HELD_OUT))
+    return tuple(sorted(room for room in rooms if expression_split(room) == "train"))

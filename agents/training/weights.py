@@ -42,6 +42,7 @@ from remqa_data.agents.training.config import (
 from remqa_data.agents.training.grounding import GROUNDERS
 from remqa_data.agents.training.imitating import DOERS
 from remqa_data.agents.training.matching import empty_matcher
+from remqa_data.agents.training.rooms import held_out_elsewhere
 from remqa_data.datasets.vocabulary import Vocabulary
 from remqa_data.errors import ConfigError
 from remqa_data.evaluation.scoring.ground_truth import dataset_sha256
@@ -149,12 +150,12 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
     root : path, optional
         The dataset that it is to be used on.
     force : bool
-        Use it on another dataset than the first one from which it has learnt.
+        Use it also where it may have learnt from rooms on which it is tried.
 
     Raises
     ------
     ConfigError
-        If the file is no such network, or has learnt from another dataset: its rooms may be those that it is asked about.
+        If the file is no such network, or has learnt from another dataset and this one holds out other rooms than usual.
     """
     with _opened(path) as file:
         about = _about(file)
@@ -163,12 +164,18 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
         model.load_state_dict(
             {name: tensor.float() if tensor.is_floating_point() else tensor for name, tensor in tensors.items()}
         )
-    if root is not None and not force and (sha256 := dataset_sha256(load_manifest(root))) != about.datasets[0]:
+    if root is not None and not force and (rooms := _may_have_learnt_from(about, root)):
         raise ConfigError(
-            f"{path} was trained on another dataset ({about.datasets[0][:12]}) than {root} ({sha256[:12]}), and may have "
-            "learnt from rooms of its test split: use --force to try it all the same, or remqa-agent train on this one"
+            f"{path} was trained on another dataset, and may have learnt from {rooms[0]}, which {root} holds out: "
+            "use --force to try it all the same, or remqa-agent train on this one"
         )
     return model.eval(), about
+
+
+def _may_have_learnt_from(about: About, root: Path) -> tuple[str, ...]:
+    """The rooms that a dataset holds out and from which a network of other datasets may have learnt."""
+    is_its_own = dataset_sha256(load_manifest(root)) == about.datasets[0]
+    return () if is_its_own else held_out_elsewhere(root)
 
 
 @contextmanager

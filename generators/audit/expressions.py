@@ -6,10 +6,10 @@ import json
 from collections.abc import Iterator, Sequence
 
 from remqa_data.errors import RemqaError, one_line
+from remqa_data.floorplans.splits import expression_split
 from remqa_data.generators.audit.failures import Broken, Failure
 from remqa_data.generators.audit.question_words import understood
 from remqa_data.generators.audit.truths import CheckedRoom
-from remqa_data.generators.questions.splits import expression_split
 from remqa_data.language.referring import Program, candidates, resolve
 from remqa_data.language.rules import SEEN_AS_ONE, may_be_called
 from remqa_data.tables.rows import ExpressionRow, FrameRow

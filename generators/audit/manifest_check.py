@@ -9,13 +9,13 @@ from itertools import pairwise
 
 from remqa_data.errors import ConfigError, QuotaError
 from remqa_data.floorplans.sampled.naming import is_sampled
+from remqa_data.floorplans.splits import expression_split, split_of
 from remqa_data.generators.audit.failures import Failure
 from remqa_data.generators.audit.footers import footer_problems
 from remqa_data.generators.config import Config, stored_config
 from remqa_data.generators.pipeline import shards_per_split
 from remqa_data.generators.questions.allotment import allot
 from remqa_data.generators.questions.capacity_table import capacities
-from remqa_data.generators.questions.splits import expression_split, split_of
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import CARD, CROISSANT, croissant_text, dataset_card
 from remqa_data.storage.locks import is_lock

@@ -10,11 +10,11 @@ from dataclasses import asdict
 from itertools import groupby
 from typing import Any
 
+from remqa_data.floorplans.splits import expression_split
 from remqa_data.generators.audit.failures import Failure
 from remqa_data.generators.config import Config
 from remqa_data.generators.questions.allotment import SceneQuota
 from remqa_data.generators.questions.shortfalls import asked_in_the_end
-from remqa_data.generators.questions.splits import expression_split
 from remqa_data.generators.walks.scene_walk import EMBODIMENT
 from remqa_data.storage.manifest import Manifest
 from remqa_data.storage.ownership import SPLITS

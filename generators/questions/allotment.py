@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 from remqa_data.errors import QuotaError, counted, named
 from remqa_data.floorplans.sampled.naming import is_sampled
+from remqa_data.floorplans.splits import QUESTION_SPLITS, QuestionSplit, split_of
 from remqa_data.generators.questions.capacity_table import SceneCapacity, recorded_capacities
-from remqa_data.generators.questions.splits import QUESTION_SPLITS, QuestionSplit, split_of
 from remqa_data.language.question_rules import question_rules
 from remqa_data.tables.rows import KINDS, QuestionKind
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from remqa_data.errors import QuotaError
+from remqa_data.floorplans.splits import QuestionSplit
 from remqa_data.generators.questions.allotment import LOT_SIZE, MOST_LOTS, SceneQuota, Totals, allot
 from remqa_data.generators.questions.capacity_table import SceneCapacity, capacities
-from remqa_data.generators.questions.splits import QuestionSplit
 from remqa_data.language.question_rules import question_rules
 from remqa_data.tables.rows import KINDS, QuestionKind
 

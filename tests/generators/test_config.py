@@ -5,10 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from remqa_data.errors import ConfigError
+from remqa_data.floorplans.splits import split_of
 from remqa_data.generators.config import Config, load_config, presets
 from remqa_data.generators.questions.allotment import allot
 from remqa_data.generators.questions.capacity_table import capacities
-from remqa_data.generators.questions.splits import split_of
 from remqa_data.yaml_files import parsed
 
 CONFIGS = Path(__file__).parents[2] / "configs"

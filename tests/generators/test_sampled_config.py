@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from remqa_data.errors import ConfigError
 from remqa_data.floorplans.sampled.naming import ROOM_TYPES, sampled_name
+from remqa_data.floorplans.splits import expression_split, split_of
 from remqa_data.generators.config import Config, load_config
 from remqa_data.generators.questions.allotment import allot
 from remqa_data.generators.questions.capacity_table import capacities
-from remqa_data.generators.questions.splits import expression_split, split_of
 from remqa_data.yaml_files import parsed
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper.yaml"

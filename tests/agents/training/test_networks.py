@@ -162,11 +162,29 @@ def test_weights_say_what_made_them_and_do_the_same_when_read_again(trained: Pat
     )
 
 
-def test_weights_are_refused_on_a_dataset_that_they_have_not_learnt_from(trained: Path, small_rooms: Path) -> None:
+def test_weights_are_refused_only_where_they_may_have_learnt_from_what_is_held_out(
+    trained: Path, two_rooms: Path, small_rooms: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = weights_path("language_attention", trained)
-    with pytest.raises(ConfigError, match=r"was trained on another dataset .* rooms of its test split"):
+    load_network(path, small_rooms)  # another dataset, whose test rooms are test rooms everywhere
+    held_out = {
+        "train": frozenset({"FloorPlan1"}),
+        "val": frozenset({"FloorPlan2"}),
+        "test": frozenset({"FloorPlan30"}),
+    }
+    monkeypatch.setattr(rooms_module, "rooms_of", lambda root, split: held_out[split])
+    load_network(path, two_rooms)
+    with pytest.raises(ConfigError, match=r"may have learnt from FloorPlan2, which .* holds out: use --force"):
         load_network(path, small_rooms)
     load_network(path, small_rooms, force=True)
+
+
+def test_rooms_that_are_held_out_by_their_names_are_not_learnt_from(monkeypatch: pytest.MonkeyPatch) -> None:
+    rooms = frozenset(
+        {"FloorPlan20", "FloorPlan21", "FloorPlan26", "Sampled-kitchen-000000", "Sampled-living_room-000001"}
+    )
+    monkeypatch.setattr(rooms_module, "rooms_of", lambda root, split: rooms if split == "train" else frozenset())
+    assert learning_rooms([Path("unusual")]) == {"FloorPlan20", "Sampled-kitchen-000000"}
 
 
 def test_what_is_no_network_is_refused_in_one_line(tmp_path: Path) -> None:

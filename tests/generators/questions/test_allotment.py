@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from remqa_data.errors import QuotaError, UnknownNameError
 from remqa_data.floorplans.ithor.table import recorded_objects, scene_names
+from remqa_data.floorplans.splits import split_of
 from remqa_data.generators.questions.allotment import FEWEST_LOTS, LOT_SIZE, MOST_LOTS, allot
 from remqa_data.generators.questions.capacity_table import SceneCapacity, capacities
+from remqa_data.generators.questions.chosen_scenes import choose_scenes
 from remqa_data.generators.questions.groups import group_shapes
-from remqa_data.generators.questions.splits import choose_scenes, split_of
 from remqa_data.tables.rows import KINDS
 
 PUBLISHED = {

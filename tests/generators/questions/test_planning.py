@@ -18,13 +18,13 @@ from remqa_data.generators.config import load_config
 from remqa_data.generators.questions.allotment import SceneQuota, allot
 from remqa_data.generators.questions.capacities import room_capacity
 from remqa_data.generators.questions.capacity_table import capacities
+from remqa_data.generators.questions.chosen_scenes import choose_scenes
 from remqa_data.generators.questions.expressions import Expression, Expressions
 from remqa_data.generators.questions.groups import group_shapes, shapes_of, wishes
 from remqa_data.generators.questions.planning import Planner, plan_groups
 from remqa_data.generators.questions.questions import confusable, mentioned_types
 from remqa_data.generators.questions.selection import select
 from remqa_data.generators.questions.sites import sites_of
-from remqa_data.generators.questions.splits import choose_scenes
 from remqa_data.language.question_rules import question_rules
 from remqa_data.published import MEAN_WORDS
 from remqa_data.scene_graph.graph import SceneGraph

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from remqa_data.errors import QuotaError
+from remqa_data.floorplans.splits import split_of
 from remqa_data.generators.questions.allotment import SceneQuota, allot
 from remqa_data.generators.questions.capacity_table import SceneCapacity
 from remqa_data.generators.questions.groups import group_shapes
 from remqa_data.generators.questions.shortfalls import Answers, Deal, dealt_anew, missing, with_a_lot_less
-from remqa_data.generators.questions.splits import split_of
 from remqa_data.tables.rows import KINDS
 
 NAMES = [f"FloorPlan{n}" for n in (1, 2, 3, 4, 26, 27, 28)]

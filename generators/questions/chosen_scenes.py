@@ -1,59 +1,17 @@
-"""Which rooms there are, of which split each one is, and which come first when fewer are asked for."""
+"""Which rooms come first when fewer than all are asked for."""
 
 from __future__ import annotations
 
-from typing import Literal, get_args
-
-from remqa_data.errors import QuotaError, UnknownNameError
-from remqa_data.floorplans.ithor.table import scene_names
-from remqa_data.floorplans.sampled.naming import is_sampled, sampled_split
+from remqa_data.errors import QuotaError
+from remqa_data.floorplans.splits import ROOMS_OF_A_TYPE, TEST_ROOMS_OF_A_TYPE
 from remqa_data.generators.questions.capacity_table import recorded_capacities
 from remqa_data.published import QUESTIONS
-from remqa_data.tables.rows import KINDS, Split
+from remqa_data.tables.rows import KINDS
 
-QuestionSplit = Literal["train", "test"]
-QUESTION_SPLITS: tuple[QuestionSplit, ...] = get_args(QuestionSplit)
-
-ROOMS_OF_A_TYPE, VAL_ROOMS_OF_A_TYPE, TEST_ROOMS_OF_A_TYPE = 30, 5, 5
 ROOM_OFFSETS = (0, 200, 300, 400)
 """iTHOR's numbers: kitchens 1 to 30, living rooms 201 to 230, bedrooms 301 to 330, bathrooms 401 to 430."""
 TEST_TURNS = (0, 1, 2, 3)
 """Room types by index, in the order in which they get a test room that is one too many: those first that can be asked most."""
-
-
-def split_of(scene: str) -> QuestionSplit:
-    """The split of a room: the last five of each room type are for testing; of sampled rooms, one in six.
-
-    Which rooms REMQA tests on is not published. AI2-THOR's own convention, kept by AllenAct and others, takes rooms 1 to 20
-    of each type for training, 21 to 25 for validation and 26 to 30 for testing; so nothing that was trained in the usual
-    way has seen our test rooms.
-
-    >>> split_of("FloorPlan25"), split_of("FloorPlan226")
-    ('train', 'test')
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such room.
-    """
-    if not is_sampled(scene) and scene not in scene_names():
-        raise UnknownNameError("scene", scene, scene_names())
-    return "test" if expression_split(scene) == "test" else "train"
-
-
-def expression_split(scene: str) -> Split:
-    """The split of a room's referring expressions: AI2-THOR's usual one, 1-20 train, 21-25 val, 26-30 test of each type.
-
-    >>> [expression_split(f"FloorPlan{n}") for n in (20, 221, 430)]
-    ['train', 'val', 'test']
-    """
-    if is_sampled(scene):
-        return sampled_split(scene)
-    before_test = ROOMS_OF_A_TYPE - TEST_ROOMS_OF_A_TYPE
-    number = _number(scene) % 100
-    if number > before_test:
-        return "test"
-    return "val" if number > before_test - VAL_ROOMS_OF_A_TYPE else "train"
 
 
 def choose_scenes(count: int) -> tuple[str, ...]:
@@ -97,7 +55,3 @@ def _what_can_be_asked(number: int) -> float:
 def _share(count: int, turn: int) -> int:
     """How many of some things the room type gets whose turn it is, when they are dealt out in turns."""
     return count // len(ROOM_OFFSETS) + (turn < count % len(ROOM_OFFSETS))
-
-
-def _number(scene: str) -> int:
-    return int(scene.removeprefix("FloorPlan"))
