@@ -23,7 +23,7 @@ from remqa_data.generators.questions.questions import Candidate, mentioned_types
 from remqa_data.generators.revealed import Views
 from remqa_data.generators.undisturbed import counted_again, disturbed
 from remqa_data.language.answers import Answer, execute, is_clear
-from remqa_data.language.inner import inner_of, is_sure, needed
+from remqa_data.language.inner_relations import inner_of, is_sure, needed
 from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.sim.agent.actions import DONE, Action, move_action, open_action, pick_up_action

@@ -13,7 +13,7 @@ from typing import get_args
 
 from remqa_data.catalog import Manipulation, object_type
 from remqa_data.errors import ProgramError
-from remqa_data.language.inner import InnerRelation
+from remqa_data.language.inner_relations import InnerRelation
 from remqa_data.language.question_rules import question_rules
 from remqa_data.language.referring import Program, program_of
 from remqa_data.scene_graph.relations import Relation, relation_rules

@@ -16,7 +16,7 @@ from remqa_data.generators.arrangement.hiding_rules import hiding_rules
 from remqa_data.generators.arrangement.interior_view import LEAST_SHARE, depth_looks, looks_about, share_in_view
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F32, F64, Vec3
-from remqa_data.language.inner import Partner, clearly_related
+from remqa_data.language.inner_relations import Partner, clearly_related
 from remqa_data.sim.metadata import ObjectMetadata, object_metadata
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.camera import Camera

@@ -18,7 +18,7 @@ from remqa_data.generators.arrangement.packing import Outline, Put, free_put, ou
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import Vec3
-from remqa_data.language.inner import InnerRelation, Partner, clearly_related
+from remqa_data.language.inner_relations import InnerRelation, Partner, clearly_related
 from remqa_data.sim.metadata import ObjectMetadata
 from remqa_data.sim.navigation.embodiment import AGENT
 
@@ -36,7 +36,7 @@ OPENS_FORWARD = types_with("opens_forward")
 
 
 @dataclass(frozen=True)
-class Link:
+class RelationConstraint:
     """How a thing is to lie to one or two others, all given by their numbers; `holds` is whether it is to, or not."""
 
     thing: int
@@ -50,8 +50,12 @@ def inner_fits(place: HidingPlace, type_: str, partner: Partner) -> bool:
     return _fits(replace(place, spots=()), type_, partner)
 
 
-def packed_with_link(
-    place: HidingPlace, types: Sequence[str], sizes: Sequence[Vec3], link: Link, rng: np.random.Generator
+def packed_with_constraint(
+    place: HidingPlace,
+    types: Sequence[str],
+    sizes: Sequence[Vec3],
+    wanted: RelationConstraint,
+    rng: np.random.Generator,
 ) -> list[Put] | None:
     """Where all things of a place go, in their order: first those that are to lie in some way, then the others around them.
 
@@ -61,7 +65,7 @@ def packed_with_link(
         Where.
     types, sizes : sequence
         Of all things of the place.
-    link : Link
+    wanted : RelationConstraint
         Which of them are to lie in some way, and how.
     rng : numpy.random.Generator
         Draws places and turns.
@@ -71,7 +75,7 @@ def packed_with_link(
     None if no way was found.
     """
     for _ in range(PACKED):
-        first = _linked(place, types, sizes, link, rng)
+        first = _constrained(place, types, sizes, wanted, rng)
         if first is None:
             return None
         puts = packed(place.areas, sizes, hiding_rules().gap_m, rng, first)
@@ -80,15 +84,19 @@ def packed_with_link(
     return None
 
 
-def _linked(
-    place: HidingPlace, types: Sequence[str], sizes: Sequence[Vec3], link: Link, rng: np.random.Generator
+def _constrained(
+    place: HidingPlace,
+    types: Sequence[str],
+    sizes: Sequence[Vec3],
+    wanted: RelationConstraint,
+    rng: np.random.Generator,
 ) -> dict[int, Put] | None:
-    """Where the things of a link go, by their numbers; None if no way was found."""
+    """Where the things of a constraint go, by their numbers; None if no way was found."""
     weights = np.array([area.half[0] * area.half[1] for area in place.areas])
     for _ in range(TRIES):
         area = place.areas[int(rng.choice(len(place.areas), p=weights / weights.sum()))]
-        puts = _related(area, sizes, link, rng) if link.holds else _apart(place.areas, area, sizes, link, rng)
-        if puts is not None and _is_clear(place, types, sizes, link, puts):
+        puts = _related(area, sizes, wanted, rng) if wanted.holds else _apart(place.areas, area, sizes, wanted, rng)
+        if puts is not None and _is_clear(place, types, sizes, wanted, puts):
             return puts
     return None
 
@@ -101,9 +109,13 @@ def _fits(place: HidingPlace, type_: str, partner: Partner) -> bool:
         return False
     types = [type_, *[partner.type] * partner.count]
     sizes = [largest_size(name) for name in types]
-    links = [Link(0, tuple(range(1, len(types))), partner.relation, holds) for holds in (True, False)]
+    constraints = [
+        RelationConstraint(0, tuple(range(1, len(types))), partner.relation, holds) for holds in (True, False)
+    ]
     rng = np.random.default_rng(0)
-    return all(_linked(place, types, sizes, link, rng) is not None for link in links for _ in range(FITTED))
+    return all(
+        _constrained(place, types, sizes, wanted, rng) is not None for wanted in constraints for _ in range(FITTED)
+    )
 
 
 def _seen_from_front(place: HidingPlace) -> bool:
@@ -120,20 +132,22 @@ def _seen_from_front(place: HidingPlace) -> bool:
     return True
 
 
-def _related(area: Area, sizes: Sequence[Vec3], link: Link, rng: np.random.Generator) -> dict[int, Put] | None:
+def _related(
+    area: Area, sizes: Sequence[Vec3], wanted: RelationConstraint, rng: np.random.Generator
+) -> dict[int, Put] | None:
     """The others at random, the thing on, beside, behind or between them."""
-    if link.relation == "on":
-        under = _free_put(area, sizes[link.others[0]], rng, [])
+    if wanted.relation == "on":
+        under = _free_put(area, sizes[wanted.others[0]], rng, [])
         if under is None:
             return None
         x, y, z = under.position
-        on_top = Put(area, (x, y, z + sizes[link.others[0]][2] + SKIN_M), _turn(rng) + area.yaw_deg)
-        return {link.others[0]: under, link.thing: on_top}
+        on_top = Put(area, (x, y, z + sizes[wanted.others[0]][2] + SKIN_M), _turn(rng) + area.yaw_deg)
+        return {wanted.others[0]: under, wanted.thing: on_top}
     # In a row, from one side to the other as one looks in, or to the back.
-    row = [link.others[0], link.thing, *link.others[1:]]
-    if rng.random() < 0.5 and link.relation != "behind":
+    row = [wanted.others[0], wanted.thing, *wanted.others[1:]]
+    if rng.random() < 0.5 and wanted.relation != "behind":
         row.reverse()
-    axis = 1 if link.relation == "behind" else 0
+    axis = 1 if wanted.relation == "behind" else 0
     turns = [_turn(rng) for _ in row]
     halves = [turned_half(sizes[number], turn) for number, turn in zip(row, turns, strict=True)]
     gaps = rng.uniform(*APART_M, len(row) - 1)
@@ -153,12 +167,12 @@ def _related(area: Area, sizes: Sequence[Vec3], link: Link, rng: np.random.Gener
 
 
 def _apart(
-    areas: Sequence[Area], area: Area, sizes: Sequence[Vec3], link: Link, rng: np.random.Generator
+    areas: Sequence[Area], area: Area, sizes: Sequence[Vec3], wanted: RelationConstraint, rng: np.random.Generator
 ) -> dict[int, Put] | None:
     """All of them anywhere: two others that something could be between on one area, the thing on any."""
     puts: dict[int, Put] = {}
-    for number in (*link.others, link.thing):
-        on = area if number in link.others else areas[int(rng.integers(len(areas)))]
+    for number in (*wanted.others, wanted.thing):
+        on = area if number in wanted.others else areas[int(rng.integers(len(areas)))]
         there = [outline_of(put, sizes[n]) for n, put in puts.items() if put.area == on]
         put = _free_put(on, sizes[number], rng, there)
         if put is None:
@@ -184,7 +198,11 @@ def _turn(rng: np.random.Generator) -> float:
 
 
 def _is_clear(
-    place: HidingPlace, types: Sequence[str], sizes: Sequence[Vec3], link: Link, puts: dict[int, Put]
+    place: HidingPlace,
+    types: Sequence[str],
+    sizes: Sequence[Vec3],
+    wanted: RelationConstraint,
+    puts: dict[int, Put],
 ) -> bool:
     """Whether the things fit below what is above them, are high enough to be seen, and lie as asked by the rules."""
     records = [_record(place.object_id, place.type, place.areas[0], None, (0.0, 0.0, 0.0))]
@@ -193,7 +211,7 @@ def _is_clear(
         if not put.area.seen_from_m < raised + sizes[number][2] <= put.area.height_m:
             return False
         records.append(_record(str(number), types[number], put.area, put, sizes[number], place.object_id))
-    return clearly_related(records, str(link.thing), link.relation, [str(n) for n in link.others]) is link.holds
+    return clearly_related(records, str(wanted.thing), wanted.relation, [str(n) for n in wanted.others]) is wanted.holds
 
 
 def _record(

@@ -25,7 +25,7 @@ from remqa_data.generators.arrangement.hiding_check import (
 )
 from remqa_data.generators.arrangement.hiding_place import HidingPlace, PlaceKey
 from remqa_data.generators.arrangement.hiding_rules import hidden_size, hiding_rules, largest_size
-from remqa_data.generators.arrangement.inner_packing import Link, packed_with_link
+from remqa_data.generators.arrangement.inner_packing import RelationConstraint, packed_with_constraint
 from remqa_data.generators.arrangement.packing import Put, packed
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry.types import F64, Vec3
@@ -59,7 +59,7 @@ class WishedThings:
         Each wish and the ids of its things.
     by_place : mapping of PlaceKey to (HidingPlace, tuple of str)
         Each place and the ids of all its things.
-    links : mapping of PlaceKey to Link
+    constraints : mapping of PlaceKey to RelationConstraint
         How things are to lie to one another, in the places where that is wished; a place has one such wish at most.
     """
 
@@ -67,7 +67,7 @@ class WishedThings:
     scene: Scene
     hidden: tuple[tuple[HidingWish, tuple[str, ...]], ...]
     by_place: Mapping[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]
-    links: Mapping[PlaceKey, Link]
+    constraints: Mapping[PlaceKey, RelationConstraint]
 
     @classmethod
     def made(cls, scene: Scene, wishes: Sequence[HidingWish], rng: np.random.Generator) -> WishedThings:
@@ -87,11 +87,11 @@ class WishedThings:
         """Where the things of a place lie, at random; raises ArrangementError if it has no room for them."""
         place, ids = self.by_place[key]
         sizes = [_plan_size(world.assets[object_id].spec) for object_id in ids]
-        types, link = [world.type_of(object_id) for object_id in ids], self.links.get(key)
-        if link is None:
+        types, constraint = [world.type_of(object_id) for object_id in ids], self.constraints.get(key)
+        if constraint is None:
             puts = packed(place.areas, sizes, hiding_rules().gap_m, rng)
         else:
-            puts = packed_with_link(place, types, sizes, link, rng)
+            puts = packed_with_constraint(place, types, sizes, constraint, rng)
         if puts is None:
             names = ", ".join(types)
             where = f"{place.relation} {place.object_id}"
@@ -276,14 +276,14 @@ def _by_place(hidden: FulfilledWishes) -> dict[PlaceKey, tuple[HidingPlace, tupl
 
 def _links(
     hidden: FulfilledWishes, by_place: Mapping[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]
-) -> dict[PlaceKey, Link]:
-    found: dict[PlaceKey, Link] = {}
+) -> dict[PlaceKey, RelationConstraint]:
+    found: dict[PlaceKey, RelationConstraint] = {}
     for wish, ids in hidden:
         if wish.partner is not None:
             key = wish.place.key
             names = by_place[key][1]
             others = tuple(names.index(name) for name in partner_ids(hidden, wish))
-            found[key] = Link(names.index(ids[0]), others, wish.partner.relation, wish.holds)
+            found[key] = RelationConstraint(names.index(ids[0]), others, wish.partner.relation, wish.holds)
     return found
 
 

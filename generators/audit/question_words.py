@@ -13,7 +13,7 @@ from remqa_data.generators.questions.questions import (
     question_program,
     question_text,
 )
-from remqa_data.language.inner import InnerRelation, Partner
+from remqa_data.language.inner_relations import InnerRelation, Partner
 from remqa_data.language.referring import Program, program_of
 from remqa_data.scene_graph.relations import Relation
 from remqa_data.tables.rows import QuestionKind, QuestionRow

@@ -27,7 +27,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry.rotations import degrees_apart
 from remqa_data.geometry.types import F64
 from remqa_data.language.answers import execute, is_clear
-from remqa_data.language.inner import inner_of, is_sure, needed
+from remqa_data.language.inner_relations import inner_of, is_sure, needed
 from remqa_data.language.question_rules import NO
 from remqa_data.language.referring import resolve
 from remqa_data.metrics import DISTANCE_SLACK_M, SUCCESS_DISTANCE_M, distance_to_goal_m

@@ -30,7 +30,7 @@ from remqa_data.generators.questions.sites import (
     sites_of,
 )
 from remqa_data.geometry import arithmetic
-from remqa_data.language.inner import InnerRelation, Partner
+from remqa_data.language.inner_relations import InnerRelation, Partner
 from remqa_data.language.question_rules import QuestionRules, question_rules
 from remqa_data.tables.rows import QuestionKind
 

@@ -13,7 +13,7 @@ from typing import Generic, Literal, Protocol, TypeVar
 
 from remqa_data.catalog import Manipulation, object_type, plural, with_article
 from remqa_data.generators.questions.expressions import Expression
-from remqa_data.language.inner import Partner
+from remqa_data.language.inner_relations import Partner
 from remqa_data.language.question_rules import question_rules
 from remqa_data.language.referring import AnyProgram, Program
 from remqa_data.language.rules import may_be_called

@@ -17,7 +17,7 @@ from remqa_data.generators.questions.questions import (
     kinds_for,
     usable_expressions,
 )
-from remqa_data.language.inner import Partner
+from remqa_data.language.inner_relations import Partner
 from remqa_data.language.question_rules import question_rules
 from remqa_data.tables.rows import QuestionKind
 

@@ -9,7 +9,7 @@ from typing import Annotated, Literal, TypeVar, get_args
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveFloat, PositiveInt, field_validator
 
 from remqa_data.catalog import Manipulation, TypeName
-from remqa_data.language.inner import InnerRelation
+from remqa_data.language.inner_relations import InnerRelation
 from remqa_data.scene_graph.relations import Relation
 from remqa_data.tables.rows import KINDS, QuestionKind
 from remqa_data.yaml_files import checked_pattern, entry_for_each, template_rules

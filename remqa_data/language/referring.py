@@ -26,7 +26,7 @@ from typing import Any, get_args
 from remqa_data.catalog import catalog
 from remqa_data.errors import ProgramError, nearest_names
 from remqa_data.language.rules import RowPlace, StackPlace, expression_rules
-from remqa_data.language.semantics import Exactly, Roughly
+from remqa_data.language.semantics import ExactSemantics, LooseSemantics
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.scene_graph.relations import OrderRelation, Relation, relation_rules
 
@@ -50,7 +50,7 @@ def resolve(text_or_program: str | AnyProgram, graph: SceneGraph) -> list[str]:
     candidates : also what nearly fits.
     """
     program = program_of(text_or_program) if isinstance(text_or_program, str) else text_or_program
-    return sorted(_execute(program, graph, Exactly()))
+    return sorted(_execute(program, graph, ExactSemantics()))
 
 
 def candidates(text_or_program: str | AnyProgram, loose_graph: SceneGraph) -> list[str]:
@@ -67,7 +67,7 @@ def candidates(text_or_program: str | AnyProgram, loose_graph: SceneGraph) -> li
         A graph of the same objects, built with `RelationRules.loosened`, in which relations that nearly hold do.
     """
     program = program_of(text_or_program) if isinstance(text_or_program, str) else text_or_program
-    return sorted(_execute(program, loose_graph, Roughly()))
+    return sorted(_execute(program, loose_graph, LooseSemantics()))
 
 
 def program_of(text: str) -> Program:
@@ -146,7 +146,7 @@ def _types_by_word() -> dict[str, str]:
 # ---- executing
 
 
-def _execute(program: AnyProgram, graph: SceneGraph, meaning: Exactly) -> frozenset[str]:
+def _execute(program: AnyProgram, graph: SceneGraph, meaning: ExactSemantics) -> frozenset[str]:
     """What is left after all steps; found once for each graph, as questions share most of their steps."""
     if not program:
         return frozenset(graph.objects)
@@ -170,7 +170,7 @@ def _hashable_part(part: object, step: Sequence[Any]) -> str | Program:
     raise ProgramError(f"cannot execute step {step!r}: a step holds words and programs, not {part!r}")
 
 
-def _step(program: Program, found: set[str], graph: SceneGraph, meaning: Exactly) -> set[str]:
+def _step(program: Program, found: set[str], graph: SceneGraph, meaning: ExactSemantics) -> set[str]:
     """What the last step of a program keeps of some objects."""
     match program[-1]:
         case ("filter_type", str(value)) if value in catalog():

@@ -15,7 +15,7 @@ from remqa_data.scene_graph.relations import OrderRelation, Relation, relation_r
 from remqa_data.sim.metadata import ObjectMetadata
 
 
-class Exactly:
+class ExactSemantics:
     """Words mean what they say."""
 
     def type(self, record: ObjectMetadata, name: str) -> bool:
@@ -65,7 +65,7 @@ class Exactly:
         return _row_end(graph, found, place)
 
 
-class Roughly(Exactly):
+class LooseSemantics(ExactSemantics):
     """Words mean what a person who is in a hurry might take them to mean."""
 
     def type(self, record: ObjectMetadata, name: str) -> bool:

@@ -12,8 +12,8 @@ from remqa_data.sim.agent.results import ActionResult
 from remqa_data.thor.actions import arm as actions_arm
 from remqa_data.thor.actions import conditions as actions_conditions
 from remqa_data.thor.actions import expert as actions_expert
-from remqa_data.thor.actions import former as actions_former
 from remqa_data.thor.actions import hand as actions_hand
+from remqa_data.thor.actions import legacy as actions_legacy
 from remqa_data.thor.actions import looks as actions_looks
 from remqa_data.thor.actions import navigation as actions_navigation
 from remqa_data.thor.actions import objects as actions_objects
@@ -42,10 +42,10 @@ ACTIONS = checked(
     | actions_conditions.ACTIONS
     | actions_looks.ACTIONS
     | actions_expert.ACTIONS
-    | actions_former.ACTIONS
+    | actions_legacy.ACTIONS
 )
 """What the agent without an arm can do."""
-ARM_ACTIONS = ACTIONS | checked(actions_arm.ACTIONS | actions_former.ARM_ACTIONS)
+ARM_ACTIONS = ACTIONS | checked(actions_arm.ACTIONS | actions_legacy.ARM_ACTIONS)
 """What the agent with an arm can do; it picks up and lets go in its own way."""
 LEAVES_ROOM_AS_IT_IS = frozenset(actions_navigation.ACTIONS) | {"Done", "Pass"}
 """Who does one of these moves only the agent, so the objects of earlier events can still be worked out after it."""

@@ -4,7 +4,7 @@ from remqa_data.agents.knowledge.reading import read_question
 from remqa_data.catalog import catalog
 from remqa_data.errors import ProgramError
 from remqa_data.generators.questions.questions import inner_question_text, question_text
-from remqa_data.language.inner import Partner
+from remqa_data.language.inner_relations import Partner
 from remqa_data.language.referring import program_of
 
 

@@ -19,7 +19,7 @@ from remqa_data.generators.arrangement.inner_packing import inner_fits
 from remqa_data.generators.arrangement.packing import packed
 from remqa_data.generators.arrangement.wished_things import WishedThings
 from remqa_data.generators.questions.questions import confusable
-from remqa_data.language.inner import Partner
+from remqa_data.language.inner_relations import Partner
 from remqa_data.sim.metadata import object_metadata
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render.view import WorldView

@@ -7,8 +7,8 @@ import pytest
 
 from remqa_data.generators.arrangement.areas import Area
 from remqa_data.generators.arrangement.hiding_place import HidingPlace
-from remqa_data.generators.arrangement.inner_packing import Link, inner_fits, packed_with_link
-from remqa_data.language.inner import Partner
+from remqa_data.generators.arrangement.inner_packing import RelationConstraint, inner_fits, packed_with_constraint
+from remqa_data.language.inner_relations import Partner
 from remqa_data.sim.navigation.viewpoints import AgentPose
 
 AREA = Area((0.0, 0.0, 0.5), 0.0, (0.3, 0.22), 0.3)
@@ -35,8 +35,8 @@ def put(relation, holds, seed, others=MUG, types=None):
     count = 2 if relation == "between" else 1
     sizes = [EGG, *[others] * count, (0.06, 0.06, 0.12)]
     names = ["Egg", *[types or "Mug"] * count, "PepperShaker"]
-    link = Link(0, tuple(range(1, 1 + count)), relation, holds)
-    puts = packed_with_link(SHELF, names, sizes, link, np.random.default_rng(seed))
+    constraint = RelationConstraint(0, tuple(range(1, 1 + count)), relation, holds)
+    puts = packed_with_constraint(SHELF, names, sizes, constraint, np.random.default_rng(seed))
     assert puts is not None
     return [np.array(one.position) for one in puts]
 

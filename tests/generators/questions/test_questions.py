@@ -14,7 +14,7 @@ from remqa_data.generators.questions.questions import (
     usable_expressions,
 )
 from remqa_data.language.answers import execute
-from remqa_data.language.inner import Partner
+from remqa_data.language.inner_relations import Partner
 from remqa_data.language.question_rules import question_rules
 from remqa_data.language.referring import resolve
 from remqa_data.tables.rows import KINDS

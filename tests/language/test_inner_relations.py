@@ -6,7 +6,7 @@ import pytest
 
 from remqa_data.generators.questions.questions import inner_question_program, question_program
 from remqa_data.language.answers import execute, is_clear
-from remqa_data.language.inner import Partner, inner_of, is_sure, needed, witnesses
+from remqa_data.language.inner_relations import Partner, inner_of, is_sure, needed, witnesses
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.scene_graph.relations import relation_rules
 from tests.helpers.room_records import kitchen, thing

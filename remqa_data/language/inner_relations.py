@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import Literal, get_args
 
 from remqa_data.language.referring import AnyProgram, resolve
-from remqa_data.language.semantics import Exactly
+from remqa_data.language.semantics import ExactSemantics
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.scene_graph.relations import RelationRules, relation_rules
 from remqa_data.sim.metadata import ObjectMetadata
@@ -122,9 +122,9 @@ def clearly_related(
     """
     known = list(records)
     tight, loose = _margins()
-    if Exactly().related(SceneGraph.from_objects(known, tight), thing_id, relation, set(other_ids)):
+    if ExactSemantics().related(SceneGraph.from_objects(known, tight), thing_id, relation, set(other_ids)):
         return True
-    if Exactly().related(SceneGraph.from_objects(known, loose), thing_id, relation, set(other_ids)):
+    if ExactSemantics().related(SceneGraph.from_objects(known, loose), thing_id, relation, set(other_ids)):
         return None
     return False
 
