@@ -54,7 +54,7 @@ class World:
     Attributes
     ----------
     held : dict of str to int
-        Ids of the objects that are in no place of the room, each with the number of the agent in whose hand it is.
+        Ids of the objects that are in hands, and so out of physics and pictures, each with the number of the agent.
     away : dict of str to ObjectState
         Ids of the objects that were taken out of the room, each with the state in which it would come back.
     revision : int
@@ -251,7 +251,7 @@ class World:
     ) -> list[str]:
         """Put an object somewhere else, with what is in or on it; no check for obstacles (see `overlapping`).
 
-        Others may go `along` as if they were one with it.
+        Others may go `along` as if they were one with it; what of them is away comes back as if it had gone along.
 
         Returns
         -------
@@ -476,7 +476,10 @@ class World:
                 self._let_go(name)
 
     def _move_by(self, object_id: str, motion: F64) -> None:
-        self._put_at(object_id, self._states[object_id].moved(motion))
+        if object_id in self.away:
+            self.away[object_id] = self.away[object_id].moved(motion)
+        else:
+            self._put_at(object_id, self._states[object_id].moved(motion))
 
     def _check_known(self, object_id: str) -> None:
         if object_id not in self._objects:

@@ -1,6 +1,7 @@
 """A dresser of a room that was recorded, as a golden one: its drawers are recorded as objects of their own."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -56,3 +57,35 @@ def test_furniture_is_let_down_to_the_floor_with_its_parts(bedroom) -> None:
     handling.lower(bedroom, DRESSER)
     for name, height in heights.items():
         assert bedroom.box(name)[0, 2] == pytest.approx(height, abs=0.003)
+
+
+def test_a_part_that_is_away_comes_back_to_where_its_furniture_is_by_then(bedroom) -> None:
+    part, *others = bedroom.built_into(DRESSER)
+    before = {name: bedroom.state(name).position for name in (part, *others)}
+    bedroom.put_away(part)
+    x, y, z = bedroom.state(DRESSER).position
+    bedroom.move(DRESSER, (x + 0.5, y, z), along=(part, *others))
+    assert part in bedroom.away
+    bedroom.put_back(part, bedroom.away[part])
+    assert not bedroom.away
+    for name, (x, y, z) in before.items():
+        assert bedroom.state(name).position == pytest.approx((x + 0.5, y, z))
+
+
+def test_what_is_away_is_saved_and_each_thing_is_there_by_itself(bedroom) -> None:
+    first = bedroom.save()
+    some = bedroom.ids[:3]
+    for name in some:
+        bedroom.put_away(name)
+        bedroom.put_away(name)  # is away already
+    assert bedroom.away == {name: first.states[name] for name in some}
+    boxes = [bedroom.box(name) for name in some]
+    assert all(box[1, 2] < -900.0 for box in boxes)
+    assert all(one[1, 0] < other[0, 0] for one, other in pairwise(boxes))
+    away = bedroom.save()
+    bedroom.restore(first)
+    assert not bedroom.away
+    bedroom.restore(away)
+    assert bedroom.away.keys() == {*some}
+    bedroom.restart(first)
+    assert not bedroom.away
