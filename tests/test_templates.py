@@ -27,7 +27,12 @@ KINDS: dict[str, type[BaseModel]] = {
 MISTAKES = [
     ("relations.yaml", "next_to:", "foo: 1\nnext_to:", "foo: there is no such key"),
     ("relations.yaml", "next_to:", "nextto:", "nextto: there is no such key; did you mean 'next_to'"),
-    ("relations.yaml", "next_to:", "near_miss_factor: 2\nnext_to:", "not YAML: .*'near_miss_factor' is there twice"),
+    (
+        "relations.yaml",
+        "next_to:",
+        "near_miss_factor: 2\nnext_to:",
+        "line [0-9]+: the key 'near_miss_factor' is there twice",
+    ),
     ("relations.yaml", "legs: [ArmChair", "legs: [Armchair", r"under.legs.0: .*'Armchair'; did you mean 'ArmChair'"),
     ("relations.yaml", "  next to: next to\nsounds", "sounds", "words: there is no entry for 'next to'"),
     ("relations.yaml", "  below: above", "  below: null", "inverses: that of 'above' is 'below', so that of 'below'"),
@@ -88,7 +93,7 @@ def test_a_file_of_rules_is_told_with_its_name(monkeypatch: pytest.MonkeyPatch) 
 
 def test_an_object_type_is_there_once() -> None:
     rows = "Cup: {words: [cup, cups], can: [], manipulation: null, rooms: [kitchen]}\n"
-    with pytest.raises(CatalogError, match=r"^objects\.yaml: not YAML: line 2: the key 'Cup' is there twice"):
+    with pytest.raises(CatalogError, match=r"^objects\.yaml: line 2: the key 'Cup' is there twice"):
         read_catalog(rows + rows)
 
 

@@ -68,8 +68,8 @@ def rotation_of(quaternion: tuple[float, float, float, float]) -> F64:
 def steps_of(rotation: F64, step: float) -> F64:
     """(n, 3, 3) rotations from none at all to a (3, 3) one, the short way round; their quaternions are at most a step apart.
 
-    >>> steps_of(about_z(90.0), 0.5).round(3)[:, 0, 0].tolist()
-    [1.0, 0.707, 0.0]
+    >>> steps_of(about_z(90.0), 0.5).round(3)[:, 1, 0].tolist()
+    [0.0, 0.707, 1.0]
     """
     end = np.array(quaternion_of(rotation))
     start = np.array([0.0, 0.0, 0.0, 1.0 if end[3] >= 0.0 else -1.0])
