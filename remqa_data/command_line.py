@@ -177,7 +177,7 @@ class OneLineErrors(_PlainOptions, TyperGroup):
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Read the command line, with no option given yet."""
         _OUTPUT.set(Output())
-        with self._usage_in_one_line():
+        with self._errors_in_one_line():
             return super().make_context(*arguments, **options)
 
     def main(self, args: Sequence[str] | None = None, *others: Any, **options: Any) -> Any:
@@ -194,21 +194,22 @@ class OneLineErrors(_PlainOptions, TyperGroup):
                 raise
             turn_outputs_away()
             raise SystemExit(PIPE_CLOSED) from None
-        except OSError as error:  # of --help and --version, which speak before a command is invoked
-            typer.echo(f"{self.name}: {one_line(_in_words(error))}", err=True)
-            turn_outputs_away()
-            raise SystemExit(2) from None
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""
         logging.getLogger("remqa_data").addHandler(_LOGGED)
+        with (
+            self._errors_in_one_line(),
+            PromptInterrupts(f"{self.name}: {self.when_stopped}"),
+            listening(_tell_compiling),
+        ):
+            return super().invoke(ctx)
+
+    @contextmanager
+    def _errors_in_one_line(self) -> Iterator[None]:
+        """Say in one line what went wrong, with an option, too; a command line without any words asks for help."""
         try:
-            with (
-                PromptInterrupts(f"{self.name}: {self.when_stopped}"),
-                listening(_tell_compiling),
-                self._usage_in_one_line(),
-            ):
-                return super().invoke(ctx)
+            yield
         except BrokenPipeError:
             raise  # nobody reads on: typer makes a SystemExit of it, as rich does
         except (RemqaError, OSError, RuntimeError) as error:
@@ -216,12 +217,6 @@ class OneLineErrors(_PlainOptions, TyperGroup):
                 raise
             typer.echo(f"{self.name}: {one_line(_in_words(error))}", err=True)
             raise typer.Exit(2) from error
-
-    @contextmanager
-    def _usage_in_one_line(self) -> Iterator[None]:
-        """Say what is wrong with an option in one line, too; a command line without any words asks for help."""
-        try:
-            yield
         except _UsageError as error:
             if type(error).__name__ == "NoArgsIsHelpError":
                 raise

@@ -36,9 +36,7 @@ def learning_rooms(roots: Sequence[Path]) -> frozenset[str]:
     DatasetError
         If none is left, or one of these is no finished dataset.
     """
-    held_out = frozenset().union(*(rooms_of(root, split) for root in roots for split in HELD_OUT))
-    rooms = frozenset().union(*(rooms_of(root, "train") for root in roots)) - held_out
-    rooms = frozenset(room for room in rooms if expression_split(room) == "train")
+    rooms = _train_rooms(frozenset().union(*(rooms_of(root, "train") for root in roots)) - _held_out(roots))
     if not rooms:
         raise DatasetError(f"{', '.join(map(str, roots))}: no room to learn from that is not in val or test")
     return rooms
@@ -46,5 +44,13 @@ def learning_rooms(roots: Sequence[Path]) -> frozenset[str]:
 
 def held_out_elsewhere(root: Path) -> tuple[str, ...]:
     """Val and test rooms of a dataset that are train rooms by their names, from which others may have learnt; sorted."""
-    rooms = frozenset().union(*(rooms_of(root, split) for split in HELD_OUT))
-    return tuple(sorted(room for room in rooms if expression_split(room) == "train"))
+    return tuple(sorted(_train_rooms(_held_out([root]))))
+
+
+def _held_out(roots: Sequence[Path]) -> frozenset[str]:
+    return frozenset().union(*(rooms_of(root, split) for root in roots for split in HELD_OUT))
+
+
+def _train_rooms(rooms: frozenset[str]) -> frozenset[str]:
+    """Those that are for training by their names."""
+    return frozenset(room for room in rooms if expression_split(room) == "train")

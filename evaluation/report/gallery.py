@@ -35,7 +35,7 @@ TRUE_PX, PREDICTED_PX = 3, 1
 JPEG = [cv2.IMWRITE_JPEG_QUALITY, 85, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444]
 """Colours as sharp as all else, as a frame may be a pixel wide."""
 MAP_PX, MAP_MARGIN, MAP_CUT_M = 300, 1.12, 2.0
-"""How much larger than the room its map is, and the height above the floor at which the map is cut."""
+"""Pixels along a map's sides, how much larger than the room it is, and the height above the floor at which the map is cut."""
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ class WishedThings:
         hidden = tuple((wish, tuple(o.id for o in things)) for wish, things in zip(wishes, made, strict=True))
         by_place = _by_place(hidden)
         everything = sorted((*base.objects, *(o for things in made for o in things)), key=lambda o: o.id)
-        return cls(scene, base.with_objects(tuple(everything)), hidden, by_place, _links(hidden, by_place))
+        return cls(scene, base.with_objects(tuple(everything)), hidden, by_place, _constraints(hidden, by_place))
 
     @property
     def is_seen(self) -> set[str]:
@@ -274,7 +274,7 @@ def _by_place(hidden: FulfilledWishes) -> dict[PlaceKey, tuple[HidingPlace, tupl
     return grouped
 
 
-def _links(
+def _constraints(
     hidden: FulfilledWishes, by_place: Mapping[PlaceKey, tuple[HidingPlace, tuple[str, ...]]]
 ) -> dict[PlaceKey, RelationConstraint]:
     found: dict[PlaceKey, RelationConstraint] = {}

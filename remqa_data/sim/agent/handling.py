@@ -6,7 +6,7 @@ Every function leaves the world either with the thing done and all at rest, or a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TypeVar
@@ -19,6 +19,8 @@ from remqa_data.sim.physics.support import Support, contents_of, supports
 from remqa_data.sim.physics.world import SETTLE_STEPS, World
 
 Where = TypeVar("Where")
+Depths = Mapping[tuple[str, str], float]
+"""How deep things are in others, metres, by the ids of both."""
 
 DROP_SPOTS_M = ((0.45, 0.9), (0.6, 0.9), (0.45, 1.3), (0.35, 1.1), (0.6, 0.4), (0.75, 0.9))
 """Where a thing is let go: how far before the agent and how high above the floor, the best first."""
@@ -33,6 +35,7 @@ NEAR_M, NEAR_STEP_M = 0.06, 0.02
 FAR_M, FAR_STEP_M = 0.4, 0.1
 """What is put into something is put aside, and up to twice as far up: so far in such steps, then farther in longer ones."""
 SLIDE_STEP_M, LEAST_STEP_M = 0.025, 0.0005
+"""In such steps things slide and are let down, and in shorter ones before they touch something."""
 FLIGHT_STEPS = 960
 """What is thrown has come to rest after so many steps of physics at the most."""
 
@@ -150,7 +153,8 @@ def slide(
     parts = world.built_into(object_id)
     group = [object_id, *parts, *world.contents(object_id, along=parts)]
     leaning = [name for name in world.borne(object_id, along=parts) if name not in group]
-    before, depths = world.save(), _depths(world, group, leaning)
+    before, own = world.save(), {*group, *leaning}
+    at_start = depths(world, group, own)
     starts = {name: np.array(world.state(name).position) for name in (*group, *leaning)}
     sine, cosine = arithmetic.sin_cos(heading)
     way = np.array([cosine, sine, 0.0])
@@ -165,7 +169,7 @@ def slide(
         x, y, z = (starts[object_id] + step * way).tolist()
         refused = is_refused((x, y, z))
         put(step)
-        blocker = refused or next((other for _, other in deeper(_depths(world, group, leaning), depths)), "")
+        blocker = refused or next((other for _, other in deeper(depths(world, group, own), at_start)), "")
         if blocker:
             put(gone)
             break
@@ -185,29 +189,15 @@ def lower(world: World, object_id: str) -> None:
     """Let furniture, with its parts and what is in or on it, down until it would touch something; it does not tilt."""
     parts = world.built_into(object_id)
     group = {object_id, *parts, *world.contents(object_id, along=parts)}
-
-    def meets() -> bool:
-        return any(other not in group for name in group for other in touched(world, name))
-
     x, y, z = world.state(object_id).position
-    step = 0.0 if meets() else SLIDE_STEP_M
+    step = 0.0 if _touch_others(world, group) else SLIDE_STEP_M
     while step >= LEAST_STEP_M and z > world.scene.floor_z:
         world.move(object_id, (x, y, z - step), along=parts)
-        if meets():
+        if _touch_others(world, group):
             world.move(object_id, (x, y, z), along=parts)
             step /= 2
         else:
             z -= step
-
-
-def _depths(world: World, group: Sequence[str], others_of_it: Sequence[str]) -> dict[tuple[str, str], float]:
-    """How deep each of a group is in what neither is of the group nor goes along with it, metres."""
-    return {
-        (name, other): depth
-        for name in group
-        for other, depth in touched(world, name).items()
-        if other not in group and other not in others_of_it
-    }
 
 
 def _steps(distance_m: float) -> list[float]:
@@ -220,7 +210,12 @@ def is_free(world: World, object_id: str, spot: Vec3) -> bool:
     """Whether an object, which is put there with its load and stays there, touches nothing at a point."""
     world.move_alone(object_id, spot)
     group = {object_id, *world.load_of(object_id)}
-    return not any(other not in group for name in group for other in touched(world, name))
+    return not _touch_others(world, group)
+
+
+def _touch_others(world: World, group: Collection[str]) -> bool:
+    """Whether any of a group touches what is not of the group."""
+    return any(other not in group for name in group for other in touched(world, name))
 
 
 def touched(world: World, object_id: str) -> dict[str, float]:
@@ -228,24 +223,19 @@ def touched(world: World, object_id: str) -> dict[str, float]:
     return {other: -gap for other, gap in world.overlapping(object_id, AROUND_M) if gap <= 0.0}
 
 
-def deeper(now: Mapping[Where, float], before: Mapping[Where, float]) -> list[Where]:
-    """Where something is deeper in something than it was before, metres, by more than things that touch are."""
-    return [where for where, depth in now.items() if depth > before.get(where, 0.0) + OVERLAP_M]
+def depths(world: World, names: Iterable[str], own: Collection[str] = ()) -> Depths:
+    """How deep each of some objects is in what it touches, but for what is their own."""
+    return {(name, other): depth for name in names for other, depth in touched(world, name).items() if other not in own}
+
+
+def deeper(now: Mapping[Where, float], before: Mapping[Where, float], most_m: float = OVERLAP_M) -> list[Where]:
+    """Where something is deeper in something than it was before by more than metres, by default more than things that touch."""
+    return [where for where, depth in now.items() if depth > before.get(where, 0.0) + most_m]
 
 
 def sunk_into(world: World, object_id: str, most_m: float = OVERLAP_M) -> list[str]:
     """What an object is in by more than metres, by default more than things that touch are, the deepest first."""
     return [other for other, depth in touched(world, object_id).items() if depth > most_m]
-
-
-Depths = Mapping[tuple[str, str], float]
-"""How deep things are in others, metres, by the ids of both."""
-
-
-def depths(world: World) -> Depths:
-    """How deep each object is in what it is in by more than things that touch are."""
-    found = {(name, other): depth for name in world.ids for other, depth in touched(world, name).items()}
-    return {pair: depth for pair, depth in found.items() if depth > OVERLAP_M}
 
 
 def move_out(world: World, object_id: str, usual: Depths) -> None:
@@ -254,19 +244,13 @@ def move_out(world: World, object_id: str, usual: Depths) -> None:
     Where there is none near, it stays. Furniture is moved by a hair only, and not up: it would fall onto what it is in.
     """
     state = world.state(object_id)
-
-    def is_stuck() -> bool:
-        return any(
-            depth > usual.get((object_id, other), 0.0) + OVERLAP_M for other, depth in touched(world, object_id).items()
-        )
-
-    if not is_stuck():
+    if not deeper(depths(world, [object_id]), usual):
         return
     for shift in _shifts():
         if not state.is_fixed or (shift[2] == 0.0 and math.hypot(*shift) <= NEAR_M):
             x, y, z = arithmetic.snapped(np.add(state.position, shift)).tolist()
             world.move_alone(object_id, (x, y, z))
-            if not is_stuck():
+            if not deeper(depths(world, [object_id]), usual):
                 return
     world.put_back(object_id, state)
 

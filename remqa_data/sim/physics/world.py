@@ -96,6 +96,15 @@ class World:
         self._check_known(object_id)
         return self._states[object_id]
 
+    @property
+    def there(self) -> list[str]:
+        """Ids of the objects that are not away, in the scene's order."""
+        return [name for name in self._objects if name not in self.away]
+
+    def state_when_there(self, object_id: str) -> ObjectState:
+        """Where an object is or, while it is away, would be if it came back."""
+        return self.away.get(object_id) or self.state(object_id)
+
     def type_of(self, object_id: str) -> str:
         """Type of an object."""
         self._check_known(object_id)
@@ -357,7 +366,7 @@ class World:
 
         It would come back in the state in which it is, or in the one that is given.
         """
-        state = state or self.away.get(object_id) or self.state(object_id)
+        state = state or self.state_when_there(object_id)
         self._take_out_of_hand(object_id)
         self.set_fixed(object_id, True)
         self.move_alone(object_id, self.place_away(object_id))

@@ -171,7 +171,7 @@ def _too_far_from(
     """That a step would end too far from an object, if it is to stay near to one."""
     if not object_id or most_m <= 0.0:
         return None
-    if object_id not in simulator.room.world.ids or object_id in simulator.room.world.away:
+    if object_id not in simulator.room.world.there:
         return ActionResult(False, f"No object with ID {object_id}")
     there = np.add(simulator.room.agent_position(), to_room(_way(simulator, ahead, right)))
     if math.dist(there, simulator.room.records.position(object_id)) > most_m:

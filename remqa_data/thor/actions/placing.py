@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NotRequired
 
@@ -23,17 +23,15 @@ from remqa_data.sim.agent import handling
 from remqa_data.sim.agent.receptacles import lattice, open_spaces
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.state import ObjectState
-from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.targets import copy_id_of, not_there, of_type
 from remqa_data.thor.state.dispatch import ActionFunction, missing_argument
 from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.frames import PartialVector, to_room, to_thor, turn_of_euler, whole
+from remqa_data.thor.state.rest import come_to_rest, sunken
 from remqa_data.thor.state.simulator import SimulatorState
 
 SAME_M, SAME_COSINE = 1e-4, 1.0 - 1e-9
 """A pose that is so near to where an object is, or was when the room was loaded, is that pose."""
-AT_REST_M = 0.001
-"""What physics moves by no more was at rest."""
 RECORDED_NAME = re.compile("([A-Z][A-Za-z]*)_[0-9a-f]{8}")
 """What AI2-THOR calls an object: its type and eight hexadecimal digits."""
 MOST_STUCK_M = 0.02
@@ -70,9 +68,7 @@ def set_object_poses(
     if not poses:
         return ActionResult(not complaint, complaint)
     room = simulator.room
-    there = {name for name in room.world.ids if name not in room.world.away}
-    new = {name: original for name, original in copies.items() if name not in there}
-    room.copy(new, "(Clone)_copy_", simulator.settings)
+    room.copy(copies, "(Clone)_copy_", simulator.settings)
     world = room.world
     before, moved = world.save(), []
     for object_id, pose in poses.items():
@@ -89,7 +85,7 @@ def set_object_poses(
             is_whole = name in poses and not world.built_into(name)
             if is_whole and world.state(name) is not room.at_rest.states.get(name):
                 handling.move_out(world, name, room.depths)
-    stuck = _come_to_rest(room, moved, MOST_STUCK_M)
+    stuck = come_to_rest(room, moved, MOST_STUCK_M)
     if stuck is not None:
         world.restore(before)
         return ActionResult(False, f"the poses put {stuck[0]} into {stuck[1]}")
@@ -184,7 +180,7 @@ def _place_at(
         world.state(objectId).position + np.asarray(to_room(whole(position))) - bottom
     ).tolist()
     world.move(objectId, (x, y, z), along=parts)
-    stuck = sunken(room, moved, as_one=True) or _come_to_rest(room, moved)
+    stuck = sunken(room, moved, as_one=True) or come_to_rest(room, moved)
     if stuck is not None:
         world.restore(before)
         return ActionResult(False, f"spawn area not clear ({stuck[1]} is in the way), can't place object at that point")
@@ -249,7 +245,7 @@ def _teleport_to(
         is_home = home is not None and _is_same(home, pivot, quaternion)  # there it was at rest, or it hung
         stuck = None if force else sunken(room, moved, as_one=True)
         if stuck is None and not is_home:
-            stuck = _come_to_rest(room, moved)
+            stuck = come_to_rest(room, moved)
         if stuck is not None and not force:
             world.restore(before)
             return ActionResult(False, f"{stuck[1]} is in the way of {objectId}")
@@ -285,54 +281,6 @@ def get_spawn_coordinates_above_receptacle(
             if agent.has_in_frame(offset) and float(arithmetic.length(offset)) <= reach
         ]
     return ActionResult(True, value=[to_thor(point) for point in found])
-
-
-def let_fall(world: World, furniture: Sequence[str], awake: Sequence[str] | None = None) -> None:
-    """Let furniture fall, which stands still afterwards, and all that is loose, or of that only what is said to be awake.
-
-    Furniture with parts, or around chairs, does not tilt: physics would drive it and them apart.
-    """
-    for name in furniture:
-        if world.built_into(name) or handling.sunk_into(world, name):
-            handling.lower(world, name)
-        else:
-            world.set_fixed(name, False)
-    if awake is None:
-        settle(world)
-    else:
-        handling.settle(world, awake=awake)
-    for name in furniture:
-        world.set_fixed(name, True)
-
-
-def settle(world: World, times: int = 1) -> None:
-    """Let all come to rest, so many times if need be; what physics moves by no more than a hair in the end does not move."""
-    for _ in range(times):
-        before = world.save()
-        handling.settle(world)
-        if farthest(world, before.states) <= AT_REST_M:
-            world.restore(before)
-            return
-
-
-def farthest(world: World, states: Mapping[str, ObjectState]) -> float:
-    """Metres by which what has moved most is away from some states."""
-    moved = [np.subtract(world.state(name).position, state.position) for name, state in states.items()]
-    return float(arithmetic.length(moved).max())
-
-
-def sunken(
-    room: LoadedFloorPlan, moved: Collection[str], most_m: float = handling.OVERLAP_M, *, as_one: bool = False
-) -> tuple[str, str] | None:
-    """Which of some objects is in what, by more metres than when the room was loaded; by default more than things that touch.
-
-    What was moved `as_one` is in one another as it was before.
-    """
-    for name in moved:
-        for other, depth in handling.touched(room.world, name).items():
-            if depth > room.depths.get((name, other), 0.0) + most_m and not (as_one and other in moved):
-                return name, other
-    return None
 
 
 ACTIONS: dict[str, ActionFunction] = {
@@ -387,7 +335,7 @@ def _leaves(type_name: str, skips_moveable: bool) -> bool:
 
 def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectState:
     """The state that a pose asks for: the one that the object has, or had when the room was loaded, if that is it."""
-    now = room.world.away.get(object_id, room.world.state(object_id))
+    now = room.world.state_when_there(object_id)
     loaded = room.at_rest.states.get(object_id, now)  # slices and copies were not there then
     position, quaternion = room.records.pose_of(
         object_id, to_room(whole(pose["position"])), turn_of_euler(whole(pose.get("rotation", {})))
@@ -402,18 +350,6 @@ def _wanted(room: LoadedFloorPlan, object_id: str, pose: ObjectPose) -> ObjectSt
 def _parts_with(room: LoadedFloorPlan, object_id: str, state: ObjectState) -> dict[str, ObjectState]:
     """The states of what a piece of furniture is made of, once that is in another state, by their ids."""
     world = room.world
-    before = world.away.get(object_id, world.state(object_id))
+    before = world.state_when_there(object_id)
     motion = arithmetic.product(state.matrix(), arithmetic.inverse(before.matrix()))
-    return {part: world.away.get(part, world.state(part)).moved(motion) for part in world.built_into(object_id)}
-
-
-def _come_to_rest(
-    room: LoadedFloorPlan, moved: Sequence[str], most_m: float = handling.OVERLAP_M
-) -> tuple[str, str] | None:
-    """Let what is loose of what was moved fall, and furniture stand still then; returns what `sunken` finds afterwards."""
-    world, home = room.world, room.at_rest.states
-    moved = [name for name in moved if world.state(name) is not home.get(name)]
-    loose = [name for name in moved if object_type(world.type_of(name)).is_loose]
-    let_fall(world, [name for name in loose if world.state(name).is_fixed])
-    parts = {part for name in loose for part in world.built_into(name)}
-    return sunken(room, [name for name in moved if name in {*loose, *parts}], most_m)
+    return {part: world.state_when_there(part).moved(motion) for part in world.built_into(object_id)}

@@ -13,13 +13,13 @@ from remqa_data.errors import MisuseError
 from remqa_data.floorplans.load import scene_names
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
-from remqa_data.thor.actions.placing import let_fall, settle, sunken
 from remqa_data.thor.actions.targets import not_there, of_type
 from remqa_data.thor.state.cameras import ThirdPartyCamera
 from remqa_data.thor.state.dispatch import ActionFunction, missing_argument
 from remqa_data.thor.state.floor_plan import LoadedFloorPlan
 from remqa_data.thor.state.frames import PartialVector, Vector, to_thor, whole
 from remqa_data.thor.state.objects import box_metadata
+from remqa_data.thor.state.rest import let_fall, settle, sunken
 from remqa_data.thor.state.settings import QUALITIES, FrameSize, Images, Settings
 from remqa_data.thor.state.simulator import SCENE_SUFFIX, SimulatorState
 

@@ -205,7 +205,7 @@ def get_2d_semantic_hulls(
     if objectIds is not None and objectTypes is not None:
         return ActionResult(False, "Either objectIds or objectTypes should be null.")
     world = simulator.room.world
-    names = [name for name in world.ids if name not in world.away] if objectIds is None else objectIds
+    names = world.there if objectIds is None else objectIds
     for name in names:
         if (refusal := not_there(simulator, name)) is not None:
             return refusal

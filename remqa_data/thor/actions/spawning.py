@@ -19,9 +19,9 @@ from remqa_data.sim.agent.receptacles import open_spaces, spaces_for_things
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.physics.world import World
 from remqa_data.thor.actions.compatible import is_compatible
-from remqa_data.thor.actions.placing import AT_REST_M, farthest, settle
 from remqa_data.thor.actions.targets import copy_id_of, of_type
 from remqa_data.thor.state.dispatch import ActionFunction
+from remqa_data.thor.state.rest import AT_REST_M, farthest, settle
 from remqa_data.thor.state.simulator import SimulatorState, generator
 
 MOST_SETTLING = 5
@@ -93,8 +93,9 @@ def initial_random_spawn(
     room.copy(copies, "(Clone)_random_copy_", simulator.settings)
     world = room.world
     surfaces = _surfaces(world, {*world.away, *kept_free}, set(excludedReceptacles or []), forceVisible)
-    there = {name for name in world.ids if name not in world.away and _may_move(world, name, excluded)}
-    loose = [name for name in world.ids if name in copies or name in there]
+    loose = [
+        name for name in world.ids if name in copies or (name not in world.away and _may_move(world, name, excluded))
+    ]
     return _spawn(world, loose, surfaces, numPlacementAttempts, rng)
 
 
@@ -113,7 +114,7 @@ def _copies(simulator: SimulatorState, wishes: Sequence[ObjectTypeCount], rng: n
     Of what there is nothing, or cannot be picked up, there is nothing to copy.
     """
     copies: dict[str, str] = {}
-    there = {name for name in simulator.room.world.ids if name not in simulator.room.world.away}
+    there = simulator.room.world.there
     for wish in wishes:
         kind = object_type(wish["objectType"])
         names = of_type(simulator, kind.name) if kind.pickupable else []

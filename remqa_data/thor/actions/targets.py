@@ -44,4 +44,4 @@ def copy_id_of(object_id: str, number: int, taken: Collection[str]) -> str:
 def of_type(simulator: SimulatorState, type_name: str) -> list[str]:
     """The ids of the objects of a type that are in the scene."""
     world = simulator.room.world
-    return [name for name in world.ids if world.type_of(name) == type_name and name not in world.away]
+    return [name for name in world.there if world.type_of(name) == type_name]

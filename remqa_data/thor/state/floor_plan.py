@@ -78,7 +78,7 @@ class LoadedFloorPlan:
     at_rest : Snapshot
         The world as it was loaded.
     depths : mapping
-        How deep things were in others then: recorded chairs are in tables. See `handling.depths`.
+        How deep things were then in what they did not only touch: recorded chairs are in tables. See `handling.depths`.
     shows_map : bool
         Whether the agent's pictures are those of the map camera.
     """
@@ -89,7 +89,8 @@ class LoadedFloorPlan:
         world = World(self._as_built)
         world.settle()
         self.at_rest = world.save()
-        self.depths = handling.depths(world)
+        depths = handling.depths(world, world.ids)
+        self.depths = {where: depths[where] for where in handling.deeper(depths, {})}
         self._live_in(world)
         self._start = _start_pose(self.view, reachable_grid(self.world))
         self.restart(settings, frame)
@@ -196,7 +197,7 @@ class LoadedFloorPlan:
         """
         world, records = self.world, self.records
         new = {name: original for name, original in copies.items() if name not in world.ids}
-        states = {name: world.away.get(original, world.state(original)) for name, original in new.items()}
+        states = {name: world.state_when_there(original) for name, original in new.items()}
         for name, original in new.items():
             records.copy_of(original, name, records.name_of(original) + suffix + name.rpartition("_")[2])
         if new:
