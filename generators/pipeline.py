@@ -40,6 +40,7 @@ from remqa_data.storage.protocol import Storage
 from remqa_data.storage.shards import check_files, check_sizes
 from remqa_data.tables.rows import Row
 from remqa_data.version import __version__
+from remqa_data.yaml_files import templates_sha256
 
 FEWEST_SHARDS = {"train": 5}
 """Of a table in a split; in the others one."""
@@ -96,7 +97,8 @@ def generate(
         mark(storage)
         if overwrite:
             clear(storage)
-        parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "versions": versions_here()})
+        made_from = {"config": config.sha256, "seed": config.seed, "templates": templates_sha256()}
+        parts = Parts(storage.root, {**made_from, "versions": versions_here()})
         made, quotas = _made_rooms(parts, config, first, executor, progress)
         shards = shards_per_split((file.table, file.split) for part in made for file in part.files)
         files = assemble(parts, made, shards, executor)

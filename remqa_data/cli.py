@@ -162,13 +162,14 @@ def export(
         typer.Option("--open", metavar="ID", help="Open this object, or all; give it as often as needed."),
     ] = None,
     form: Annotated[Format | None, typer.Option("--format", help="Whatever the file is called.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of a sampled room.")] = 0,
 ) -> None:
     """Write a room for other programs: a GLB with textures and names, or MJCF, URDF and USD with joints, masses and meshes."""
     from remqa_data.export.rooms import find_scene, write_room
 
     if data is not None:
         check_beside(file, data)
-    files = write_room(find_scene(scene, data, configuration), file, form, opened or ())
+    files = write_room(find_scene(scene, data, configuration, seed), file, form, opened or ())
     output().say(f"{file}" + (f", with {len(files) - 1} files in {files[0].parent}" if len(files) > 1 else ""))
     output().result(files=files)
 
@@ -246,11 +247,12 @@ def preview(
     picture: Annotated[Path, out_option("FILE", "The picture to write, a PNG.")] = Path("preview.png"),
     size: Annotated[int, typer.Option(min=32, max=2048, help="Width and height of each view in pixels.")] = 300,
     light: Annotated[Literal["baked", "direct"], typer.Option(help="How the room is lit.")] = "baked",
+    seed: Annotated[int, typer.Option(min=0, help="Of a sampled room.")] = 0,
 ) -> None:
     """Draw a room: a map with walls, objects and reachable cells, and eight views."""
     from remqa_data.generators.figures.preview import write_preview
 
-    write_preview(scene, picture, size_px=size, light=light)
+    write_preview(scene, picture, size_px=size, light=light, seed=seed)
     output().say(str(picture))
     output().result(picture=picture)
 

@@ -7,6 +7,7 @@ The library logs and never prints; what a command has to say goes through `outpu
 
 from __future__ import annotations
 
+import errno
 import json
 import logging
 import os
@@ -100,7 +101,7 @@ def announce_compiling(workers: int) -> None:
     from remqa_data.compiled import is_cache_empty
 
     if workers > 1 and is_cache_empty():
-        output().note("the workers compile their kernels, once; this takes about a minute")
+        output().note("the workers compile their kernels, once; this takes one to four minutes")
 
 
 class Counting:
@@ -331,11 +332,15 @@ def _tell_compiling(kernel: Compiling) -> None:
         console.file.write(f"\rcompiling kernels, once: {kernel.number} of {kernel.known}{end}")
         console.file.flush()
     elif kernel.number == 1:
-        output().note(f"compiling {kernel.known} kernels, once; this takes about a minute")
+        output().note(
+            f"compiling {kernel.known} kernels, once; this takes one to four minutes, and what is done is kept"
+        )
 
 
 PIPE_CLOSED = 141
 """Exit code of a command that nobody listens to any more: 128 and the number of SIGPIPE, as shells have it."""
+_NOT_OF_THE_PATH = (errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.ENOMEM)
+"""What another path would not mend: limits of the process or the machine."""
 _NO_THREAD = "can't start new thread"
 """What Python says when the system refuses."""
 
@@ -344,7 +349,7 @@ def _in_words(error: Exception) -> str:
     """What is wrong, where first; without the number that the system gives it."""
     if isinstance(error, OSError) and error.errno is not None and error.strerror:
         what = os.strerror(error.errno)
-        hint = "" if error.filename == STDOUT else "; choose another path"
+        hint = "" if error.filename == STDOUT or error.errno in _NOT_OF_THE_PATH else "; choose another path"
         return what if error.filename is None else f"{error.filename}: {what}{hint}"
     if _NO_THREAD in str(error):
         return "the system starts no more threads (ulimit -u)"

@@ -6,6 +6,7 @@ built-in furniture are boxes with a finish; `remqa_data.sim.physics.world.World`
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -151,15 +152,15 @@ class Scene:
             raise SceneFormatError(f"{where}: {problem}")
         return scene
 
-    def save(self, path: Path) -> None:
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Write the scene to a file; it appears only when it is whole."""
         with atomic_path(path) as temporary:
             temporary.write_bytes(self.to_json())
 
     @classmethod
-    def load(cls, path: Path) -> Scene:
+    def load(cls, path: str | os.PathLike[str]) -> Scene:
         """Read a scene from a file."""
-        return cls.from_json(path.read_bytes(), str(path))
+        return cls.from_json(Path(path).read_bytes(), os.fspath(path))
 
 
 _ADAPTER = TypeAdapter(Scene)

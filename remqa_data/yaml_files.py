@@ -5,6 +5,7 @@ What is wrong with one is told in one line with the file and the key.
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Collection, Mapping
 from importlib import resources
@@ -31,6 +32,13 @@ def template_text(name: str) -> str:
     '# What the code knows of an object type by its name. Each type in objects.yaml lists the traits that it has.'
     """
     return (resources.files("remqa_data.templates") / name).read_text(encoding="utf-8")
+
+
+def templates_sha256() -> str:
+    """Of all files of `templates/` and their names: what is made depends on them."""
+    files = [file for file in resources.files("remqa_data.templates").iterdir() if not file.name.startswith("__")]
+    digests = {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in files if file.is_file()}
+    return hashlib.sha256(repr(sorted(digests.items())).encode()).hexdigest()
 
 
 def template_values(name: str) -> Mapping[str, Any]:

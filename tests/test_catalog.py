@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from remqa_data.assets.registry import TYPES
 from remqa_data.catalog import (
     ObjectType,
     catalog,
@@ -50,6 +51,10 @@ def recorded_types(floor_plans):
     """The types that a floor plan has; the others say themselves how large they are."""
     recorded = set(floor_plans["objectType"])
     return {name: kind for name, kind in catalog().items() if name in recorded}
+
+
+def test_every_type_is_drawn():
+    assert set(TYPES) == set(catalog())
 
 
 def test_the_types_are_those_of_the_floor_plans_and_such_as_say_how_large_they_are(floor_plans, recorded_types):

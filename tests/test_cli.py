@@ -18,14 +18,14 @@ def invoke(*arguments: str) -> Result:
 
 
 @pytest.fixture
-def drawn(monkeypatch) -> list[tuple[str, Path, int, str]]:
+def drawn(monkeypatch) -> list[tuple[str, Path, int, str, int]]:
     """Stands in for the drawing of rooms: knows FloorPlan1 only, and notes what it is asked for."""
-    calls: list[tuple[str, Path, int, str]] = []
+    calls: list[tuple[str, Path, int, str, int]] = []
 
-    def write_preview(scene: str, path: Path, size_px: int, light: str) -> None:
+    def write_preview(scene: str, path: Path, size_px: int, light: str, seed: int) -> None:
         if scene != "FloorPlan1":
             raise UnknownNameError("scene", scene, ["FloorPlan1"])
-        calls.append((scene, path, size_px, light))
+        calls.append((scene, path, size_px, light, seed))
 
     module = ModuleType("remqa_data.generators.figures.preview")
     module.write_preview = write_preview  # type: ignore[attr-defined]
@@ -99,11 +99,14 @@ def test_an_unknown_type_is_one_line_with_the_nearest_names_and_writes_nothing(t
     assert not (tmp_path / "sheets").exists()
 
 
-@pytest.mark.parametrize(("words", "light"), [((), "baked"), (("--light", "direct"), "direct")])
-def test_preview_passes_scene_path_size_and_light(drawn, words, light):
+@pytest.mark.parametrize(
+    ("words", "light", "seed"),
+    [((), "baked", 0), (("--light", "direct"), "direct", 0), (("--seed", "5"), "baked", 5)],
+)
+def test_preview_passes_scene_path_size_light_and_seed(drawn, words, light, seed):
     result = invoke("preview", "FloorPlan1", "-o", "room.png", "--size", "64", *words)
     assert (result.exit_code, result.output) == (0, "room.png\n")
-    assert drawn == [("FloorPlan1", Path("room.png"), 64, light)]
+    assert drawn == [("FloorPlan1", Path("room.png"), 64, light, seed)]
 
 
 def test_an_unknown_scene_is_one_line_with_the_nearest_names(drawn):
@@ -124,7 +127,7 @@ def test_an_unknown_scene_is_one_line_with_the_nearest_names(drawn):
     ],
 )
 def test_an_error_on_purpose_is_one_line(error, line, drawn, monkeypatch):
-    def fail(scene: str, path: Path, size_px: int, light: str) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise error
 
     monkeypatch.setattr(sys.modules["remqa_data.generators.figures.preview"], "write_preview", fail)
@@ -133,7 +136,7 @@ def test_an_error_on_purpose_is_one_line(error, line, drawn, monkeypatch):
 
 
 def test_a_bug_is_not_hidden(drawn, monkeypatch):
-    def fail(scene: str, path: Path, size_px: int, light: str) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
     monkeypatch.setattr(sys.modules["remqa_data.generators.figures.preview"], "write_preview", fail)

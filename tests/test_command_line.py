@@ -1,5 +1,6 @@
 """What the commands share."""
 
+import errno
 import json
 import logging
 import os
@@ -128,7 +129,27 @@ def test_every_command_can_be_quiet_and_speak_json(name, command) -> None:
 def test_a_command_says_what_it_wrote_and_that_kernels_are_compiled_once(drawing) -> None:
     done = invoke("remqa-data", "preview", "FloorPlan1", "-o", "a.png")
     assert done.stdout == "a.png\n"
-    assert done.stderr == "compiling 2 kernels, once; this takes about a minute\nkept in /tmp\n"
+    assert (
+        done.stderr
+        == "compiling 2 kernels, once; this takes one to four minutes, and what is done is kept\nkept in /tmp\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("number", "told"),
+    [
+        (errno.ENOSPC, "a.png: No space left on device; choose another path"),
+        (errno.EFBIG, "a.png: File too large"),
+        (errno.EMFILE, "a.png: Too many open files"),
+    ],
+)
+def test_another_path_is_proposed_where_it_would_help(drawing, monkeypatch, number: int, told: str) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise OSError(number, os.strerror(number), "a.png")
+
+    monkeypatch.setattr(sys.modules["remqa_data.generators.figures.preview"], "write_preview", fail)
+    done = invoke("remqa-data", "preview", "FloorPlan1")
+    assert (done.exit_code, done.stderr) == (2, f"remqa-data: {told}\n")
 
 
 @pytest.mark.parametrize("words", [["--json", "preview", "FloorPlan1"], ["preview", "FloorPlan1", "--json"]])

@@ -35,7 +35,7 @@ def test_json_round_trip_keeps_every_bit(scene: Scene) -> None:
 
 def test_file_round_trip(tmp_path) -> None:
     small_scene().save(tmp_path / "scene.json")
-    assert Scene.load(tmp_path / "scene.json") == small_scene()
+    assert Scene.load(tmp_path / "scene.json") == Scene.load(str(tmp_path / "scene.json")) == small_scene()
     assert [path.name for path in tmp_path.iterdir()] == ["scene.json"]
 
 

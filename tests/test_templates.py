@@ -1,5 +1,7 @@
 """Files of rules that somebody has edited: each mistake is one line that names the file, the key and what is wrong."""
 
+from importlib import resources
+
 import pytest
 from pydantic import BaseModel
 
@@ -56,6 +58,18 @@ MISTAKES = [
     ("expressions.yaml", "column_min_share: 0.5", "column_min_share: 5", "column_min_share: .*less than or equal to 1"),
     ("questions.yaml", "many {objs}", "many {objects}", "templates: expected the placeholders {re}, .*{objects}"),
     ("questions.yaml", "{relation} {re}", "{relation}", "templates: .* found .*; of these it needs {re}"),
+    (
+        "questions.yaml",
+        "there {relation} {re}",
+        "in {re}",
+        "templates: .* found 'How many .*; of these it needs .*{relation}",
+    ),
+    (
+        "questions.yaml",
+        "How many {objs}",
+        "What",
+        "templates: expected the placeholder {a_obj} or {objs}, found 'What are",
+    ),
     ("questions.yaml", "the {obj2} in", "the {obj3} in", "inner_template: expected the placeholders {obj}, "),
     ("questions.yaml", "in {re}", "in {re", "templates: expected the placeholders"),
     (
@@ -101,3 +115,14 @@ def test_no_two_object_types_are_called_the_same() -> None:
     rows = "Cup: {words: [cup, cups], can: [], manipulation: null, rooms: [kitchen]}\n"
     with pytest.raises(CatalogError, match=r"^objects\.yaml: Mug\.words: Cup is called 'cup', too"):
         read_catalog(rows + rows.replace("Cup", "Mug"))
+
+
+def test_the_checksum_of_all_templates_follows_any_of_them(tmp_path, monkeypatch) -> None:
+    shipped = yaml_files.templates_sha256()
+    for file in resources.files("remqa_data.templates").iterdir():
+        if file.is_file():
+            (tmp_path / file.name).write_bytes(file.read_bytes())
+    monkeypatch.setattr(yaml_files.resources, "files", lambda package: tmp_path)
+    assert yaml_files.templates_sha256() == shipped
+    (tmp_path / "placements.csv").write_bytes((tmp_path / "placements.csv").read_bytes() + b"\n")
+    assert yaml_files.templates_sha256() != shipped

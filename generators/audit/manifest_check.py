@@ -28,6 +28,8 @@ from remqa_data.tables.schema import TABLES, field_docs, table_spec
 
 BESIDES = (".gitattributes", ".gitignore")
 """Files that may lie in a dataset's folder though the manifest does not list them; so may these folders:"""
+OF_DESKTOPS = (".DS_Store", "Thumbs.db", "desktop.ini")
+"""Files that a file manager leaves in every folder that somebody looks into."""
 FOLDERS_BESIDES = (".git", ".cache")
 MOST_ASKED = 100
 """Samples of one kind with one answer that a room may be asked for."""
@@ -108,16 +110,17 @@ def folder_failures(root: str | os.PathLike[str], manifest: Manifest) -> Iterato
     storage = storage_at(root)
     for name, text in {CARD: dataset_card(manifest), CROISSANT: croissant_text(manifest)}.items():
         if not storage.exists(name):
-            yield Failure(name, "complete", "the file is missing")
+            yield Failure(name, "complete", "the file is missing; remqa-gen with --resume writes it again")
         elif (found := storage.read(name)) != text.encode():
             yield Failure(name, "consistent", f"{_first_difference(found, text)} is not what the manifest makes it")
     listed = {MANIFEST, CARD, CROISSANT, *BESIDES, *(file.path for file in manifest.files)}
     for file in storage.files():
-        if not (file.path in listed or file.path.partition("/")[0] in FOLDERS_BESIDES or is_lock(file)):
-            yield Failure(file.path, "complete", "the manifest does not list this file")
+        first, last = file.path.split("/")[0], file.path.split("/")[-1]
+        if not (file.path in listed or first in FOLDERS_BESIDES or last in OF_DESKTOPS or is_lock(file)):
+            yield Failure(file.path, "complete", "the manifest does not list this file; take it away")
     for path in storage.oddities():  # a listed file may be a link, as Hugging Face's cache makes them
         if path not in listed and not path.endswith("/") and path.partition("/")[0] not in FOLDERS_BESIDES:
-            yield Failure(path, "complete", "the manifest does not list this link")
+            yield Failure(path, "complete", "the manifest does not list this link; take it away")
     for info in manifest.files:
         shard, spec = Shard(local_shard(root, info), info.table), table_spec(info.table)
         if shard.file.metadata.num_rows != info.rows:

@@ -14,18 +14,12 @@ from remqa_data.generators.questions.questions import (
     question_text,
 )
 from remqa_data.language.inner_relations import InnerRelation, Partner
+from remqa_data.language.question_rules import RELATIONS_OF
 from remqa_data.language.referring import Program, program_of
-from remqa_data.scene_graph.relations import Relation
 from remqa_data.tables.rows import QuestionKind, QuestionRow
 
 LONGEST_TEXT = 300
 """Characters; a phrase that leans on one thing has fewer than 100."""
-RELATIONS_OF: dict[QuestionKind, tuple[Relation, ...]] = {
-    "EXISTENCE": ("in",),
-    "COUNTING": ("in", "under"),
-    "SPATIAL": ("in", "under"),
-}
-"""Where a kind of question looks."""
 
 
 def understood(text: str) -> Program:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from itertools import groupby
@@ -130,6 +130,11 @@ def _expression_rows(found: Sequence[Key], frames: Sequence[Key], config: Config
         places = [order.get((key["scene"], key["configuration"]), (-1, 0)) for key in own]
         if places != sorted(places):
             yield Failure("expressions", "complete", f"the rows of {split} are not in the order of rooms")
+    for (scene, number), rows in groupby(found, lambda key: (key["scene"], key["configuration"])):
+        targets = [str(target) for target, _ in groupby(rows, lambda key: key["target_id"])]
+        if targets != sorted(targets):
+            where = configuration_name(scene, number)
+            yield Failure(where, "complete", "its expressions are not in the order of their targets")
     for (scene, number, target), rows in groupby(found, lambda k: (k["scene"], k["configuration"], k["target_id"])):
         names = [key["expression_id"] for key in rows]
         expected = [f"{scene}-c{number}-{target}-e{place}" for place in range(len(names))]
@@ -159,6 +164,9 @@ def _question_rows(
         asking = [quota.scene for quota in quotas if quota.split == split and any(map(quota.total, quota.answers))]
         if rooms != [scene for scene in asking if scene in rooms]:
             yield Failure("questions", "complete", f"the rows of {split} are not those of its rooms in their order")
+    for (scene, kind), groups_of in _in_rooms(found).items():
+        if groups_of != sorted(groups_of):
+            yield Failure(f"{scene}", "complete", f"the groups of {kind} are not in the order of their numbers")
     for group, rows in groupby(found, lambda key: key["group"]):
         numbers = [str(key["configuration"]) for key in rows]
         if numbers != sorted(numbers, key=lambda number: (len(number), number)):
@@ -172,6 +180,14 @@ def _question_rows(
         if given[name] > owed[name] or (given[name] < owed[name] and not may_fall_short):
             reason = f"{given[name]} questions are answered {name[2]}; it is asked for {owed[name]}"
             yield Failure(f"{name[0]} {name[1]}", "unbiased", reason)
+
+
+def _in_rooms(found: Sequence[Key]) -> dict[tuple[Any, Any], list[str]]:
+    """The groups of questions of each kind in each room, as they come."""
+    groups: defaultdict[tuple[Any, Any], list[str]] = defaultdict(list)
+    for key in found:
+        groups[key["scene"], key["kind"]].append(str(key["group"]))
+    return dict(groups)
 
 
 def _split_or_none(scene: Any, config: Config) -> str | None:

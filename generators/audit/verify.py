@@ -24,6 +24,9 @@ from remqa_data.storage.manifest import MANIFEST, Manifest, load_manifest
 from remqa_data.storage.shards import check_files, open_shards
 from remqa_data.tables.schema import TABLES
 
+FILES_IN_FULL = ("checksums", "manifest", "card", "croissant.json", "folder", "balance")
+ROWS_IN_FULL = ("names and order of all rows", "number of all rows but of expressions")
+
 
 @dataclass(frozen=True)
 class Verification:
@@ -40,12 +43,15 @@ class Verification:
         questions were replayed; and how many there are.
     notes : tuple of str
         With which other versions the dataset was made, which may give other bytes.
+    in_full : tuple of str
+        What was looked at as a whole, whatever was drawn.
     """
 
     checked: tuple[str, ...]
     failures: tuple[Failure, ...]
     coverage: dict[str, tuple[int, int]]
     notes: tuple[str, ...]
+    in_full: tuple[str, ...]
 
     @property
     def failed(self) -> frozenset[str]:
@@ -64,8 +70,9 @@ def verify(
 ) -> Verification:
     """Check a finished dataset.
 
-    Checksums, schemas, manifest, card, croissant.json, the folder, the number and order of all rows, and balance are
-    always checked in full. Only where manifest and rows are those of one dataset is it worth looking into rooms.
+    Checksums, schemas, manifest, card, croissant.json, the folder and balance are always checked in full; where the manifest
+    holds, so are names and order of all rows, and their number, which of expressions only making their room again tells.
+    Only where manifest and rows are those of one dataset is it worth looking into rooms.
 
     Parameters
     ----------
@@ -99,7 +106,8 @@ def verify(
     failures += [*folder_failures(root, manifest), *balance_failures(questions, manifest)]
     notes = tuple(f"made with {name}" for name in other_versions(manifest))
     if config is None or not is_sound:
-        return Verification((), tuple(failures), _coverage(manifest, Counter(), 0), notes)
+        in_full = FILES_IN_FULL if config is None else FILES_IN_FULL + ROWS_IN_FULL
+        return Verification((), tuple(failures), _coverage(manifest, Counter(), 0), notes, in_full)
     rng = np.random.default_rng(seed)
     asked = _drawn(questions, sample, rng)
     again = set(_drawn(config.scene_names, rooms, rng))
@@ -114,7 +122,8 @@ def verify(
     if sample is None and rooms is None:
         failures += _unconfirmed(manifest, found, notes)
     coverage = _coverage(manifest, compared, len(again))
-    return Verification(tuple(question.question_id for question in asked), tuple(failures), coverage, notes)
+    checked = tuple(question.question_id for question in asked)
+    return Verification(checked, tuple(failures), coverage, notes, FILES_IN_FULL + ROWS_IN_FULL)
 
 
 T = TypeVar("T")

@@ -62,9 +62,7 @@ def verify_and_report(root: Path, sample: int | None, rooms: int | None, seed: i
 def _tell_coverage(result: Verification) -> None:
     """What was checked, and how much there is of it."""
     covered = {what: f"{done:,} of {total:,}" for what, (done, total) in result.coverage.items()}
-    output().say(
-        "checked in full: manifest, card, croissant.json, checksums, names, number and order of all rows, balance"
-    )
+    output().say(f"checked in full: {', '.join(result.in_full)}")
     output().say(f"made again from the configuration: {covered['rooms']} rooms; {covered['scenes']} scenes")
     output().say(f"drawn and compared: {covered['frames']} frames; understood: {covered['expressions']} expressions")
     output().say(f"replayed: {covered['questions']} questions")

@@ -26,10 +26,10 @@ SCOUT_PX, SCOUT_MIN_PX = 60, 6
 CELL_COLOR, START_COLOR, WALL_COLOR, TEXT_COLOR = (60, 160, 60), (220, 60, 40), (70, 70, 75), (30, 30, 30)
 
 
-def write_preview(scene_name: str, path: Path, size_px: int = 300, light: Light = "baked") -> None:
+def write_preview(scene_name: str, path: Path, size_px: int = 300, light: Light = "baked", seed: int = 0) -> None:
     """Write the preview sheet of a room that `find_scene` finds as PNG; `size_px` is the side of each view."""
     check_png(path)
-    write_png(path, preview(replace(find_scene(scene_name), light=light), size_px))
+    write_png(path, preview(replace(find_scene(scene_name, seed=seed), light=light), size_px))
 
 
 def preview(scene: Scene, size_px: int = 300) -> U8:

@@ -104,13 +104,16 @@ def _lots_of(rooms: Sequence[SceneCapacity], split: str, kind: QuestionKind, tot
     """How many lots a total makes, the last of which may be smaller; QuotaError if rooms cannot take them."""
     if total == 1 or total < 0:
         raise QuotaError(
-            f"{split}: {kind}: {total} samples cannot have different answers; ask for none or for at least 2"
+            f"questions.{split}.{kind}: {counted(total, 'question')} cannot have different answers; "
+            "ask for none or for at least 2"
         )
     count = -(-total // LOT_SIZE)
     if count and not rooms:
-        raise QuotaError(f"{split}: {kind}: none of the rooms is for {split}; add one, or ask for no {split} questions")
+        raise QuotaError(
+            f"questions.{split}.{kind}: none of the rooms is for {split}; add one, or ask for no {split} questions"
+        )
     if count > sum(room.most[kind] for room in rooms):
-        raise QuotaError(f"{split}: {kind}: {_too_many(rooms, split, kind, total)}")
+        raise QuotaError(f"questions.{split}.{kind}: {_too_many(rooms, split, kind, total)}")
     return count
 
 

@@ -99,8 +99,8 @@ def dealt_anew(rooms: Sequence[SceneCapacity], deal: Deal, short: Mapping[str, A
                 if not open_rooms:
                     names = sorted(scene for scene, of_kind in full if of_kind == kind)
                     raise QuotaError(
-                        f"{quota.split}: {kind}: {quota.scene} could not have {dict(lot)}, and no other room can; full are "
-                        f"{', '.join(names[:5])}; ask for fewer questions, or for more scenes",
+                        f"questions.{quota.split}.{kind}: {quota.scene} could not have {dict(lot)}, and no other room can; "
+                        f"full are {', '.join(names[:5])}; ask for fewer questions, or for more scenes",
                         kind,
                     )
                 taker = min(open_rooms, key=lambda room: _fullness(room, kind, most[room.scene][kind]))

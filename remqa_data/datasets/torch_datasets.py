@@ -54,8 +54,8 @@ class _TableDataset(Dataset[Sample], Generic[Sample]):
         self.transform: Callable[[Sample], Any] | None = transform
         spec, image_spec = table_spec(self.table), table_spec(self.image_table)
         plain = [name for name in spec.schema.names if name not in spec.image_columns]
-        self.columns = _known(columns, plain, f"column of {self.table} without an image")
-        self.images = _known(images, image_spec.image_columns, f"image of {self.image_table}")
+        self.columns = _known("columns", columns, plain, "images", image_spec.image_columns)
+        self.images = _known("images", images, image_spec.image_columns, "columns", plain)
         self._reader = SplitReader(self.root, self.table, split)
         self._rows: Sequence[int] = range(len(self._reader))
         self._loaded: dict[str, _Values] | None = None
@@ -149,7 +149,8 @@ class RemqaDataset(_TableDataset[QuestionSample]):
     ) -> None:
         super().__init__(root, split, transform, columns, images)
         if kind is not None:
-            _known([kind], KINDS, "kind")
+            if kind not in KINDS:
+                raise UnknownNameError("kind", kind, KINDS)
             kinds = self._reader.columns(["kind"])["kind"].to_pylist()
             self._rows = [row for row, of_row in enumerate(kinds) if of_row == kind]
 
@@ -245,15 +246,20 @@ require("torch.utils.data._utils.collate", "torch").default_collate_fn_map[Joine
 _Values = Callable[[int], Any]
 
 
-def _known(names: Sequence[str] | None, known: Sequence[str], what: str) -> tuple[str, ...]:
+def _known(
+    parameter: str, names: Sequence[str] | None, known: Sequence[str], other: str, known_there: Sequence[str]
+) -> tuple[str, ...]:
+    """The names that a parameter was given, all by default; `other` is the parameter for those `known_there`."""
     if isinstance(names, str):
-        raise TypeError(f"{what}: give a list, [{names!r}]")
+        raise TypeError(f"{parameter}={names!r}: give a list, [{names!r}]")
     chosen = tuple(known if names is None else names)
     for name in chosen:
+        if name in known_there and name not in known:
+            raise ConfigError(f"{parameter}: {name!r} is one of {other}: name it there, {other}=[{name!r}]")
         if name not in known:
-            raise UnknownNameError(what, name, known)
+            raise UnknownNameError(f"name in {parameter}", name, known)
         if chosen.count(name) > 1:
-            raise ConfigError(f"{what}: {name!r} is named {chosen.count(name)} times")
+            raise ConfigError(f"{parameter}: {name!r} is named {chosen.count(name)} times")
     return chosen
 
 

@@ -35,15 +35,17 @@ MESH_SUFFIXES = (".obj", ".mtl", ".png")
 ALL = "all"
 
 
-def find_scene(name: str, data: Path | None = None, configuration: int = 0) -> Scene:
+def find_scene(name: str, data: Path | None = None, configuration: int = 0, seed: int = 0) -> Scene:
     """A room as it stands: of a dataset if one is given, else of a file of `Scene.save`, or a floor plan or sampled room.
+
+    The seed is that of a sampled room.
 
     Raises
     ------
     UnknownNameError
         If there is no such room; names the nearest.
     ConfigError
-        If a configuration is asked for, but no dataset is given.
+        If a configuration is asked for, but no dataset is given; or a seed, but of what is no sampled room.
     DatasetError
         If the dataset's room has no such configuration, or it several times, or it is no finished dataset.
     SceneFormatError
@@ -54,7 +56,11 @@ def find_scene(name: str, data: Path | None = None, configuration: int = 0) -> S
             raise ConfigError(
                 f"--configuration {configuration}: only rooms of a dataset have several; name it with --data DIR"
             )
-        return Scene.load(Path(name)) if name.endswith(".json") else _at_rest(load_scene(name))
+        if name.endswith(".json") and not seed:
+            return Scene.load(name)
+        return _at_rest(load_scene(name, seed=seed))
+    if seed:
+        raise ConfigError(f"--seed {seed}: {data} says itself of which seed it is")
     known: dict[str, list[int]] = {}
     for split in load_manifest(data).splits("scenes"):
         for row in read_table(data, "scenes", split, ["scene", "configuration"]).to_pylist():

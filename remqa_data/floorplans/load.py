@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
-from remqa_data.errors import UnknownNameError
+from remqa_data.errors import ConfigError, UnknownNameError
 from remqa_data.floorplans.ithor import scenes as ithor
 from remqa_data.floorplans.ithor.table import recorded_objects, unity_rotation
 from remqa_data.floorplans.sampled import scenes as sampled
@@ -33,8 +33,8 @@ def check_scene_name(name: str) -> None:
         raise UnknownNameError("scene", name, scene_names())
 
 
-def load_scene(name: str, light: Light = "baked") -> Scene:
-    """A floor plan as a scene, or a sampled room such as "Sampled-kitchen-000000" of seed 0.
+def load_scene(name: str, light: Light = "baked", seed: int = 0) -> Scene:
+    """A floor plan as a scene, or a sampled room such as "Sampled-kitchen-000000".
 
     Parameters
     ----------
@@ -42,13 +42,19 @@ def load_scene(name: str, light: Light = "baked") -> Scene:
         Such as "FloorPlan1".
     light : {"baked", "direct"}
         How it is drawn.
+    seed : int
+        Of a sampled room; of a floor plan there is one.
 
     Raises
     ------
     UnknownNameError
         If there is no such floor plan; names the nearest.
+    ConfigError
+        If a seed is asked for of what is no sampled room.
     """
-    scene = sampled.sampled_scene(sampled_index(name), seed=0) if is_sampled(name) else ithor.load_scene(name)
+    if seed and not is_sampled(name):
+        raise ConfigError(f"seed {seed}: {name} is no sampled room, and only those have several")
+    scene = sampled.sampled_scene(sampled_index(name), seed=seed) if is_sampled(name) else ithor.load_scene(name)
     return replace(scene, light=light)
 
 

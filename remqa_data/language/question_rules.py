@@ -20,6 +20,13 @@ YES, NO = "yes", "no"
 ExpressionKind = Literal["bare", "relation", "attribute", "superlative"]
 """What an expression tells its target by: "the fridge", "... next to the sink", "the red ...", "... closest to the door"."""
 
+RELATIONS_OF: Mapping[QuestionKind, tuple[Relation, ...]] = {
+    "EXISTENCE": ("in",),
+    "COUNTING": ("in", "under"),
+    "SPATIAL": ("in", "under"),
+}
+"""Where a kind of question looks."""
+
 T = TypeVar("T")
 ForEachKind = Annotated[Mapping[QuestionKind, T], entry_for_each(KINDS)]
 """What each kind of question has; none is left out."""
@@ -52,9 +59,14 @@ class QuestionRules(BaseModel):
 
     @field_validator("templates")
     @classmethod
-    def _can_be_filled(cls, templates: Mapping[QuestionKind, str]) -> Mapping[QuestionKind, str]:
-        for template in templates.values():
-            checked_pattern(template, ["re"], ["a_obj", "objs", "relation"])
+    def _say_what_is_asked(cls, templates: Mapping[QuestionKind, str]) -> Mapping[QuestionKind, str]:
+        for kind, template in templates.items():
+            if len(RELATIONS_OF[kind]) > 1:
+                checked_pattern(template, ("re", "relation"), ("a_obj", "objs"))
+            else:
+                checked_pattern(template, ("re",), ("a_obj", "objs", "relation"))
+            if "{a_obj}" not in template and "{objs}" not in template:
+                raise ValueError(f"expected the placeholder {{a_obj}} or {{objs}}, found {template!r:.200}")
         return templates
 
     @field_validator("inner_template")

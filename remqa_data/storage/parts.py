@@ -90,7 +90,7 @@ class Parts:
     root : path or str
         Where the dataset shall lie, see `storage_at`.
     run : mapping
-        What the scenes depend on, such as seed, configuration hash and versions; plain JSON.
+        What the scenes depend on, such as seed, versions, and hashes of configuration and templates; plain JSON.
     """
 
     def __init__(self, root: str | os.PathLike[str], run: Mapping[str, Any]) -> None:
@@ -108,8 +108,8 @@ class Parts:
         paths = [file.path for file in self.storage.files(PARTS)]
         if any(path.endswith(f"/{_NOTE}") and not path.startswith(f"{self.folder}/") for path in paths):
             raise DatasetError(
-                f"{self.storage.where(PARTS)} holds scenes of another run (other seed, configuration, or version of Python "
-                "or a package); use --overwrite, another folder, or what it was begun with"
+                f"{self.storage.where(PARTS)} holds scenes of another run (other seed, configuration, templates, or "
+                "version of Python or a package); use --overwrite, another folder, or what it was begun with"
             )
         notes = [path for path in paths if path.endswith(f"/{_NOTE}")]
         with ThreadPoolExecutor(_REQUESTS) as pool:

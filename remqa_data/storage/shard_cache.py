@@ -58,7 +58,8 @@ def forget_if_damaged(path: Path) -> bool:
 
 def _of_right_size(path: Path, size: int) -> Path:
     if not path.is_file():
-        raise DamagedShardError(path, "the file is missing")
+        is_there = os.path.lexists(path)
+        raise DamagedShardError(path, "this is no file, nor does it lead to one" if is_there else "the file is missing")
     if (found := path.stat().st_size) != size:
         raise DamagedShardError(path, f"it has {found:,} bytes; the manifest says {size:,}")
     return path

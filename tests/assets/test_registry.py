@@ -149,6 +149,7 @@ def test_collision_boxes_stay_in_the_box_and_reach_the_ground(type_: str) -> Non
                 if box.quaternion == (0.0, 0.0, 0.0, 1.0):
                     assert np.all(np.abs(box.centre) + reach <= half * 1.02 + 2e-3), (variant, box)
                     lowest = min(lowest, box.centre[2] - reach[2])
+        assert lowest < np.inf, f"variant {variant} has no box that stands upright and collides: draw one with b.solid"
         assert lowest == pytest.approx(-half[2], abs=2e-3), variant
 
 

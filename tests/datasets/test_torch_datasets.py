@@ -211,15 +211,23 @@ def test_only_the_columns_and_images_asked_for_are_yielded(root) -> None:
     [
         (lambda root: RemqaDataset(root, "train", "COUNTNG"), "unknown kind 'COUNTNG'; did you mean 'COUNTING'"),
         (lambda root: RemqaDataset(root, "train", columns=["anwser"]), "did you mean 'answer'"),
-        (lambda root: RemqaDataset(root, "train", images=["rgb"]), "unknown image of questions 'rgb'"),
-        (lambda root: RemqaDataset(root, "train", columns=["start_rgb"]), "unknown column of questions"),
-        (lambda root: RemqaDataset(root, "train", columns=[3]), "unknown column of questions without an image 3"),
+        (lambda root: RemqaDataset(root, "train", images=["rgb"]), "unknown name in images 'rgb'"),
+        (lambda root: RemqaDataset(root, "train", columns=[3]), "unknown name in columns 3"),
         (lambda root: RemqaDataset(root, "train", ["COUNTING"]), r"unknown kind \['COUNTING'\]"),
     ],
 )
 def test_a_wrong_name_is_answered_with_the_right_one(root, make, message) -> None:
     with pytest.raises(UnknownNameError, match=message):
         make(root)
+
+
+def test_images_and_columns_are_not_mixed_up(root) -> None:
+    with pytest.raises(ConfigError, match=r"columns: 'start_rgb' is one of images: .* images=\['start_rgb'\]"):
+        RemqaDataset(root, "train", columns=["question", "start_rgb"])
+    with pytest.raises(ConfigError, match=r"images: 'agent' is one of columns: .* columns=\['agent'\]"):
+        FrameDataset(root, "train", images=["agent"])
+    with pytest.raises(TypeError, match=r"^columns='question': give a list, \['question'\]$"):
+        RemqaDataset(root, "train", columns="question")
 
 
 @pytest.mark.parametrize("names", [{"images": ("rgb", "rgb")}, {"columns": ["index", "agent", "index"]}])

@@ -11,7 +11,7 @@ import pytest
 from remqa_data.env import actions
 from remqa_data.env.actions import ANSWER, DISCRETE, PARAMETRISED, command
 from remqa_data.errors import ActionError
-from remqa_data.sim.agent.actions import ACTIONS, ActionSpec, Amount, amounts_of
+from remqa_data.sim.agent.actions import ACTIONS, DONE, ActionSpec, Amount, amounts_of
 from remqa_data.sim.agent.results import ActionResult
 from remqa_data.sim.navigation.embodiment import AGENT
 
@@ -63,3 +63,17 @@ def test_the_table_of_actions_names_every_action() -> None:
     named = {name for cell in told for name in re.findall(r"`([A-Z]\w+)`", cell)}
     assert {*ACTIONS, ANSWER} <= named
     assert {text.split(" ")[0] for text in DISCRETE} <= {*ACTIONS, ANSWER}
+
+
+def test_only_the_last_of_the_discrete_actions_end_an_episode() -> None:
+    told = re.search(
+        r"The last (\d+) of the (\d+), `Done` and the answers, .* the first (\d+);", _one_line(ENVIRONMENT)
+    )
+    assert told is not None
+    ends = [text == DONE or text.startswith(f"{ANSWER} ") for text in DISCRETE]
+    assert ends == [False] * int(told[3]) + [True] * int(told[1])
+    assert len(DISCRETE) == int(told[2])
+
+
+def _one_line(page: Path) -> str:
+    return " ".join(page.read_text(encoding="utf-8").split())

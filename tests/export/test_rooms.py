@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from remqa_data.cli import app
-from remqa_data.errors import DatasetError
+from remqa_data.errors import ConfigError, DatasetError
 from remqa_data.export import rooms
 from remqa_data.export.rooms import find_scene, write_room
 from remqa_data.storage.manifest import load_manifest
@@ -38,6 +38,17 @@ def test_a_room_that_is_there_twice_is_refused_by_name(small_rooms, monkeypatch)
 def test_a_saved_scene_is_read_from_its_file(tmp_path) -> None:
     small_room("Small1", 0).save(tmp_path / "room.json")
     assert find_scene(str(tmp_path / "room.json")) == small_room("Small1", 0)
+
+
+def test_a_sampled_room_has_a_seed_and_nothing_else_has(tmp_path, small_rooms) -> None:
+    small_room("Small1", 0).save(str(tmp_path / "room.json"))
+    first, other = (find_scene("Sampled-bathroom-000003", seed=seed) for seed in (0, 5))
+    assert first == find_scene("Sampled-bathroom-000003") != other
+    for name in ("FloorPlan401", str(tmp_path / "room.json")):
+        with pytest.raises(ConfigError, match=rf"^seed 5: {name} is no sampled room"):
+            find_scene(name, seed=5)
+    with pytest.raises(ConfigError, match=r"^--seed 5: .* says itself of which seed it is"):
+        find_scene("Small2", small_rooms, seed=5)
 
 
 @pytest.mark.slow

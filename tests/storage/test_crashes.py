@@ -18,6 +18,7 @@ import psutil
 import pytest
 
 from remqa_data.errors import DatasetError
+from remqa_data.generators import pipeline
 from remqa_data.storage import manifest
 from remqa_data.storage.manifest import MANIFEST, load_manifest
 from tests.helpers import kill_runs
@@ -158,7 +159,14 @@ def test_rooms_of_other_versions_of_a_package_are_not_mixed(killed: Path, monkey
     monkeypatch.setattr(manifest, "_version_of", lambda package: "9.9.9")
     code, text = run_here(killed, "--resume")
     assert code == 2
-    assert "scenes of another run (other seed, configuration, or version of Python or a package)" in last_line(text)
+    assert "scenes of another run (other seed, configuration, templates, or version of Python" in last_line(text)
+
+
+def test_rooms_of_other_templates_are_not_mixed(killed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pipeline, "templates_sha256", lambda: "of other words")
+    code, text = run_here(killed, "--resume")
+    assert code == 2
+    assert "scenes of another run (other seed, configuration, templates, " in last_line(text)
 
 
 def test_a_run_that_was_killed_after_the_manifest_is_tidied(dataset: Path, whole: Path) -> None:

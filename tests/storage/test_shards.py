@@ -1,5 +1,6 @@
 import json
 import multiprocessing
+import os
 import pickle
 import re
 import shutil
@@ -259,6 +260,15 @@ def test_a_file_that_is_missing_is_told(dataset) -> None:
     for reading in (lambda: check_files(dataset), lambda: read_table(dataset, "scenes", "test")):
         with pytest.raises(DamagedShardError, match=r"test-00000-of-00002\.parquet: the file is missing"):
             reading()
+
+
+@pytest.mark.parametrize("make", [Path.mkdir, os.mkfifo, lambda path: path.symlink_to("nowhere")])
+def test_what_is_no_file_is_told(dataset, make) -> None:
+    path = dataset / "scenes" / "test-00000-of-00002.parquet"
+    path.unlink()
+    make(path)
+    with pytest.raises(DamagedShardError, match=r"test-00000-of-00002\.parquet: this is no file"):
+        check_files(dataset)
 
 
 def test_a_file_of_another_table_is_told(dataset) -> None:

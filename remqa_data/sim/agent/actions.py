@@ -154,9 +154,9 @@ def parse_action(text: str) -> Action:
     if not isinstance(text, str):
         raise ActionError(f"{text!r:.80} is no action: give a text")
     name, *rest = text.split(" ")
+    if rest and not all((name, *rest)):
+        raise ActionError(f"{text!r:.200}: between words is one blank, and none before or after them")
     spec = action_spec(name)
-    if rest and not all(rest):
-        raise ActionError(f"{text!r:.200}: between words is one blank, and none at the end")
     target: Target | None = None
     if spec.has_target:
         if not rest:

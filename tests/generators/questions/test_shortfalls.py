@@ -84,6 +84,8 @@ def test_where_all_rooms_are_full_it_is_said() -> None:
     rooms = [capacity(name, 5) for name in NAMES]
     deal = Deal(tuple(allot(rooms, TOTALS)))
     short = {quota.scene: {"SPATIAL": {"yes": 1, "no": 1}} for quota in deal.quotas}
-    with pytest.raises(QuotaError, match=r"train: SPATIAL: FloorPlan1 could not have .* no other room can") as caught:
+    with pytest.raises(
+        QuotaError, match=r"questions.train.SPATIAL: FloorPlan1 could not have .* no other room can"
+    ) as caught:
         dealt_anew(rooms, deal, short)
     assert caught.value.kind == "SPATIAL"
