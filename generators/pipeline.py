@@ -32,6 +32,7 @@ from remqa_data.storage.manifest import (
     dataset_around,
     load_manifest,
     make_manifest,
+    version_here,
     versions_here,
 )
 from remqa_data.storage.ownership import SPLITS, clear, look, mark, remove_parts
@@ -39,8 +40,6 @@ from remqa_data.storage.parts import Part, Parts, assemble, count_questions, fin
 from remqa_data.storage.protocol import Storage
 from remqa_data.storage.shards import check_files, check_sizes
 from remqa_data.tables.rows import Row
-from remqa_data.version import __version__
-from remqa_data.yaml_files import templates_sha256
 
 FEWEST_SHARDS = {"train": 5}
 """Of a table in a split; in the others one."""
@@ -97,8 +96,7 @@ def generate(
         mark(storage)
         if overwrite:
             clear(storage)
-        made_from = {"config": config.sha256, "seed": config.seed, "templates": templates_sha256()}
-        parts = Parts(storage.root, {**made_from, "versions": versions_here()})
+        parts = Parts(storage.root, {"config": config.sha256, "seed": config.seed, "versions": versions_here()})
         made, quotas = _made_rooms(parts, config, first, executor, progress)
         shards = shards_per_split((file.table, file.split) for part in made for file in part.files)
         files = assemble(parts, made, shards, executor)
@@ -164,9 +162,9 @@ def check_place(out: str | os.PathLike[str], *, overwrite: bool, resume: bool) -
 def _finished(storage: Storage, config: Config) -> Manifest:
     """The manifest of a finished dataset, if it is the one that is asked for, and whole."""
     manifest = load_manifest(storage.root)
-    if (manifest.config_sha256, manifest.versions.get("remqa-data")) != (config.sha256, __version__):
+    if (manifest.config_sha256, manifest.versions.get("remqa-data")) != (config.sha256, version_here()):
         raise DatasetError(
-            f"{storage.where()} holds a finished dataset of another configuration, seed or version; "
+            f"{storage.where()} holds a finished dataset of another configuration, seed, version or templates; "
             "use --overwrite to replace it, or another folder"
         )
     asked = {f"{split}.{kind}" for split, kinds in config.totals.items() for kind in kinds}

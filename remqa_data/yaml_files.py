@@ -35,9 +35,10 @@ def template_text(name: str) -> str:
 
 
 def templates_sha256() -> str:
-    """Of all files of `templates/` and their names: what is made depends on them."""
+    r"""Of all files of `templates/` and their names, whether their lines end in "\n" or, as in clones on Windows, in "\r\n"."""
     files = [file for file in resources.files("remqa_data.templates").iterdir() if not file.name.startswith("__")]
-    digests = {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in files if file.is_file()}
+    contents = {file.name: file.read_bytes().replace(b"\r\n", b"\n") for file in files if file.is_file()}
+    digests = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
     return hashlib.sha256(repr(sorted(digests.items())).encode()).hexdigest()
 
 

@@ -26,7 +26,8 @@ from remqa_data.files import uri_of
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.protocol import Storage
-from remqa_data.version import __version__
+from remqa_data.version import TEMPLATES_SHA256, __version__
+from remqa_data.yaml_files import templates_sha256
 
 MANIFEST = "manifest.json"
 PARTS = ".parts"
@@ -75,7 +76,7 @@ class Manifest:
     config_sha256 : str
         Of that configuration, see `config_hash`.
     versions : mapping of str to str
-        Of this package, Python and the packages that make the bytes.
+        Of this package (see `version_here`), Python and the packages that make the bytes.
     files : tuple of FileInfo
         All shards, in the order of tables, splits and numbers.
     questions : mapping
@@ -152,7 +153,13 @@ def make_manifest(
 
 def versions_here() -> dict[str, str]:
     """Of this package, Python and the packages that make the bytes, as they are in this environment."""
-    return versions_of(VERSIONED)
+    return versions_of(VERSIONED) | {"remqa-data": version_here()}
+
+
+def version_here() -> str:
+    """Of this package; where files of `templates/` are not those of the version, "1.0.0+templates.0c1f5a3b" says so."""
+    digest = templates_sha256()
+    return __version__ if digest == TEMPLATES_SHA256 else f"{__version__}+templates.{digest[:8]}"
 
 
 def versions_of(packages: Iterable[str]) -> dict[str, str]:

@@ -18,7 +18,6 @@ import psutil
 import pytest
 
 from remqa_data.errors import DatasetError
-from remqa_data.generators import pipeline
 from remqa_data.storage import manifest
 from remqa_data.storage.manifest import MANIFEST, load_manifest
 from tests.helpers import kill_runs
@@ -163,10 +162,20 @@ def test_rooms_of_other_versions_of_a_package_are_not_mixed(killed: Path, monkey
 
 
 def test_rooms_of_other_templates_are_not_mixed(killed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pipeline, "templates_sha256", lambda: "of other words")
+    monkeypatch.setattr(manifest, "templates_sha256", lambda: "of other words")
     code, text = run_here(killed, "--resume")
     assert code == 2
     assert "scenes of another run (other seed, configuration, templates, " in last_line(text)
+
+
+def test_a_dataset_of_other_templates_is_not_taken_for_the_one_that_is_asked_for(
+    dataset: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run_here(dataset, "--resume")[0] == 0
+    monkeypatch.setattr(manifest, "templates_sha256", lambda: "of other words")
+    code, text = run_here(dataset, "--resume")
+    assert code == 2
+    assert "a finished dataset of another configuration, seed, version or templates" in last_line(text)
 
 
 def test_a_run_that_was_killed_after_the_manifest_is_tidied(dataset: Path, whole: Path) -> None:
@@ -222,7 +231,7 @@ def test_a_card_that_somebody_has_added_to_stays(dataset: Path) -> None:
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [
-        ("versions", {"numpy": "2.0.0"}, "a finished dataset of another configuration, seed or version"),
+        ("versions", {"numpy": "2.0.0"}, "a finished dataset of another configuration, seed, version or templates"),
         ("questions", {"train": {"FOO": 3}}, "manifest.json: questions.train.FOO: the configuration asks for none"),
         (
             "questions",

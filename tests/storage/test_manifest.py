@@ -8,16 +8,27 @@ from typing import Any
 import pytest
 
 from remqa_data.errors import DamagedShardError, DatasetError
-from remqa_data.storage.manifest import MANIFEST, load_manifest, make_manifest, versions_of
+from remqa_data.storage import manifest
+from remqa_data.storage.manifest import (
+    MANIFEST,
+    VERSIONED,
+    load_manifest,
+    make_manifest,
+    version_here,
+    versions_here,
+    versions_of,
+)
 from remqa_data.storage.shards import read_table
+from remqa_data.version import TEMPLATES_SHA256, __version__
+from remqa_data.yaml_files import templates_sha256
 
 
 def told(dataset: Path, **changes: Any) -> Path:
     """The dataset with a manifest that says something else of its first file."""
     path = dataset / MANIFEST
-    manifest = json.loads(path.read_text())
-    manifest["files"][0].update(changes)
-    path.write_text(json.dumps(manifest))
+    stored = json.loads(path.read_text())
+    stored["files"][0].update(changes)
+    path.write_text(json.dumps(stored))
     return dataset
 
 
@@ -95,3 +106,12 @@ def test_opencv_may_be_of_another_package(monkeypatch: pytest.MonkeyPatch) -> No
     assert known("opencv-python-headless").startswith(versions["opencv-python-headless"])
     assert versions["numpy"] == known("numpy")
     assert versions_of(["opencv-python-headless"])["opencv-python-headless"] == versions["opencv-python-headless"]
+
+
+def test_templates_are_those_of_the_version(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = "templates/ was edited: put its checksum into remqa_data/version.py, and say in CHANGELOG.md whether bytes change"
+    assert templates_sha256() == TEMPLATES_SHA256, told
+    assert version_here() == versions_here()["remqa-data"] == __version__
+    monkeypatch.setattr(manifest, "templates_sha256", lambda: "0c1f5a3b9d")
+    assert version_here() == versions_here()["remqa-data"] == f"{__version__}+templates.0c1f5a3b"
+    assert list(versions_here()) == ["remqa-data", "python", *VERSIONED]
