@@ -176,6 +176,11 @@
       if (kind !== "outside") inside.expandByObject(node);
     });
     if (inside.isEmpty()) inside.setFromObject(root);
+    else { // floors are recorded as slabs that run on under the walls
+      const { min, max } = inside, slack = 0.02;
+      const planes = [[1, 0, 0, -min.x], [-1, 0, 0, max.x], [0, 1, 0, -min.y], [0, 0, 1, -min.z], [0, 0, -1, max.z]];
+      renderer.clippingPlanes = planes.map(([x, y, z, far]) => ({ normal: new THREE.Vector3(x, y, z), constant: far + slack }));
+    }
     const { center, radius } = inside.getBoundingSphere(new THREE.Sphere());
     for (const node of built) { // walls are seen from the room's side alone
       const box = new THREE.Box3().setFromObject(node), size = box.getSize(new THREE.Vector3());
@@ -193,7 +198,7 @@
     controls.target.set(center.x, 0.6, center.z);
     fit();
     const half = Math.atan(Math.tan(camera.fov * Math.PI / 360) * Math.min(1, camera.aspect));
-    const from = new THREE.Vector3(0.85, 1.45, 1.45).setLength(1.1 * radius / Math.sin(half));
+    const from = new THREE.Vector3(0.85, 1.45, 1.45).setLength(0.97 * radius / Math.sin(half));
     camera.position.copy(controls.target).add(from);
     Object.assign(controls, { maxPolarAngle: Math.PI / 2 - 0.02, minDistance: 0.4, maxDistance: radius * 5 });
     controls.update();
