@@ -18,6 +18,18 @@ assert isinstance(controller, Controller)
 controller.search_all_closed("FloorPlan401")
 assert len(controller.grid_points) > 5
 controller.stop()
+from ai2thor.video_controller import VideoController
+with VideoController(scene="FloorPlan401", width=32, height=32) as video:
+    done, step = [], video.step
+    video.step = lambda *request, **more: done.append(step(*request, **more)) or done[-1]
+    video.play(video.MoveBack(0.2, frames=2), video.OrbitCameraAnimation(-1.5, 2, 3, frames=2))
+    video.play(video.RotateLeft(frames=2), video.RelativeCameraAnimation(px=0.1, rx=5, frames=2))
+    video.play(video.AbsoluteCameraAnimation(-1.5, 4, 2, 90, 0, 0, frames=2, FOVstart=60, FOVend=40))
+    video.ToggleCeiling()
+    video.wait(1)
+    assert len(done) == 14 and all(event.metadata["lastActionSuccess"] for event in done)
+    assert {frame.shape for frame in video.saved_frames} == {(32, 32, 3)}
+    assert len({frame.tobytes() for frame in video.saved_frames}) >= 6
 print(Controller.__module__)
 """
 
