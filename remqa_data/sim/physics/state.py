@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +17,15 @@ from remqa_data.scene import Quaternion
 
 UNIT_SLACK = 1e-6
 """The length of a quaternion differs from 1 by so much at most."""
+
+
+def finite_vector(vector: Sequence[float], what: str) -> Vec3:
+    """Three finite numbers; ActionError, which says what they are, if it is something else."""
+    numbers = tuple(map(float, vector))
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise ActionError(f"{what} is {vector!r:.80}: give three finite numbers")
+    x, y, z = numbers
+    return x, y, z
 
 
 @dataclass(frozen=True)

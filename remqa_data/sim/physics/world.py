@@ -24,7 +24,7 @@ from remqa_data.sim.physics.bodies import Bodies
 from remqa_data.sim.physics.bullet import BulletClient
 from remqa_data.sim.physics.carrying import met_nothing, riders
 from remqa_data.sim.physics.furniture import parts_of_furniture
-from remqa_data.sim.physics.state import ObjectState
+from remqa_data.sim.physics.state import ObjectState, finite_vector
 
 SETTLE_STEPS = 240
 AWAY_Z_M, AWAY_APART_M = -1000.0, 10.0
@@ -158,7 +158,7 @@ class World:
         return [other for other in self._objects if other in found]
 
     def to_scene(self) -> Scene:
-        """The world as it is now, as data; loading it gives this world again."""
+        """The world as it is now, as data; loading it gives this world again, without what is away, and with empty hands."""
         objects = tuple(
             replace(
                 o,
@@ -168,6 +168,7 @@ class World:
                 is_fixed=self._states[o.id].is_fixed,
             )
             for o in self._objects.values()
+            if o.id not in self.away
         )
         return self.scene.with_objects(objects)
 
@@ -199,7 +200,7 @@ class World:
             self._check_known(object_id)
         self._reload()
         for object_id, velocity in (velocities or {}).items():
-            self._bodies.set_velocity(object_id, velocity)
+            self._bodies.set_velocity(object_id, finite_vector(velocity, f"velocity of {object_id}"))
         free = [i for i, state in self._states.items() if not state.is_fixed and i not in self.held]
         moved = self._bodies.settle(free, steps, free if awake is None else awake)
         before = {} if awake is None else {name: (self._states[name], self.box(name)) for name in moved}
@@ -212,6 +213,8 @@ class World:
                 self._bodies.place(object_id, self._states[object_id])
             for object_id in met_nothing({name: (box, self.box(name)) for name, (_, box) in before.items()}, awake):
                 self._put_at(object_id, before[object_id][0])
+        for object_id in self.held:  # nothing bore their bodies meanwhile
+            self._bodies.place(object_id, self._states[object_id])
 
     def open(self, object_id: str, openness: float = 1.0, *, force: bool = False) -> list[str]:
         """Open or close an object; what lies in its moving parts is carried along, exactly.
@@ -269,9 +272,11 @@ class World:
         Raises
         ------
         ActionError
-            If a number is not finite, or the quaternion not a unit one.
+            If a number is not finite, or the quaternion not a unit one; or the object is away.
         """
+        self._check_there(object_id)
         state = self.state(object_id)
+        along = [other for other in along if other != object_id]
         carried = [*along, *self.contents(object_id, along=along)]
         before = state.matrix()
         moved = state.elsewhere(position, quaternion)
@@ -300,15 +305,20 @@ class World:
         Raises
         ------
         ActionError
-            If it is not pickupable or is in a hand, or the agent holds something already.
+            If it is not pickupable, is away or in a hand, or the agent holds something already; or its load is in a hand.
         """
-        self._check_known(object_id)
+        self._check_there(object_id)
+        load = tuple(load)
         if not object_type(self.type_of(object_id)).pickupable:
             raise ActionError(f"{object_id} is not pickupable")
         if object_id in self.held:
             raise ActionError(f"cannot pick up {object_id}: agent {self.held[object_id]} holds it")
         if (held := self.held_by(agent)) is not None:
             raise ActionError(f"cannot pick up {object_id}: already holding {held}")
+        for name in load:
+            self._check_there(name)
+            if name == object_id or name in self.held:
+                raise ActionError(f"cannot pick up {object_id} with {name}, which is in a hand")
         for name in (object_id, *load):
             self.set_fixed(name, False)
             self.held[name] = agent
@@ -352,11 +362,13 @@ class World:
                 self._move_by(other, motion)
 
     def set_fixed(self, object_id: str, is_fixed: bool) -> None:
-        """Say whether physics leaves an object where it is."""
+        """Say whether physics leaves an object where it is; ActionError if it is to be fixed and is in a hand."""
         # PyBullet cannot free a fixed body, so the world is loaded anew: bodies keep their order, and so their effect.
         state = self.state(object_id)
         if state.is_fixed == is_fixed:
             return
+        if is_fixed and object_id in self.held:
+            raise ActionError(f"{object_id} is in a hand: put it down before it is fixed")
         self._states[object_id] = replace(state, is_fixed=is_fixed)
         self._reload()
         self.revision += 1
@@ -489,6 +501,11 @@ class World:
             self.away[object_id] = self.away[object_id].moved(motion)
         else:
             self._put_at(object_id, self._states[object_id].moved(motion))
+
+    def _check_there(self, object_id: str) -> None:
+        self._check_known(object_id)
+        if object_id in self.away:
+            raise ActionError(f"{object_id} is away: put it back first")
 
     def _check_known(self, object_id: str) -> None:
         if object_id not in self._objects:

@@ -214,6 +214,11 @@ class Camera(_Projecting):
     height: int = 300
     roll_deg: float = 0.0
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.position, tuple):  # an array, say
+            x, y, z = map(float, self.position)
+            object.__setattr__(self, "position", (x, y, z))
+
     @classmethod
     def look_at(cls, eye: Vec3, target: Vec3, *, fov_deg: float = 90.0, width: int = 300, height: int = 300) -> Camera:
         """A level camera at `eye` with `target` in the middle of its image."""
@@ -280,7 +285,7 @@ class OrthographicCamera(_Projecting):
 
     def view(self) -> View:
         """The camera as the rasteriser reads it."""
-        return _parallel_view(self.position, self.rotation(), self.height / (2.0 * self.half_height_m), self)
+        return _parallel_view(self.position, self.rotation(), _scale(self.height, 2.0 * self.half_height_m), self)
 
 
 @dataclass(frozen=True)
@@ -292,7 +297,8 @@ class TopDownCamera(_Projecting):
     centre_xy : tuple of float
         World point in the middle of the image.
     height_m : float
-        z of the camera. What is above it is cut off, such as the ceiling and the tops of the walls.
+        z of the camera. What is above it is cut off, such as the ceiling and the tops of the walls, and what is more than
+        128 m below.
     extent_m : float
         Metres that the shorter side of the image covers.
     width, height : int
@@ -308,7 +314,7 @@ class TopDownCamera(_Projecting):
     @property
     def pixels_per_m(self) -> float:
         """Scale of the map."""
-        return min(self.width, self.height) / self.extent_m
+        return _scale(min(self.width, self.height), self.extent_m)
 
     def rotation(self) -> F64:
         """(3, 3) unit rows: right, up, forward, in the world frame."""
@@ -353,6 +359,13 @@ def _pinhole_view(camera: Camera) -> View:
     focal = camera.focal_px
     axes = np.stack([right * focal, -up * focal, forward])
     return View.of(camera.position, axes, pinhole=True, width=camera.width, height=camera.height)
+
+
+def _scale(size_px: int, size_m: float) -> float:
+    """Pixels per metre of a parallel projection; ValueError if it shows nothing, or everything."""
+    if not 0.0 < size_m < math.inf:
+        raise ValueError(f"no camera: what it shows is {size_m} m high; give a size that is positive and finite")
+    return size_px / size_m
 
 
 def _parallel_view(eye: Vec3, rotation: F64, pixels_per_m: float, image: OrthographicCamera | TopDownCamera) -> View:

@@ -356,6 +356,7 @@ def _cut(view: View, scissor: Scissor | None) -> View:
     """A view of which only a part is drawn; ValueError if that is not a part of the picture."""
     if scissor is None:
         return view
+    scissor = Scissor(*scissor)
     left, right, top, bottom = scissor
     if not (0 <= left <= right + 1 <= view.width and 0 <= top <= bottom + 1 <= view.height):
         msg = f"{scissor} is no part of {view.width} x {view.height} pixels"

@@ -90,8 +90,10 @@ def shade(
     scissor = view.scissor
     sheet = np.zeros(px.FLOATS, dtype=np.float32)
     fetches = np.zeros(px.INTS, dtype=np.int32)
+    # Blocks begin where those of a whole picture do: a ray in a mirror starts from where the one beside it in its block ended.
+    left = scissor.left - scissor.left % px.BLOCK_PX
     for y in range(scissor.top, scissor.bottom + 1):
-        for start in range(scissor.left, scissor.right + 1, px.BLOCK_PX):
+        for start in range(left, scissor.right + 1, px.BLOCK_PX):
             count = min(px.BLOCK_PX, scissor.right + 1 - start)
             shows_mirror = _fetch(
                 geometry,
@@ -121,7 +123,7 @@ def shade(
             if shows_mirror:
                 reflect(geometry, view, buffers, materials.mirror, mirrors, y, start, sheet, count)
             _encode(sheet, fetches, count)
-            for i in range(min(count, px.BLOCK_PX)):
+            for i in range(max(scissor.left - start, 0), min(count, px.BLOCK_PX)):
                 for channel in range(3):
                     rgb[y, start + i, channel] = fetches[channel * px.BLOCK_PX + i]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -244,7 +245,12 @@ class WorldView:
         return np.asarray(strength / strength.sum())
 
     def set_brightness(self, lamps: Sequence[float]) -> None:
-        """Let each lamp shine so many times as bright as it was built; what light the room throws back changes with them."""
+        """Let each lamp shine so many times as bright as it was built; what light the room throws back changes with them.
+
+        ValueError, unless there is a number for each that is finite and not negative.
+        """
+        if len(lamps) != len(self._lamps.strength) or not all(0.0 <= share < math.inf for share in lamps):
+            raise ValueError(f"brightness {lamps!r:.80}: give {len(self._lamps.strength)} numbers, none negative")
         self._changes += 1
         self._brightness = lamps
         self._level = float((self.lamp_shares * np.asarray(lamps)).sum())
@@ -267,6 +273,7 @@ class WorldView:
         """(parts,) which of the renderer's parts are those of some objects."""
         found = np.zeros(len(self.renderer.parts), dtype=np.bool_)
         for object_id in object_ids:
+            self.world.state(object_id)  # which there must be
             found[self._parts_of[object_id]] = True
         return found
 

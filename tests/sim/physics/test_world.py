@@ -327,3 +327,68 @@ def test_names_of_nothing_are_told_so() -> None:
         ):
             with pytest.raises(UnknownNameError, match=re.escape("Cup|1")):
                 ask()
+
+
+def test_what_was_held_while_others_settled_is_back_in_its_place_for_physics_too() -> None:
+    with World(room(DRAWER, mug(position=(0.0, 0.05, 0.49)))) as world:
+        world.settle()
+        first = world.save()
+        x, y, z = world.state("Mug|1").position
+        world.pick_up("Mug|1")
+        world.settle()
+        world.restore(first)
+        assert world.is_as(first)
+        found = world.first_hit((x, y, z + 0.09), (x, y, z - 0.3))
+        assert found is not None
+        assert found[0] == "Mug|1"
+        assert world.contents("Drawer|1") == ["Mug|1"]
+        assert world.open("Drawer|1") == ["Mug|1"]
+
+
+def test_what_is_away_is_not_taken_or_moved_and_not_stored() -> None:
+    with World(room(mug(), mug("Mug|2", position=(1.0, 0.0, 0.1)))) as world:
+        world.settle()
+        world.put_away("Mug|1")
+        for act in (lambda: world.pick_up("Mug|1"), lambda: world.move("Mug|1", (0.0, 0.0, 1.0))):
+            with pytest.raises(ActionError, match=r"Mug\|1 is away: put it back first"):
+                act()
+        assert (world.held, list(world.away)) == ({}, ["Mug|1"])
+        stored = Scene.from_json(world.to_scene().to_json())
+        assert [thing.id for thing in stored.objects] == ["Mug|2"]
+
+
+@pytest.mark.parametrize("load", [["x"], ["Mug|1"], ["Mug|2", "Mug|3"]])
+def test_a_load_that_cannot_be_taken_leaves_all_as_it_was(load: list[str]) -> None:
+    things = [mug(f"Mug|{number}", position=(0.5 * number, 0.0, 0.1)) for number in (1, 2, 3)]
+    with World(room(*things)) as world:
+        world.settle()
+        world.pick_up("Mug|3", agent=1)
+        first = world.save()
+        with pytest.raises((ActionError, UnknownNameError)):
+            world.pick_up("Mug|1", load=load)
+        assert world.is_as(first)
+
+
+def test_what_is_in_a_hand_is_not_fixed() -> None:
+    with World(room(mug())) as world:
+        world.pick_up("Mug|1")
+        with pytest.raises(ActionError, match="is in a hand: put it down before it is fixed"):
+            world.set_fixed("Mug|1", True)
+        world.put("Mug|1", (0.0, 0.0, 0.3))
+        assert not world.state("Mug|1").is_fixed
+
+
+def test_a_thing_goes_along_with_itself_once() -> None:
+    with World(room(mug())) as world:
+        x, y, z = world.state("Mug|1").position
+        assert world.move("Mug|1", (x, y, z + 1.0), along=["Mug|1"]) == []
+        assert world.state("Mug|1").position == (x, y, z + 1.0)
+
+
+@pytest.mark.parametrize("velocity", [(math.nan, 0.0, 0.0), (1.0, 0.0), (0.0, 0.0, math.inf)])
+def test_what_is_no_velocity_is_refused(velocity: tuple[float, ...]) -> None:
+    with World(room(mug())) as world:
+        first = world.save()
+        with pytest.raises(ActionError, match=r"velocity of Mug\|1 is .*: give three finite numbers"):
+            world.settle(velocities={"Mug|1": velocity})  # type: ignore[dict-item]
+        assert world.is_as(first)

@@ -130,10 +130,16 @@ def test_rotations_are_unitys(x, y, z):
         Camera((0.0, 0.0, 1.5), math.nan),
         Camera((math.inf, 0.0, 1.5), 0.0),
         Camera((0.0, 0.0, 1.5), 0.0, width=0),
-        TopDownCamera((0.0, 0.0), 2.0, math.inf),
-        OrthographicCamera((0.0, 0.0, 2.0), math.nan),
+        *(TopDownCamera((0.0, 0.0), 2.0, extent_m) for extent_m in (math.inf, 0.0, -4.0)),
+        *(OrthographicCamera((0.0, 0.0, 2.0), half_m) for half_m in (math.nan, 0.0, -1.0)),
     ],
 )
 def test_a_camera_that_cannot_be_is_refused(camera):
     with pytest.raises(ValueError, match=r"no camera|fov_deg is"):
         camera.view()
+
+
+def test_a_position_may_be_an_array():
+    at = np.array([1.0, 2.0, 1.5])
+    assert Camera(at, 90) == Camera((1.0, 2.0, 1.5), 90)  # type: ignore[arg-type]
+    assert Camera(at, 90).view() is Camera((1.0, 2.0, 1.5), 90).view()  # type: ignore[arg-type]

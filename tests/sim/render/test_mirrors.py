@@ -9,7 +9,7 @@ from remqa_data.assets.core.model import AssetSpec, Material
 from remqa_data.scene import Scene, SceneObject, StructureBox
 from remqa_data.sim.physics.world import World
 from remqa_data.sim.render import room_mirrors
-from remqa_data.sim.render.camera import Camera
+from remqa_data.sim.render.camera import Camera, Scissor
 from remqa_data.sim.render.view import Observation, WorldView
 
 RED, GREEN, BLUE, WHITE, YELLOW = (
@@ -153,3 +153,15 @@ def test_a_room_without_mirrors_has_no_maps() -> None:
     made = room_mirrors.room_mirrors(ROOM.with_objects((FRIDGE,)))
     assert made.objects == ()
     assert made.texels.size == 0
+
+
+def test_a_part_of_a_picture_shows_mirrors_as_the_whole_one_does() -> None:
+    with World(ROOM) as world:
+        view = WorldView(world)
+        for camera in (AHEAD, ASIDE, FAR):
+            whole = view.render(camera)
+            assert np.count_nonzero(whole.objects == world.ids.index("Mirror|1")) > 500
+            for left in range(3, 60, 7):
+                cut = view.render(camera, scissor=Scissor(left, left + 50, 20, 100))
+                inside = slice(22, 99), slice(left + 2, left + 49)  # without the border, which is not smoothed
+                assert np.array_equal(cut.rgb[inside], whole.rgb[inside])

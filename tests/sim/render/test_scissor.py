@@ -98,3 +98,8 @@ def test_a_scissor_around_points_shows_them_all_and_little_more(renderer: Render
 def test_what_is_no_part_of_the_picture_is_refused(renderer: Renderer, scissor: tuple[int, int, int, int]) -> None:
     with pytest.raises(ValueError, match=r"is no part of 120 x 90 pixels"):
         renderer.render_depth(CAMERAS[0], scissor=Scissor(*scissor))
+
+
+def test_a_scissor_may_be_a_tuple(renderer: Renderer) -> None:
+    cut = renderer.render(CAMERAS[0], scissor=(20, 60, 10, 50))  # type: ignore[arg-type]
+    assert np.array_equal(cut.rgb, renderer.render(CAMERAS[0], scissor=Scissor(20, 60, 10, 50)).rgb)

@@ -159,3 +159,11 @@ def test_of_some_objects_as_many_pixels_are_counted_as_of_all() -> None:
 def test_only_what_there_is_can_be_hidden(world: World) -> None:
     with pytest.raises(UnknownNameError, match="Cup"):
         WorldView(world).hide("Cup|1")
+    with pytest.raises(UnknownNameError, match="Cup"):
+        WorldView(world).parts_of(["Cup|1"])
+
+
+@pytest.mark.parametrize("brightness", [[], [1.0] * 9, [-1.0], [np.nan]])
+def test_lamps_shine_as_bright_as_numbers_can_say(world: World, brightness: list[float]) -> None:
+    with pytest.raises(ValueError, match=r"give \d numbers, none negative"):
+        WorldView(world).set_brightness(brightness)
