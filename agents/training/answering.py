@@ -6,6 +6,7 @@ than the dataset asks: of each view after a manipulation it is also asked for ot
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -54,6 +55,16 @@ IMAGES = ("start_rgb", "end_rgb", "start_instances", "end_instances")
 MASK_WEIGHT, CELL_WEIGHT, TYPE_WEIGHT, MIDDLE_WEIGHT, COUNT_WEIGHT = 1.0, 1.0, 1.0, 0.3, 1.0
 WANTED, OTHER = 1, 2
 """In masks: what is asked for, and what else has come to light."""
+_SIDES, _OTHER_SIDE = re.compile(r"\b(left|right)(most)?\b"), {"left": "right", "right": "left"}
+
+
+def mirrored_words(question: str) -> str:
+    """What a question says of the mirrored room.
+
+    >>> mirrored_words("Is there a cup in the top left drawer of the rightmost desk?")
+    'Is there a cup in the top right drawer of the leftmost desk?'
+    """
+    return _SIDES.sub(lambda found: _OTHER_SIDE[found[1]] + (found[2] or ""), question)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,6 +156,8 @@ class AskedViews:
             if others is not None and is_plain and rng.random() < ASKED_AGAIN:
                 there = [name for name, new in zip(names, is_new, strict=True) if new]
                 question, answer, wanted = others.ask(row, there, rng)
+            if mirrored:
+                question = mirrored_words(question)
         masks = np.array(
             [0, *(new * (WANTED if name == wanted else OTHER) for name, new in zip(names, is_new, strict=True))]
         )

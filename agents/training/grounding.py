@@ -27,7 +27,9 @@ from remqa_data.agents.networks.grounding import (
 from remqa_data.agents.training.matching import RIGHT_IOU, FrameExpressions, Progress, frames_with_expressions
 from remqa_data.agents.training.rooms import learning_rooms, rooms_of
 from remqa_data.datasets.vocabulary import Vocabulary
+from remqa_data.errors import DatasetError
 from remqa_data.geometry.types import F32
+from remqa_data.storage.manifest import load_manifest
 from remqa_data.tables.images import decode_depth, decode_instances, decode_rgb
 
 INNER = 1 / 3
@@ -102,6 +104,11 @@ class GroundingTask:
         Where to compute.
     progress : callable, optional
         Called with the number of pictures that were looked at since the last call, before training begins.
+
+    Raises
+    ------
+    DatasetError
+        If pictures of the datasets are not of one size.
     """
 
     def __init__(
@@ -112,6 +119,7 @@ class GroundingTask:
         device: str = "cpu",
         progress: Progress | None = None,
     ) -> None:
+        _check_sizes(roots)
         detector = detector.to(device).eval()
         rooms = learning_rooms(roots)
         self._frames = [
@@ -155,6 +163,16 @@ class GroundingTask:
             )
             asked += len(found)
         return {"val_right": right / asked, "val_mask_iou": float(overlap) / asked} if asked else {}
+
+
+def _check_sizes(roots: Sequence[Path]) -> None:
+    """Pictures in a batch are of one size; DatasetError if those of some datasets are not, before any is looked at."""
+    sizes = {root: load_manifest(root).config.get("image", {}).get("size_px") for root in roots}
+    for root, size in sizes.items():
+        if size != sizes[roots[0]]:
+            raise DatasetError(
+                f"{root} has pictures of {size} pixels, {roots[0]} of {sizes[roots[0]]}; give datasets that are alike"
+            )
 
 
 def asked_frames(frames: Sequence[SeenFrame], vocabulary: Vocabulary, device: str = "cpu") -> AskedFrames:

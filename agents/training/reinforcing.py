@@ -173,7 +173,9 @@ def actor_critic_losses(thoughts: Thought, batch: Rollout) -> dict[str, Tensor]:
     with torch.no_grad():
         advantages = advantages_of(batch.rewards, thoughts.values, batch.is_going, batch.is_done)
         returns = advantages + thoughts.values
-        mean, spread = advantages[batch.is_going].mean(), advantages[batch.is_going].std().clamp(min=1e-3)
+        counted = advantages[batch.is_going]
+        mean = counted.mean()
+        spread = counted.std().clamp(min=1e-3) if len(counted) > 1 else torch.ones_like(mean)
     log_moves = thoughts.moves.log_softmax(2)
     chosen = log_moves.gather(2, batch.moves[..., None])[..., 0]
     steps = going.sum()

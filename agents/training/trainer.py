@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import multiprocessing
 import pickle
 import time
@@ -289,7 +290,13 @@ class _Run:
         """Add up the losses of the last batches."""
         for losses in self._unread:
             for name, value in losses.items():
-                self.state.sums[name] = self.state.sums.get(name, 0.0) + float(value)
+                number = float(value)
+                if not math.isfinite(number):
+                    raise ConfigError(
+                        f"epoch {self.state.epoch + 1}, up to step {self.state.step}: {name} is {number}; the last "
+                        "checkpoint is as it was; a lower learning_rate or a larger batch_size may help"
+                    )
+                self.state.sums[name] = self.state.sums.get(name, 0.0) + number
         self._unread.clear()
 
 

@@ -164,6 +164,8 @@ def load_network(path: Path, root: Path | None = None, *, force: bool = False) -
         model.load_state_dict(
             {name: tensor.float() if tensor.is_floating_point() else tensor for name, tensor in tensors.items()}
         )
+    if broken := [name for name, tensor in tensors.items() if not tensor.isfinite().all()]:
+        raise ConfigError(f"{path}: {broken[0]} holds what is no number; train it again, with --overwrite")
     if root is not None and not force and (rooms := _may_have_learnt_from(about, root)):
         raise ConfigError(
             f"{path} was trained on another dataset, and may have learnt from {rooms[0]}, which {root} holds out: "

@@ -97,3 +97,15 @@ def test_a_damaged_file_is_told_in_plain_words_with_what_to_do(tmp_path: Path, d
         assert f": the file {said}" in str(error.value)
         assert str(error.value).endswith("; train it again, with --overwrite, or copy it anew")
         assert "Error" not in str(error.value)
+
+
+def test_weights_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "broken.safetensors"
+    with safe_open(weights_path("plain_matcher"), framework="pt") as file:
+        tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 - it is no mapping
+        about = file.metadata()
+    name = next(name for name, tensor in tensors.items() if tensor.is_floating_point())
+    tensors[name].view(-1)[0] = float("nan")
+    save_file(tensors, path, metadata=about)
+    with pytest.raises(ConfigError, match=rf"broken\.safetensors: {name} holds what is no number"):
+        load_network(path)

@@ -1,10 +1,12 @@
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from remqa_data.agents.networks.detection.detector import Detector
-from remqa_data.agents.training.answering import AnsweringTask, Others
+from remqa_data.agents.training import answering
+from remqa_data.agents.training.answering import AnsweringTask, AskedViews, Others
 from remqa_data.agents.training.pictures import detector_types
 
 ROWS = [
@@ -69,3 +71,22 @@ def test_it_learns_from_as_many_questions_as_it_is_told(two_rooms: Path) -> None
     asked = [asked.question for asked in tasks[1].batch(np.arange(5), [rng(k) for k in range(5)])]
     assert len(set(asked)) > 1
     assert set(tasks[0].vocabulary.words) < set(tasks[3].vocabulary.words)
+
+
+@pytest.mark.slow
+def test_where_a_view_is_mirrored_so_are_the_words(two_rooms: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    views, seen = AskedViews(two_rooms, "train"), []
+    real = answering.cut
+
+    def cut(*which: Any, mirrored: bool = False, **how: Any) -> np.ndarray:
+        seen.append(mirrored)
+        return real(*which, mirrored=mirrored, **how)
+
+    monkeypatch.setattr(answering, "cut", cut)
+    monkeypatch.setattr(answering, "mirrored_words", lambda question: f"mirrored: {question}")
+    for seed in range(6):
+        asked = views.view(seed % len(views), np.random.default_rng(seed))
+        assert len(set(seen)) == 1
+        assert asked.question.startswith("mirrored: ") == seen[0]
+        seen.clear()
+    assert not views.view(0).question.startswith("mirrored: ")

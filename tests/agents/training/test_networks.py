@@ -17,6 +17,7 @@ from remqa_data.agents.figures.attention import write_attention_picture
 from remqa_data.agents.networks.detection.detector import Detector
 from remqa_data.agents.training import rooms as rooms_module
 from remqa_data.agents.training.config import committees, load_network_config, networks
+from remqa_data.agents.training.grounding import GroundingTask
 from remqa_data.agents.training.learn import learn
 from remqa_data.agents.training.matching import Looks
 from remqa_data.agents.training.pictures import Pictures, detector_types, varied
@@ -25,6 +26,7 @@ from remqa_data.agents.training.weights import About, halved, load_network, save
 from remqa_data.agents.view_features import WEIGHTS
 from remqa_data.errors import ConfigError, DatasetError, UnknownNameError
 from remqa_data.opencv import cv2
+from remqa_data.storage.manifest import MANIFEST
 from remqa_data.storage.shards import read_table
 from remqa_data.views.build import Wanted, cache_views
 
@@ -267,3 +269,11 @@ def test_a_training_that_was_done_is_done_again_only_to_replace_it(
     path.write_bytes(before[:1000])
     asked("train", config, *options, "--overwrite")
     assert path.read_bytes() == before
+
+
+def test_grounders_learn_from_pictures_of_one_size(two_rooms: Path, tmp_path: Path) -> None:
+    manifest = json.loads((two_rooms / MANIFEST).read_text())
+    manifest["config"]["image"]["size_px"] = 84
+    (tmp_path / MANIFEST).write_text(json.dumps(manifest))
+    with pytest.raises(DatasetError, match=rf"^{tmp_path} has pictures of 84 pixels, {two_rooms} of \d+; "):
+        GroundingTask([two_rooms, tmp_path], "mcn", Detector(len(detector_types())))

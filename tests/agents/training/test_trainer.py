@@ -224,3 +224,19 @@ def test_what_is_finished_is_not_done_again(tmp_path: Path) -> None:
 def test_the_rate_rises_and_falls() -> None:
     rates = [SCHEDULE.rate(share) for share in (0, SCHEDULE.warm_up / 2, SCHEDULE.warm_up, 1)]
     assert rates == pytest.approx([0, 0.005, 0.01, 0])
+
+
+def test_a_loss_that_is_no_number_ends_it_and_the_last_checkpoint_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = Sums()
+    learn = task.losses
+
+    def losses(batch: torch.Tensor) -> dict[str, torch.Tensor]:
+        return {name: loss * (float("nan") if task.drawn > 100 else 1.0) for name, loss in learn(batch).items()}
+
+    monkeypatch.setattr(task, "losses", losses)
+    with pytest.raises(ConfigError, match=r"^epoch 2, up to step \d+: loss is nan; .* a lower learning_rate"):
+        train(task, SCHEDULE, tmp_path, checkpoint_s=0.0)
+    stored = torch.load(tmp_path / CHECKPOINT, weights_only=True)
+    assert all(torch.isfinite(tensor).all() for tensor in stored["model"].values())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from remqa_data.agents.networks.actor_critic import DONE, MOVES, ActorCritic, PlainWalk, Seen, drawn, told
+from remqa_data.agents.networks.actor_critic import DONE, MOVES, ActorCritic, PlainWalk, Seen, Thought, drawn, told
 from remqa_data.agents.networks.adaptation import AT_ONCE, AdaptiveWalk, adapted, adaptive_weights
 from remqa_data.agents.networks.threads import one_thread
 from remqa_data.agents.training.adapting import AdaptingTask
@@ -19,6 +19,8 @@ from remqa_data.agents.training.reinforcing import (
     SMOOTHED,
     STEP,
     ReinforcingTask,
+    Rollout,
+    actor_critic_losses,
     advantages_of,
     rollout,
 )
@@ -207,3 +209,15 @@ def test_savn_walks_and_learns_with_the_same_corrections() -> None:
     unmoved = torch.stack([plain.think(made.features[step], made.asked, made.before[step]) for step in range(20)])
     assert torch.allclose(unmoved[:AT_ONCE, 1], again[:AT_ONCE], atol=1e-5)
     assert not torch.allclose(unmoved[-1, 1], again[19], atol=1e-5)
+
+
+def test_of_a_single_step_something_is_learnt_too() -> None:
+    moves = torch.zeros(1, 1, len(MOVES), requires_grad=True)
+    thought = Thought(moves, torch.zeros(1, 1), torch.zeros(1, 1, 1), (torch.zeros(1, 1), torch.zeros(1, 1)))
+    done, going = torch.full((1, 1), DONE), torch.ones(1, 1, dtype=torch.bool)
+    none = torch.zeros(1, 1)
+    losses = actor_critic_losses(thought, Rollout(none, none, none, done, torch.full((1, 1), REACHED), going, going[0]))
+    assert all(torch.isfinite(loss) for loss in losses.values())
+    losses["loss"].backward()
+    assert moves.grad is not None
+    assert torch.isfinite(moves.grad).all()
