@@ -82,7 +82,8 @@ def supports(world: World, boxes: Mapping[str, F64] | None = None, *, by_agents:
     by_agents : bool
         Whether what lies across the rim of a basin, and is not in or on something loose, is in it; whether of two things of
         which each seems to be in the other the lower one is not; and whether what stands on a space's floor is on it, however
-        high it is, if nothing else holds it.
+        high it is, or has come to rest as high as that floor in the outline of what has the space (at the edge of an oval
+        table), if nothing else holds it.
 
     Returns
     -------
@@ -115,6 +116,12 @@ def supports(world: World, boxes: Mapping[str, F64] | None = None, *, by_agents:
         _leave_out_lower_ones(fits, names, bottom[:, 0], spaces.owners)
         stands_there = is_loose & beside & ~spaces.enclosed & (np.abs(above) <= rules.contact_m)
         fits |= stands_there & ~fits.any(axis=1)[:, None]
+        over_edge = (np.abs(local[..., :2]) <= spaces.outline).all(axis=-1) & (
+            np.array(names)[:, None] != spaces.owners
+        )
+        has_come_to_rest = np.array([not world.state(name).is_fixed for name in names])[:, None]
+        over_edge &= is_loose & has_come_to_rest & ~spaces.enclosed & (np.abs(above) <= rules.sunk_m)
+        fits |= over_edge & ~fits.any(axis=1)[:, None]
     order = np.lexsort((spaces.volume, -spaces.floor_z))
     first = order[np.argmax(fits[:, order], axis=1)]
     if by_agents:
@@ -179,6 +186,8 @@ class _Spaces:
     """(n, 4, 4) in the world, of the frames in which the boxes are given."""
     middle: F64
     half: F64
+    outline: F64
+    """(n, 2) half the width and depth of what has the space, in that frame; 0 in what moves."""
     floor_z: F64
     """(n,) height of the space's bottom in the world."""
     volume: F64
@@ -186,6 +195,7 @@ class _Spaces:
 
 def _all_spaces(world: World) -> _Spaces:
     owners, is_floor, is_loose, is_basin, enclosed, walled, poses, low, high = [], [], [], [], [], [], [], [], []
+    outline = []
     basins = types_with("basin")
     for object_id in world.ids:
         if object_id in world.held or not world.assets[object_id].spaces:
@@ -199,6 +209,7 @@ def _all_spaces(world: World) -> _Spaces:
             enclosed.append(space.enclosed)
             walled.append(surrounds(type_name, space))
             poses.append(links[space.link])
+            outline.append([0.5 * side if space.link == 0 else 0.0 for side in world.assets[object_id].spec.size[:2]])
             low.append(space.box[:3])
             high.append(space.box[3:])
     pose = np.array(poses, dtype=np.float64).reshape(-1, 4, 4)
@@ -215,6 +226,7 @@ def _all_spaces(world: World) -> _Spaces:
         poses=pose,
         middle=middle,
         half=half,
+        outline=np.array(outline).reshape(-1, 2),
         floor_z=centre_z - arithmetic.dot(np.abs(pose[:, 2, :3]), half),
         volume=np.prod(2 * half, axis=1),
     )

@@ -242,3 +242,12 @@ def test_what_cannot_open_far_takes_things_in_when_it_is_open() -> None:
         assert not open_spaces(world, narrow)
         world.open(narrow)
         assert open_spaces(world, narrow)
+
+
+def test_an_oval_table_holds_what_lies_near_its_edge() -> None:
+    with World(load_scene("FloorPlan220")) as world:
+        world.settle()
+        boxes = {name: world.box(name) for name in world.ids}
+        keys, table = first_of(world, "KeyChain"), first_of(world, "CoffeeTable")
+        assert keys not in supports(world, boxes)  # in the dataset, whose version is final
+        assert supports(world, boxes, by_agents=True)[keys].id == table
