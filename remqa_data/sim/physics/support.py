@@ -105,7 +105,8 @@ def supports(world: World, boxes: Mapping[str, F64] | None = None, *, by_agents:
     centre, bottom = (low + high) / 2, low[:, 2, None]
     local = arithmetic.moved_back(centre[:, None], spaces.poses)
     beside = (np.abs(local[..., :2] - spaces.middle[:, :2]) <= spaces.half[:, :2] + rules.side_margin_m).all(axis=-1)
-    beside &= np.array(names, dtype=np.object_)[:, None] != spaces.owners
+    is_another = np.array(names, dtype=np.object_)[:, None] != spaces.owners
+    beside &= is_another
     fits = beside & (bottom >= spaces.floor_z - rules.sunk_m)
     fits &= local[..., 2] <= spaces.middle[:, 2] + spaces.half[:, 2] + rules.overhang_m
     fits &= centre[:, 2, None] >= undersides  # what lies beneath is not in it
@@ -116,9 +117,7 @@ def supports(world: World, boxes: Mapping[str, F64] | None = None, *, by_agents:
         _leave_out_lower_ones(fits, names, bottom[:, 0], spaces.owners)
         stands_there = is_loose & beside & ~spaces.enclosed & (np.abs(above) <= rules.contact_m)
         fits |= stands_there & ~fits.any(axis=1)[:, None]
-        over_edge = (np.abs(local[..., :2]) <= spaces.outline).all(axis=-1) & (
-            np.array(names)[:, None] != spaces.owners
-        )
+        over_edge = is_another & (np.abs(local[..., :2]) <= spaces.outline).all(axis=-1)
         has_come_to_rest = np.array([not world.state(name).is_fixed for name in names])[:, None]
         over_edge &= is_loose & has_come_to_rest & ~spaces.enclosed & (np.abs(above) <= rules.sunk_m)
         fits |= over_edge & ~fits.any(axis=1)[:, None]
