@@ -62,7 +62,7 @@ def context(name: str, command: Any, *words: str) -> Any:
 def drawing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stands in for the drawing of rooms, which compiles a kernel and warns."""
 
-    def write_preview(scene: str, path: Path, size_px: int, light: str) -> None:
+    def write_preview(scene: str, path: Path, size_px: int, light: str, seed: int) -> None:
         for number in (1, 2):
             tell(Compiling("shade", number, 2))
         logging.getLogger("remqa_data.sim").warning("kept in %s", "/tmp")

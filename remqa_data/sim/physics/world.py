@@ -318,7 +318,7 @@ class World:
         for name in load:
             self._check_there(name)
             if name == object_id or name in self.held:
-                raise ActionError(f"cannot pick up {object_id} with {name}, which is in a hand")
+                raise ActionError(f"cannot pick up {object_id} together with {name}, which is in a hand or the same")
         for name in (object_id, *load):
             self.set_fixed(name, False)
             self.held[name] = agent
