@@ -5,7 +5,6 @@ What is wrong with one is told in one line with the file and the key.
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Collection, Mapping
 from importlib import resources
@@ -32,14 +31,6 @@ def template_text(name: str) -> str:
     '# What the code knows of an object type by its name. Each type in objects.yaml lists the traits that it has.'
     """
     return (resources.files("remqa_data.templates") / name).read_text(encoding="utf-8")
-
-
-def templates_sha256() -> str:
-    r"""Of all files of `templates/` and their names, whether their lines end in "\n" or, as in clones on Windows, in "\r\n"."""
-    files = [file for file in resources.files("remqa_data.templates").iterdir() if not file.name.startswith("__")]
-    contents = {file.name: file.read_bytes().replace(b"\r\n", b"\n") for file in files if file.is_file()}
-    digests = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
-    return hashlib.sha256(repr(sorted(digests.items())).encode()).hexdigest()
 
 
 def template_values(name: str) -> Mapping[str, Any]:

@@ -115,8 +115,8 @@ def folder_failures(root: str | os.PathLike[str], manifest: Manifest) -> Iterato
             yield Failure(name, "consistent", f"{_first_difference(found, text)} is not what the manifest makes it")
     listed = {MANIFEST, CARD, CROISSANT, *BESIDES, *(file.path for file in manifest.files)}
     for file in storage.files():
-        first, last = file.path.split("/")[0], file.path.split("/")[-1]
-        if not (file.path in listed or first in FOLDERS_BESIDES or last in OF_DESKTOPS or is_lock(file)):
+        parts = file.path.split("/")
+        if not (file.path in listed or parts[0] in FOLDERS_BESIDES or parts[-1] in OF_DESKTOPS or is_lock(file)):
             yield Failure(file.path, "complete", "the manifest does not list this file; take it away")
     for path in storage.oddities():  # a listed file may be a link, as Hugging Face's cache makes them
         if path not in listed and not path.endswith("/") and path.partition("/")[0] not in FOLDERS_BESIDES:

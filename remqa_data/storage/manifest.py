@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
-from importlib import metadata
+from importlib import metadata, resources
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,6 @@ from remqa_data.storage.backend import storage_at
 from remqa_data.storage.folder import Folder
 from remqa_data.storage.protocol import Storage
 from remqa_data.version import TEMPLATES_SHA256, __version__
-from remqa_data.yaml_files import templates_sha256
 
 MANIFEST = "manifest.json"
 PARTS = ".parts"
@@ -160,6 +159,14 @@ def version_here() -> str:
     """Of this package; where files of `templates/` are not those of the version, "1.0.0+templates.0c1f5a3b" says so."""
     digest = templates_sha256()
     return __version__ if digest == TEMPLATES_SHA256 else f"{__version__}+templates.{digest[:8]}"
+
+
+def templates_sha256() -> str:
+    r"""Of all files of `templates/` and their names, whether their lines end in "\n" or, as in clones on Windows, in "\r\n"."""
+    files = [file for file in resources.files("remqa_data.templates").iterdir() if not file.name.startswith("__")]
+    contents = {file.name: file.read_bytes().replace(b"\r\n", b"\n") for file in files if file.is_file()}
+    digests = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
+    return hashlib.sha256(repr(sorted(digests.items())).encode()).hexdigest()
 
 
 def versions_of(packages: Iterable[str]) -> dict[str, str]:

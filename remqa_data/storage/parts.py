@@ -90,7 +90,7 @@ class Parts:
     root : path or str
         Where the dataset shall lie, see `storage_at`.
     run : mapping
-        What the scenes depend on, such as seed, versions, and hashes of configuration and templates; plain JSON.
+        What the scenes depend on, such as seed, configuration hash and versions; plain JSON.
     """
 
     def __init__(self, root: str | os.PathLike[str], run: Mapping[str, Any]) -> None:

@@ -1,7 +1,7 @@
 """A manifest may come from anywhere: it names files of the dataset, each once, and nothing else."""
 
 import json
-from importlib import metadata
+from importlib import metadata, resources
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +14,13 @@ from remqa_data.storage.manifest import (
     VERSIONED,
     load_manifest,
     make_manifest,
+    templates_sha256,
     version_here,
     versions_here,
     versions_of,
 )
 from remqa_data.storage.shards import read_table
 from remqa_data.version import TEMPLATES_SHA256, __version__
-from remqa_data.yaml_files import templates_sha256
 
 
 def told(dataset: Path, **changes: Any) -> Path:
@@ -115,3 +115,14 @@ def test_templates_are_those_of_the_version(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(manifest, "templates_sha256", lambda: "0c1f5a3b9d")
     assert version_here() == versions_here()["remqa-data"] == f"{__version__}+templates.0c1f5a3b"
     assert list(versions_here()) == ["remqa-data", "python", *VERSIONED]
+
+
+def test_the_checksum_of_all_templates_follows_any_of_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shipped = manifest.templates_sha256()
+    for file in resources.files("remqa_data.templates").iterdir():
+        if file.is_file():
+            (tmp_path / file.name).write_bytes(file.read_bytes())
+    monkeypatch.setattr(manifest.resources, "files", lambda package: tmp_path)
+    assert manifest.templates_sha256() == shipped
+    (tmp_path / "placements.csv").write_bytes((tmp_path / "placements.csv").read_bytes() + b"\n")
+    assert manifest.templates_sha256() != shipped

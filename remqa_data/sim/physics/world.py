@@ -196,11 +196,12 @@ class World:
             parts, all the same; where nothing that was awake has come near, it stays as it was.
         """
         awake = None if awake is None else tuple(awake)
-        for object_id in (*(velocities or ()), *(awake or ())):
+        in_motion = {name: finite_vector(speed, f"velocity of {name}") for name, speed in (velocities or {}).items()}
+        for object_id in (*in_motion, *(awake or ())):
             self._check_known(object_id)
         self._reload()
-        for object_id, velocity in (velocities or {}).items():
-            self._bodies.set_velocity(object_id, finite_vector(velocity, f"velocity of {object_id}"))
+        for object_id, velocity in in_motion.items():
+            self._bodies.set_velocity(object_id, velocity)
         free = [i for i, state in self._states.items() if not state.is_fixed and i not in self.held]
         moved = self._bodies.settle(free, steps, free if awake is None else awake)
         before = {} if awake is None else {name: (self._states[name], self.box(name)) for name in moved}
@@ -318,7 +319,7 @@ class World:
         for name in load:
             self._check_there(name)
             if name == object_id or name in self.held:
-                raise ActionError(f"cannot pick up {object_id} together with {name}, which is in a hand or the same")
+                raise ActionError(f"cannot pick up {object_id} with {name}: that is taken already")
         for name in (object_id, *load):
             self.set_fixed(name, False)
             self.held[name] = agent
