@@ -28,7 +28,7 @@ from pydantic import (
 )
 
 from remqa_data.errors import CatalogError, ConfigError, UnknownNameError
-from remqa_data.yaml_files import read_keys, template_text, template_values
+from remqa_data.yaml_files import Word, read_keys, template_text, template_values
 
 Flag = Literal[
     "openable",
@@ -70,7 +70,7 @@ class Slices(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     type: str
-    words: tuple[str, str]
+    words: tuple[Word, Word]
     count: PositiveInt
     thickest_m: PositiveFloat | None = None
     can: frozenset[Flag] = frozenset()
@@ -113,7 +113,7 @@ class ObjectType(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: str
-    words: tuple[str, str]
+    words: tuple[Word, Word]
     synonyms: tuple[str, ...] = ()
     can: frozenset[Flag]
     manipulation: Manipulation | None

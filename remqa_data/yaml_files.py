@@ -6,10 +6,11 @@ What is wrong with one is told in one line with the file and the key.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Collection, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import yaml
 from pydantic import AfterValidator, BaseModel, ValidationError
@@ -86,6 +87,16 @@ def checked_pattern(pattern: str, needed: Collection[str], others: Collection[st
         also = f"; of these it needs {', '.join(known[name] for name in needed)}" if others else ""
         raise ValueError(f"expected the placeholders {', '.join(known.values())}, found {pattern!r:.200}{also}")
     return pattern
+
+
+def _checked_word(word: str) -> str:
+    if not re.fullmatch(r"\w+([ '-]\w+)*", word):
+        raise ValueError(f"expected words of letters, with single blanks between them, found {word!r:.200}")
+    return word
+
+
+Word = Annotated[str, AfterValidator(_checked_word)]
+"""One or several words of a phrase."""
 
 
 def preset_names(package: str) -> tuple[str, ...]:
@@ -223,6 +234,10 @@ class _Plain(yaml.SafeLoader):
         seen = set()
         for key, _ in node.value:
             said = str(key.value)
+            if key.tag.endswith(":bool"):
+                raise _NotPlainError(
+                    f'line {key.start_mark.line + 1}: YAML reads {said} as true or false; write "{said}"'
+                )
             if said in seen:
                 raise _NotPlainError(f"line {key.start_mark.line + 1}: the key {said!r:.80} is there twice")
             seen.add(said)

@@ -121,7 +121,7 @@ def _patterns() -> tuple[tuple[re.Pattern[str], QuestionKind, Relation], ...]:
 def _pattern(template: str, relation: str) -> re.Pattern[str]:
     """A template with a relation, as an expression that finds {re} in a question; {re} begins where the first relation ends."""
     words = "|".join({relation_rules().words[name] for name in HIDING} | set(question_rules().spatial_words.values()))
-    thing = rf"(?:(?! (?:{words}) )[\w\- ])+"
+    thing = rf"(?:(?! (?:{words}) )[\w\-' ])+"
     fields = {"a_obj": thing, "objs": thing, "obj": thing, "obj2": thing, "relation": relation, "re": r"(?P<re>the .+)"}
     text = re.escape(template)
     for name, expression in fields.items():

@@ -139,5 +139,6 @@ def _flags(values: pa.Array) -> Flags:
 
 
 def _parents(lists: pa.Array) -> I64:
-    """Row of each element of lists."""
-    return np.asarray(pc.list_parent_indices(lists).to_numpy(zero_copy_only=False), dtype=np.int64)
+    """Row of each element that `flatten` gives: a null has none, though Arrow may keep room for some."""
+    lengths = pc.fill_null(pc.list_value_length(lists), 0).to_numpy(zero_copy_only=False)
+    return np.repeat(np.arange(len(lists), dtype=np.int64), lengths)

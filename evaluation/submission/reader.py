@@ -264,8 +264,11 @@ def _first_error(error: ValidationError) -> tuple[str, str]:
     field = ""
     for part in found["loc"]:
         field += f"[{part}]" if isinstance(part, int) else f".{part}" if field else str(part)
-    message = "is not JSON, or not UTF-8" if found["type"] == "json_invalid" else found["msg"]
-    return field[:80], message
+    messages = {
+        "json_invalid": "is not JSON, not UTF-8, or holds half a character (\\ud800) or a number that is too long",
+        "extra_forbidden": "is no field that a submission has here",
+    }
+    return field[:80], messages.get(found["type"], found["msg"])
 
 
 def _first_line(path: Path) -> bytes:

@@ -122,25 +122,30 @@ def _move_loose_things(
     rng: np.random.Generator,
 ) -> set[str]:
     """Clear the asked places and the views of them, and move a share of the other things; ids that found no place."""
-    mine = {object_id for _, ids in hidden for object_id in ids}
-    covers = {place.object_id for place in places if place.manipulation == "Pickup"}
-    covers |= {wish.place.object_id for wish, _ in hidden}
+    asked = {wish.place.object_id for wish, _ in hidden}
+    covers = {place.object_id for place in places if place.manipulation == "Pickup"} | asked
     loose = [o.id for o in scene.objects if not o.is_fixed and o.id not in covers]
-    asked = {wish.place.object_id: wish.place for wish, _ in hidden}
-    must = {o for wish, _ in hidden for o in _inside(world, wish.place)} | blockers(world, view, hidden)
-    must = {object_id for object_id in must if object_id not in mine and object_id in set(loose)}
-    free = [object_id for object_id in loose if object_id not in must and not world.contents(object_id)]
+    in_the_way = _in_the_way(world, view, hidden)
+    must = [object_id for object_id in loose if object_id in in_the_way]
+    free = [object_id for object_id in loose if object_id not in in_the_way and not world.contents(object_id)]
     count = round(hiding_rules().moved_share * len(free))
     chosen = [free[i] for i in sorted(rng.choice(len(free), size=count, replace=False))] if count else []
     keep_out = _keep_out(world, [place for place in places if place.object_id in asked])
-    surfaces = open_surfaces(world, set(asked))
+    surfaces = open_surfaces(world, asked)
     lost: set[str] = set()
-    for object_id in [*(o for o in loose if o in must), *chosen]:
+    for object_id in [*must, *chosen]:
         moved = put_anew(world, object_id, scene.room_type, surfaces, keep_out, rng)
-        if not moved and object_id in must:
+        if not moved and object_id in in_the_way:
             lost |= {object_id, *world.contents(object_id)}
             world.move(object_id, parking(world.ids.index(object_id)))
     return lost
+
+
+def _in_the_way(world: World, view: WorldView, hidden: FulfilledWishes) -> set[str]:
+    """What lies in places that are asked for or hides them, other than what was hidden there on purpose."""
+    mine = {object_id for _, ids in hidden for object_id in ids}
+    inside = {object_id for wish, _ in hidden for object_id in _inside(world, wish.place)}
+    return (inside | blockers(world, view, hidden)) - mine
 
 
 def _inside(world: World, place: HidingPlace) -> list[str]:

@@ -19,7 +19,7 @@ from remqa_data.generators.questions.capacity_table import capacities
 from remqa_data.storage.backend import storage_at
 from remqa_data.storage.card import CARD, CROISSANT, croissant_text, dataset_card
 from remqa_data.storage.locks import is_lock
-from remqa_data.storage.manifest import MANIFEST, Manifest, config_hash, versions_here
+from remqa_data.storage.manifest import MANIFEST, FileInfo, Manifest, config_hash, versions_here
 from remqa_data.storage.ownership import SPLITS
 from remqa_data.storage.parts import shard_bounds, shard_path
 from remqa_data.storage.shard_cache import local_shard
@@ -122,22 +122,25 @@ def folder_failures(root: str | os.PathLike[str], manifest: Manifest) -> Iterato
         if path not in listed and not path.endswith("/") and path.partition("/")[0] not in FOLDERS_BESIDES:
             yield Failure(path, "complete", "the manifest does not list this link; take it away")
     for info in manifest.files:
-        shard, spec = Shard(local_shard(root, info), info.table), table_spec(info.table)
-        if shard.file.metadata.num_rows != info.rows:
-            yield Failure(
-                info.path, "consistent", f"{shard.file.metadata.num_rows} rows; the manifest says {info.rows}"
-            )
-        schema = shard.file.schema_arrow
-        if schema.metadata != spec.schema.metadata or field_docs(schema) != field_docs(spec.schema):
-            yield Failure(info.path, "consistent", "what the columns say of themselves is not their documentation")
-        sizes = [shard.rows(group) for group in range(shard.row_groups)]
-        if any(size != spec.row_group_rows for size in sizes[:-1]) or any(size > spec.row_group_rows for size in sizes):
-            yield Failure(info.path, "consistent", f"row groups do not have {spec.row_group_rows} rows each")
-        else:
-            yield from (Failure(info.path, "consistent", problem) for problem in footer_problems(shard, spec))
-        made_by = str(shard.file.metadata.created_by)
-        if not made_by.endswith(f" {manifest.versions.get('pyarrow')}"):
-            yield Failure(info.path, "consistent", f"it was written by {made_by:.60}, not by the manifest's pyarrow")
+        shard = Shard(local_shard(root, info), info.table)
+        yield from (Failure(info.path, "consistent", problem) for problem in _shard_problems(shard, info, manifest))
+
+
+def _shard_problems(shard: Shard, info: FileInfo, manifest: Manifest) -> Iterator[str]:
+    """What a shard says of itself and is not what `remqa-gen` writes."""
+    spec, schema = table_spec(info.table), shard.file.schema_arrow
+    if shard.file.metadata.num_rows != info.rows:
+        yield f"{shard.file.metadata.num_rows} rows; the manifest says {info.rows}"
+    if schema.metadata != spec.schema.metadata or field_docs(schema) != field_docs(spec.schema):
+        yield "what the columns say of themselves is not their documentation"
+    sizes = [shard.rows(group) for group in range(shard.row_groups)]
+    if any(size != spec.row_group_rows for size in sizes[:-1]) or any(size > spec.row_group_rows for size in sizes):
+        yield f"row groups do not have {spec.row_group_rows} rows each"
+    else:
+        yield from footer_problems(shard, spec)
+    made_by = str(shard.file.metadata.created_by)
+    if not made_by.endswith(f" {manifest.versions.get('pyarrow')}"):
+        yield f"it was written by {made_by:.60}, not by the manifest's pyarrow"
 
 
 def _version_failures(manifest: Manifest) -> Iterator[Failure]:

@@ -53,7 +53,7 @@ def row_failures(root: str | os.PathLike[str], manifest: Manifest, config: Confi
     yield from _scene_rows(keys["scenes"], quotas, config)
     yield from _frame_rows(keys["frames"], quotas, config)
     yield from _expression_rows(keys["expressions"], keys["frames"], config)
-    yield from _question_rows(keys["questions"], quotas, config, may_fall_short=bool(manifest.asked_anew))
+    yield from _question_rows(keys["questions"], quotas, may_fall_short=bool(manifest.asked_anew))
 
 
 def short_walks(root: str | os.PathLike[str], manifest: Manifest, config: Config) -> set[str]:
@@ -143,10 +143,15 @@ def _expression_rows(found: Sequence[Key], frames: Sequence[Key], config: Config
     yield from _twice("expressions", [key["expression_id"] for key in found])
 
 
-def _question_rows(
-    found: Sequence[Key], quotas: Sequence[SceneQuota], config: Config, *, may_fall_short: bool
-) -> Iterator[Failure]:
+def _question_rows(found: Sequence[Key], quotas: Sequence[SceneQuota], *, may_fall_short: bool) -> Iterator[Failure]:
     yield from _twice("questions", [key["question_id"] for key in found])
+    yield from _question_names(found, quotas)
+    yield from _question_order(found, quotas)
+    yield from _question_counts(found, quotas, may_fall_short=may_fall_short)
+
+
+def _question_names(found: Sequence[Key], quotas: Sequence[SceneQuota]) -> Iterator[Failure]:
+    """Questions that are called otherwise than what they are, or lie elsewhere."""
     asked = {quota.scene: quota for quota in quotas}
     for key in found:
         where, quota = f"{key['question_id']}", asked.get(key["scene"])
@@ -158,6 +163,10 @@ def _question_rows(
             yield Failure(where, "consistent", f"group {key['group']} is not named after its room and kind")
         if key["question_id"] != f"{key['group']}-c{key['configuration']}":
             yield Failure(where, "consistent", "it is not named after its group and configuration")
+
+
+def _question_order(found: Sequence[Key], quotas: Sequence[SceneQuota]) -> Iterator[Failure]:
+    """Rooms, their groups and the configurations of each come one after the other."""
     for split in SPLITS:
         own = [key for key in found if key["file_split"] == split]
         rooms = [scene for scene, _ in groupby(own, lambda key: key["scene"])]
@@ -173,6 +182,10 @@ def _question_rows(
             yield Failure(f"{group}", "complete", "its questions are not in the order of configurations")
     groups = [group for group, _ in groupby(found, lambda key: key["group"])]
     yield from _twice("questions", groups, what="group")
+
+
+def _question_counts(found: Sequence[Key], quotas: Sequence[SceneQuota], *, may_fall_short: bool) -> Iterator[Failure]:
+    """Each room has as many questions of each kind and answer as it was asked for."""
     given = Counter((key["scene"], key["kind"], key["answer"]) for key in found)
     owed = Counter({(q.scene, kind, a): n for q in quotas for kind, n_of in q.answers.items() for a, n in n_of.items()})
     for name in sorted(given.keys() | owed.keys(), key=str):

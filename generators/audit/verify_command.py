@@ -64,7 +64,7 @@ def _tell_coverage(result: Verification) -> None:
     covered = {what: f"{done:,} of {total:,}" for what, (done, total) in result.coverage.items()}
     output().say(f"checked in full: {', '.join(result.in_full)}")
     output().say(f"made again from the configuration: {covered['rooms']} rooms; {covered['scenes']} scenes")
-    output().say(f"drawn and compared: {covered['frames']} frames; understood: {covered['expressions']} expressions")
+    output().say(f"drawn and compared: {covered['frames']} frames; phrases read: {covered['expressions']} expressions")
     output().say(f"replayed: {covered['questions']} questions")
     if any(done < total for done, total in result.coverage.values()):
         why = "the dataset as a whole does not hold" if not result.checked else "use --all to check everything"

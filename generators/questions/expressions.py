@@ -17,7 +17,7 @@ from remqa_data.catalog import object_type, types_with
 from remqa_data.geometry.boxes import centre_distance
 from remqa_data.language.question_rules import ExpressionKind
 from remqa_data.language.referring import Program, Step, candidates, resolve
-from remqa_data.language.rules import SEEN_AS_ONE, expression_rules, may_be_called
+from remqa_data.language.rules import BARE, DESCRIBED, RELATED, SEEN_AS_ONE, expression_rules, may_be_called
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.scene_graph.relations import Relation, relation_rules
 from remqa_data.sim.metadata import ObjectMetadata
@@ -185,7 +185,7 @@ def _expression(target: ObjectMetadata, anchor: _Anchor | None) -> Expression:
     """The plain phrase and its program; whether it picks out the target is for the caller to find out."""
     rules, noun, kind = expression_rules(), object_type(target.type).singular, ("filter_type", target.type)
     if anchor is None:
-        text = rules.patterns["bare"].format(noun=noun)
+        text = BARE.format(noun=noun)
         return Expression(text, target.id, target.type, None, None, "bare", (kind,))
     inner: Program = (("filter_type", anchor.type),)
     step: Step
@@ -193,7 +193,7 @@ def _expression(target: ObjectMetadata, anchor: _Anchor | None) -> Expression:
         word, step = rules.closest_word, ("closest", inner)
     else:
         word, step = relation_rules().words[anchor.relation], ("relate", anchor.relation, inner)
-    text = rules.patterns["relation"].format(noun=noun, relation=word, noun2=object_type(anchor.type).singular)
+    text = RELATED.format(noun=noun, relation=word, noun2=object_type(anchor.type).singular)
     name: ExpressionKind = "superlative" if anchor.relation == "closest to" else "relation"
     return Expression(text, target.id, target.type, anchor.relation, anchor.id, name, (kind, step))
 
@@ -225,8 +225,9 @@ def _placed(target: ObjectMetadata, plain: Expression, *, doubly: bool) -> Itera
     for words, steps in places:
         yield _superlative(plain, words, "", steps)
     for ordinal, side in product(rules.row_ordinals if row else (), rules.row_sides):
+        end = f"{rules.row_ordinals[ordinal]} {rules.row_sides[side]}"
         for word, above in levels.items():
-            yield _superlative(plain, f"{ordinal} {word}".strip(), f" {side}", (*above, ("row", f"{ordinal} {side}")))
+            yield _superlative(plain, f"{ordinal} {word}".strip(), f" {side}", (*above, ("row", end)))
 
 
 def _superlative(plain: Expression, word: str, behind: str, steps: Program) -> Expression:
@@ -244,10 +245,10 @@ def _superlative(plain: Expression, word: str, behind: str, steps: Program) -> E
 
 @lru_cache(maxsize=1 << 14)
 def _with_word(text: str, target_type: str, word: str, behind: str = "") -> str:
-    """A phrase with a word before its first noun, as the patterns have it, and words behind it."""
+    """A phrase with a word before its first noun, and words behind it."""
     noun = object_type(target_type).singular
-    head = expression_rules().patterns["bare"].format(noun=noun)
-    described = expression_rules().patterns["attribute"].format(attribute=word, noun=noun)
+    head = BARE.format(noun=noun)
+    described = DESCRIBED.format(attribute=word, noun=noun)
     return text.replace(head, described + behind, 1)
 
 

@@ -189,7 +189,7 @@ class Planner(Generic[P]):
         sites = [site for site in self.sites if len(site.types.get("EXISTENCE", ())) > 1]
         relations = list(self.rules.inner_relations)
         likely = np.array([self.rules.inner_relations[relation] for relation in relations])
-        for which in self.rng.choice(len(relations), len(relations), replace=False, p=likely / likely.sum()):
+        for which in self.rng.choice(len(relations), np.count_nonzero(likely), replace=False, p=likely / likely.sum()):
             for _ in range(INNER_DRAWS if sites else 0):
                 option = self._inner_option(sites[int(self.rng.integers(len(sites)))], relations[int(which)])
                 question = option.question

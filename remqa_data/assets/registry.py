@@ -46,7 +46,7 @@ from remqa_data.assets.types.small import (
     statues,
     vacuums,
 )
-from remqa_data.catalog import object_type
+from remqa_data.catalog import catalog, object_type
 from remqa_data.errors import AssetError, UnknownNameError
 
 MODULES: tuple[ModuleType, ...] = (
@@ -120,6 +120,10 @@ def variant_count(type_: str) -> int:
 
 def _kind(type_: str) -> Kind:
     kind = KINDS.get(type_) or slices.SLICES.get(type_)
+    if kind is None and type_ in catalog():
+        raise AssetError(
+            f"nothing draws a {type_}, though objects.yaml has it; write a function for it in remqa_data/assets/types"
+        )
     if kind is None:
         raise UnknownNameError("object type", type_, KINDS)
     return kind

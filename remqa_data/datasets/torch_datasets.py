@@ -274,8 +274,7 @@ def _collated(key: str, values: list[Any]) -> Any:
         if len(shapes := {tuple(value.shape) for value in values}) > 1:
             raise DatasetError(f"{key}: samples of several shapes cannot be one batch: {sorted(shapes)}")
         return torch.stack(values)
-    is_number = isinstance(values[0], int | float) and not isinstance(values[0], bool)
-    return torch.tensor(values) if is_number else values
+    return default_collate(values) if isinstance(values[0], int | float) else values
 
 
 def _image(name: str, data: memoryview) -> torch.Tensor:

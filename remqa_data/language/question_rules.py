@@ -6,13 +6,22 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Annotated, Literal, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveFloat, PositiveInt, field_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    NonNegativeFloat,
+    PositiveFloat,
+    PositiveInt,
+    field_validator,
+    model_validator,
+)
 
 from remqa_data.catalog import Manipulation, TypeName
 from remqa_data.language.inner_relations import InnerRelation
-from remqa_data.scene_graph.relations import Relation
+from remqa_data.scene_graph.relations import Relation, relation_rules
 from remqa_data.tables.rows import KINDS, QuestionKind
-from remqa_data.yaml_files import checked_pattern, entry_for_each, template_rules
+from remqa_data.yaml_files import Word, checked_pattern, entry_for_each, template_rules
 
 SOURCE = "questions.yaml"
 YES, NO = "yes", "no"
@@ -49,7 +58,7 @@ class QuestionRules(BaseModel):
     longest_words: ForEachKind[PositiveInt]
     expression_weights: Annotated[Mapping[ExpressionKind, NonNegativeFloat], entry_for_each(get_args(ExpressionKind))]
     rank_factor: float = Field(gt=0, le=1)
-    spatial_words: Mapping[Relation, str]
+    spatial_words: Mapping[Relation, Word]
     manipulations: ForEachKind[Mapping[Manipulation, NonNegativeFloat]]
     type_weights: Mapping[TypeName, PositiveFloat]
     max_groups_per_place: ForEachKind[PositiveInt]
@@ -65,6 +74,8 @@ class QuestionRules(BaseModel):
                 checked_pattern(template, ("re", "relation"), ("a_obj", "objs"))
             else:
                 checked_pattern(template, ("re",), ("a_obj", "objs", "relation"))
+            if kind == "COUNTING" and "{a_obj}" in template:
+                raise ValueError(f"how many is asked of {{objs}}, not of {{a_obj}}, found {template!r:.200}")
             if "{a_obj}" not in template and "{objs}" not in template:
                 raise ValueError(f"expected the placeholder {{a_obj}} or {{objs}}, found {template!r:.200}")
         return templates
@@ -73,6 +84,22 @@ class QuestionRules(BaseModel):
     @classmethod
     def _inner_can_be_filled(cls, template: str) -> str:
         return checked_pattern(template, ["obj", "relation", "obj2", "re"])
+
+    @model_validator(mode="after")
+    def _kinds_are_told_apart(self) -> QuestionRules:
+        if not any(self.inner_relations.values()) and self.inner_share:
+            raise ValueError("inner_relations: one of them must be likelier than 0, or inner_share be 0")
+        said = relation_rules().words | dict(self.spatial_words)
+        for relation in RELATIONS_OF["EXISTENCE"]:
+            spatial = self.templates["SPATIAL"].replace("{relation}", said[relation])
+            if spatial == self.templates["EXISTENCE"].replace("{relation}", relation_rules().words[relation]):
+                raise ValueError(
+                    f"spatial_words: SPATIAL and EXISTENCE both ask {spatial!r}; say another word for {relation!r}"
+                )
+        words = [said[relation] for relation in RELATIONS_OF["SPATIAL"]]
+        if len({*words}) < len(words):
+            raise ValueError(f"spatial_words: {words[0]!r} is said for two relations")
+        return self
 
     @field_validator("counts")
     @classmethod

@@ -71,7 +71,7 @@ def candidates(text_or_program: str | AnyProgram, loose_graph: SceneGraph) -> li
 
 
 def program_of(text: str) -> Program:
-    """The program of a phrase that follows the patterns of `templates/expressions.yaml`.
+    """The program of a phrase, whose words are those of `templates/`.
 
     What is behind or between other things is asked of programs alone: no phrase says it.
 
@@ -115,7 +115,7 @@ def _noun_program(words: str, text: str, relation: Step | None) -> Program:
             attributes = [_attribute_step(word, side, text) for word in parts[:start]]
             filters = [step for step in attributes if step[0].startswith("filter")]
             places = [step for name in ("stack", "row") for step in attributes if step[0] == name]
-            if side and not any(side in step[1] for step in places):
+            if side and not any(step[1].endswith(rules.row_sides[side]) for step in places):
                 ordinals = " or ".join(rules.row_ordinals)
                 raise ProgramError(f"{text!r}: {side!r} is said of the {ordinals} of a row, and no such word is there")
             return (("filter_type", names[noun]), *filters, *([relation] if relation else []), *places)
@@ -126,7 +126,7 @@ def _noun_program(words: str, text: str, relation: Step | None) -> Program:
 def _attribute_step(word: str, side: str, text: str) -> Step:
     rules = expression_rules()
     if word in rules.row_ordinals and side:
-        return ("row", f"{word} {side}")
+        return ("row", f"{rules.row_ordinals[word]} {rules.row_sides[side]}")
     if word in rules.stack_words:
         return ("stack", rules.stack_words[word])
     if word in rules.row_words:

@@ -6,11 +6,20 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveFloat, PositiveInt, field_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    NonNegativeFloat,
+    PositiveFloat,
+    PositiveInt,
+    field_validator,
+    model_validator,
+)
 
 from remqa_data.catalog import TypeName, catalog, types_with
-from remqa_data.scene_graph.relations import Relation
-from remqa_data.yaml_files import checked_pattern, entry_for_each, template_rules
+from remqa_data.scene_graph.relations import Relation, relation_rules
+from remqa_data.yaml_files import Word, template_rules
 
 SOURCE = "expressions.yaml"
 SEEN_AS_ONE = types_with("seen_as_one")
@@ -26,14 +35,13 @@ RowPlace = Literal[
     "third from the left",
     "third from the right",
 ]
+RowOrdinal = Literal["second", "third"]
+STEPS: Mapping[RowOrdinal, int] = {"second": 1, "third": 2}
+"""How far each is from the end of its row."""
+RowSide = Literal["from the left", "from the right"]
 
-
-PatternKind = Literal["bare", "relation", "attribute"]
-PLACEHOLDERS: Mapping[PatternKind, tuple[str, ...]] = {
-    "bare": ("noun",),
-    "relation": ("noun", "relation", "noun2"),
-    "attribute": ("attribute", "noun"),
-}
+BARE, RELATED, DESCRIBED = "the {noun}", "the {noun} {relation} the {noun2}", "the {attribute} {noun}"
+"""What phrases look like; `referring.program_of` reads them back."""
 Share = Annotated[float, Field(gt=0, le=1)]
 
 
@@ -42,19 +50,18 @@ class ExpressionRules(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    patterns: Annotated[dict[PatternKind, str], entry_for_each(PLACEHOLDERS)]
     landmarks: tuple[tuple[TypeName, ...], ...]
     only_for: dict[TypeName, tuple[Relation, ...]]
-    stack_words: dict[str, StackPlace]
+    stack_words: dict[Word, StackPlace]
     same_height_m: NonNegativeFloat
     column_min_share: Share
-    row_words: dict[str, RowPlace]
-    row_ordinals: tuple[str, ...]
-    row_sides: dict[str, str]
+    row_words: dict[Word, RowPlace]
+    row_ordinals: dict[Word, RowOrdinal]
+    row_sides: dict[Word, RowSide]
     row_min_step_m: NonNegativeFloat
     row_max_turn_deg: float = Field(ge=0, le=180)
     row_min_height_share: Share
-    closest_word: str
+    closest_word: Word
     closest_tie_m: NonNegativeFloat
     closest_max_m: PositiveFloat
     closest_margin_m: NonNegativeFloat
@@ -66,10 +73,19 @@ class ExpressionRules(BaseModel):
     similar_words: tuple[frozenset[str], ...]
     may_mean: dict[TypeName, frozenset[TypeName]]
 
-    @field_validator("patterns")
+    @field_validator("closest_word")
     @classmethod
-    def _can_be_filled(cls, patterns: dict[PatternKind, str]) -> dict[PatternKind, str]:
-        return {kind: checked_pattern(pattern, PLACEHOLDERS[kind]) for kind, pattern in patterns.items()}
+    def _is_no_relation(cls, word: str) -> str:
+        if word in relation_rules().words.values():
+            raise ValueError(f"{word!r} is what relations.yaml says for a relation, and phrases are to be told apart")
+        return word
+
+    @model_validator(mode="after")
+    def _words_mean_one_thing(self) -> ExpressionRules:
+        places = [*self.stack_words, *self.row_words, *self.row_ordinals, *self.substances]
+        if twice := sorted({word for word in places if places.count(word) > 1}):
+            raise ValueError(f"{twice[0]!r} is said for two things; phrases are to be told apart")
+        return self
 
 
 @lru_cache(maxsize=1)

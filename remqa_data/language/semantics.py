@@ -8,7 +8,7 @@ from remqa_data.catalog import object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.geometry.rotations import degrees_apart
-from remqa_data.language.rules import RowPlace, StackPlace, expression_rules, may_be_called, similar_words
+from remqa_data.language.rules import STEPS, RowPlace, StackPlace, expression_rules, may_be_called, similar_words
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.scene_graph.order import is_ordered
 from remqa_data.scene_graph.relations import OrderRelation, Relation, relation_rules
@@ -203,5 +203,4 @@ def _row_end(graph: SceneGraph, row: set[str], place: RowPlace) -> set[str]:
 
 def _steps_in(place: RowPlace) -> int:
     """How many steps a place is from the end of its row."""
-    ordinals = expression_rules().row_ordinals
-    return next((number for number, word in enumerate(ordinals, 1) if place.startswith(word)), 0)
+    return next((steps for ordinal, steps in STEPS.items() if place.startswith(ordinal)), 0)

@@ -13,14 +13,14 @@ from typing import Annotated, ClassVar, Literal, Self, get_args
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from remqa_data.catalog import TypeName, object_type
+from remqa_data.catalog import TypeName, catalog, object_type
 from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.geometry.types import F64, Flags
 from remqa_data.sim.metadata import ObjectMetadata
-from remqa_data.yaml_files import entry_for_each, template_rules
+from remqa_data.yaml_files import Word, entry_for_each, template_rules
 
 Relation = Literal["in", "on", "under", "above", "below", "next to"]
 """What one object is to another, by their boxes and by what holds them: the edges of the scene graph."""
@@ -143,9 +143,9 @@ class RelationRules(_Rules):
         How much `loosened` loosens, and `tightened` tightens.
     """
 
-    words: Annotated[dict[Relation, str], entry_for_each(get_args(Relation))]
+    words: Annotated[dict[Relation, Word], entry_for_each(get_args(Relation))]
     sounds_like: dict[Relation, frozenset[Relation]]
-    order_words: Annotated[dict[OrderRelation, str], entry_for_each(get_args(OrderRelation))]
+    order_words: Annotated[dict[OrderRelation, Word], entry_for_each(get_args(OrderRelation))]
     inverses: Annotated[dict[Relation, Relation | None], entry_for_each(get_args(Relation))]
     floor: FloorRules
     part: PartRules
@@ -163,6 +163,17 @@ class RelationRules(_Rules):
             if back is not None and inverses[back] != relation:
                 raise ValueError(f"that of {relation!r} is {back!r}, so that of {back!r} is {relation!r}")
         return inverses
+
+    @model_validator(mode="after")
+    def _are_told_apart(self) -> RelationRules:
+        said = [*self.words.values(), *self.order_words.values()]
+        if twice := sorted({word for word in said if said.count(word) > 1}):
+            raise ValueError(f"words: {twice[0]!r} is said for two relations; phrases are to be told apart")
+        for name, kind in catalog().items():
+            for noun in kind.words:
+                if inside := [word for word in said if f" {word} " in noun]:
+                    raise ValueError(f"words: {inside[0]!r} is said in {noun!r}, too, which is a word of {name}")
+        return self
 
     def loosened(self) -> RelationRules:
         """Rules with limits times the factor, and shares to be reached divided by it.

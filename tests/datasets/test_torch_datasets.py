@@ -286,11 +286,14 @@ def test_a_batch_stacks_what_has_one_shape_and_lists_the_rest(root) -> None:
 
 def test_what_a_transform_adds_is_joined_as_pytorch_does(root) -> None:
     more = {"array": np.ones((2, 3), np.float32), "scalar": np.float32(1), "dict": {"a": 1.0}, "tuple": (1, "x")}
+    more |= {"flag": True, "number": 1.5}
     dataset = RemqaDataset(root, "train", transform=lambda sample: sample | more, images=())
     batch = next(iter(DataLoader(dataset, batch_size=2)))
     assert (batch["array"].shape, batch["array"].dtype) == ((2, 2, 3), torch.float32)
     assert (batch["scalar"].shape, batch["scalar"].dtype) == ((2,), torch.float32)
     assert batch["dict"]["a"].tolist() == [1.0, 1.0]
+    assert (batch["flag"].tolist(), batch["flag"].dtype) == ([True, True], torch.bool)
+    assert (batch["number"].dtype, batch["path_length_m"].dtype) == (torch.float64, torch.float64)
     assert (batch["tuple"][0].tolist(), batch["tuple"][1]) == ([1, 1], ("x", "x"))
     with pytest.raises(DatasetError, match="array: samples of several shapes"):
         collate([{"array": np.zeros(2)}, {"array": np.zeros(3)}])

@@ -4,8 +4,9 @@ from dataclasses import replace
 import pytest
 
 from remqa_data.errors import ProgramError
+from remqa_data.language import referring
 from remqa_data.language.referring import candidates, program_of, resolve
-from remqa_data.language.rules import may_be_called, similar_words
+from remqa_data.language.rules import expression_rules, may_be_called, similar_words
 from remqa_data.scene_graph.graph import SceneGraph
 from remqa_data.scene_graph.relations import relation_rules
 from tests.helpers.room_records import kitchen, kitchen_graph, thing
@@ -68,6 +69,23 @@ def test_places_in_a_long_row_are_counted_from_its_ends() -> None:
     assert resolve("the second top drawer from the left", of_three) == []  # it is the middle one
     with pytest.raises(ProgramError, match="from the left"):
         program_of("the top drawer from the left")
+
+
+def test_words_for_places_in_a_row_are_those_of_the_rules(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And what they mean does not depend on the order in which they stand there."""
+    words = {
+        "row_ordinals": {"3rd": "third", "2nd": "second"},
+        "row_sides": {"counted from the right": "from the right"},
+    }
+    rules = expression_rules().model_copy(update=words)
+    monkeypatch.setattr(referring, "expression_rules", lambda: rules)
+    row = [thing(f"Drawer|{i}", (0.5 * i, 0, 0), (0.5, 0.5, 0.35)) for i in range(7)]
+    graph = SceneGraph.from_objects(row)
+    assert program_of("the 3rd drawer counted from the right")[-1] == ("row", "third from the right")
+    assert resolve("the 3rd drawer counted from the right", graph) == ["Drawer|4"]
+    assert resolve("the 2nd drawer counted from the right", graph) == ["Drawer|5"]
+    with pytest.raises(ProgramError, match="is said of the 3rd or 2nd of a row"):
+        program_of("the leftmost drawer counted from the right")
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ from functools import lru_cache
 
 from pydantic import PositiveFloat, RootModel
 
-from remqa_data.catalog import TypeName, catalog
-from remqa_data.errors import UnknownNameError
+from remqa_data.catalog import SOURCE, TypeName, catalog
+from remqa_data.errors import AssetError, UnknownNameError
 from remqa_data.geometry.types import Vec3
 from remqa_data.yaml_files import template_rules
 
@@ -23,6 +23,8 @@ def typical_size(type_: str) -> Vec3:
     True
     """
     sizes = _sizes()
+    if type_ in catalog() and type_ not in sizes:
+        raise AssetError(f"{SOURCE}: no iTHOR floor plan has a {type_}; give its row size_m")
     if type_ not in sizes:
         raise UnknownNameError("object type", type_, sizes)
     return sizes[type_]

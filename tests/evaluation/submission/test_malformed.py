@@ -14,6 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from remqa_data.evaluation.cli import app
+from remqa_data.evaluation.submission.checks import find_problem
 from remqa_data.evaluation.submission.reader import open_submission
 
 HEADER = {"format": "remqa-submission", "version": 1, "track": "remqa", "split": "test"}
@@ -261,6 +262,19 @@ PARQUET: dict[str, tuple[Callable[[Path], None], str]] = {
     "very long words": (long_words, "field actions"),
     "a very long id": (lambda path: parquet(path, question_id=pa.array(["q" * 10_000_000])), "field question_id"),
 }
+
+
+@pytest.mark.parametrize("kind", [pa.list_(pa.float64()), pa.list_(pa.float64(), 4)], ids=["list", "fixed size"])
+@pytest.mark.parametrize(
+    ("wrong", "field"), [([-1.0, 0, 5, 5], "box"), ([3.0, 0, 1, 5], "box"), ([0.0, float("nan"), 1, 1], "box[1]")]
+)
+def test_a_wrong_box_behind_rows_without_one_is_told_of_its_own_row(
+    kind: pa.DataType, wrong: list[float], field: str
+) -> None:
+    boxes = pa.array([None, [0.0, 0, 1, 1], None, [0.0, 0, 1, 1], wrong], kind).cast(pa.list_(pa.float64()))
+    problem = find_problem(pa.RecordBatch.from_arrays([boxes], ["box"]))
+    assert problem is not None
+    assert (problem.row, problem.field) == (4, field)
 
 
 @pytest.mark.slow

@@ -31,13 +31,13 @@ def rows(*answers: str) -> list[Key]:
     ],
 )
 def test_a_room_has_what_it_was_asked_for(answers: tuple[str, ...], may_fall_short: bool, wrong: int) -> None:
-    failures = list(_question_rows(rows(*answers), [QUOTA], load_config("paper"), may_fall_short=may_fall_short))
+    failures = list(_question_rows(rows(*answers), [QUOTA], may_fall_short=may_fall_short))
     assert [failure.truth for failure in failures] == ["unbiased"] * wrong
 
 
 def test_groups_of_a_kind_come_in_the_order_of_their_numbers() -> None:
     asked = rows("yes", "no", "no", "yes")
-    failures = _question_rows([*asked[2:], *asked[:2]], [QUOTA], load_config("paper"), may_fall_short=False)
+    failures = _question_rows([*asked[2:], *asked[:2]], [QUOTA], may_fall_short=False)
     assert [(failure.where, failure.truth) for failure in failures] == [("FloorPlan1", "complete")]
 
 

@@ -15,6 +15,7 @@ from remqa_data.floorplans.ithor.scenes import load_scene
 from remqa_data.generators.arrangement.fitting_types import fitting_types
 from remqa_data.generators.arrangement.hiding_places import hiding_places
 from remqa_data.generators.config import load_config
+from remqa_data.generators.questions import planning
 from remqa_data.generators.questions.allotment import SceneQuota, allot
 from remqa_data.generators.questions.capacities import room_capacity
 from remqa_data.generators.questions.capacity_table import capacities
@@ -137,6 +138,18 @@ def test_some_spatial_questions_ask_how_two_things_lie_and_both_are_wished_for_w
         for configuration in range(4):
             _check_inner_wishes(groups, configuration)
     assert found
+
+
+def test_a_relation_that_is_never_to_be_asked_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    never = question_rules().model_copy(update={"inner_relations": {"on": 0, "next to": 1, "behind": 0, "between": 1}})
+    monkeypatch.setattr(planning, "question_rules", lambda: never)
+    asked = [
+        group.question.partner.relation
+        for quota in quotas()[:6]
+        for group in inner_plan(quota, lambda place, type_, partner: True)
+        if group.question.partner is not None
+    ]
+    assert {*asked} == {"next to", "between"}
 
 
 def _check_inner_wishes(groups, configuration: int) -> None:
