@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections import Counter
 from collections.abc import Collection, Mapping
 from importlib import resources
 from pathlib import Path
@@ -97,6 +98,21 @@ def _checked_word(word: str) -> str:
 
 Word = Annotated[str, AfterValidator(_checked_word)]
 """One or several words of a phrase."""
+
+
+def check_told_apart(words: Collection[str], things: str, key: str = "") -> None:
+    """Check that no two things of a phrase are called alike, by words that a key has.
+
+    >>> check_told_apart(["in", "on"], "relations")
+
+    Raises
+    ------
+    ValueError
+        Naming the first word, in the order of the alphabet, that is there twice.
+    """
+    counts = Counter(words)
+    if twice := sorted(word for word in counts if counts[word] > 1):
+        raise ValueError(f"{key}{': ' * bool(key)}{twice[0]!r} is said for two {things}; phrases are to be told apart")
 
 
 def preset_names(package: str) -> tuple[str, ...]:

@@ -102,17 +102,14 @@ def read_question(text: str) -> Question:
 @lru_cache(maxsize=1)
 def _patterns() -> tuple[tuple[re.Pattern[str], QuestionKind, Relation], ...]:
     """The patterns as regular expressions; those of two things in one place come first, as they say "in" twice."""
-    rules, words = question_rules(), relation_rules()
-    inner = "|".join(re.escape(words.said(relation)) for relation in get_args(InnerRelation))
+    rules = question_rules()
+    inner = "|".join(re.escape(relation_rules().said(relation)) for relation in get_args(InnerRelation))
     found: list[tuple[re.Pattern[str], QuestionKind, Relation]] = [
         (_pattern(rules.inner_template, f"(?:{inner})"), "SPATIAL", "in")
     ]
     for kind, template in rules.templates.items():
         for relation in HIDING:
-            said = words.words[relation]
-            if kind == "SPATIAL":
-                said = rules.spatial_words.get(relation, said)
-            found.append((_pattern(template, re.escape(said)), kind, relation))
+            found.append((_pattern(template, re.escape(rules.said(kind, relation))), kind, relation))
             if "{relation}" not in template:
                 break  # it says "in" itself
     return tuple(found)

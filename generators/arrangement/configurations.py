@@ -19,6 +19,7 @@ from remqa_data.generators.arrangement.hiding_check import (
     HidingWish,
     Violation,
     blockers,
+    ids_of,
     in_sight_violations,
     violations,
 )
@@ -143,9 +144,8 @@ def _move_loose_things(
 
 def _in_the_way(world: World, view: WorldView, hidden: FulfilledWishes) -> set[str]:
     """What lies in places that are asked for or hides them, other than what was hidden there on purpose."""
-    mine = {object_id for _, ids in hidden for object_id in ids}
     inside = {object_id for wish, _ in hidden for object_id in _inside(world, wish.place)}
-    return (inside | blockers(world, view, hidden)) - mine
+    return (inside | blockers(world, view, hidden)) - ids_of(hidden)
 
 
 def _inside(world: World, place: HidingPlace) -> list[str]:
@@ -174,7 +174,7 @@ def _keep_out(world: World, places: Sequence[HidingPlace]) -> list[Box]:
 
 def _strayed(world: World, before: dict[str, Vec3], hidden: FulfilledWishes, scene: Scene) -> set[str]:
     """Loose things that did not stay where they were put."""
-    mine = {object_id for _, ids in hidden for object_id in ids} | {wish.place.object_id for wish, _ in hidden}
+    mine = ids_of(hidden) | {wish.place.object_id for wish, _ in hidden}
     return {
         o.id
         for o in scene.objects

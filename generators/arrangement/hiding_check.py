@@ -100,6 +100,11 @@ def manipulated(world: World, view: WorldView, place: HidingPlace) -> Iterator[l
         world.restore(snapshot)
 
 
+def ids_of(hidden: FulfilledWishes) -> set[str]:
+    """Of everything that was hidden on purpose."""
+    return {object_id for _, ids in hidden for object_id in ids}
+
+
 def in_sight_violations(world: World, view: WorldView, hidden: FulfilledWishes) -> list[Violation]:
     """What is seen before the manipulation, or not after it, or may be missed there; at most one violation for each wish."""
     looks, found = _Looks(world, view, hidden), []
@@ -261,7 +266,7 @@ def _ill_seen(looks: _Looks, place: HidingPlace, ids: Sequence[str]) -> str | No
 def blockers(world: World, view: WorldView, hidden: FulfilledWishes) -> set[str]:
     """Loose things that stand in front of asked places, or where their doors and drawers go."""
     found: set[str] = set()
-    mine = {object_id for _, ids in hidden for object_id in ids}
+    mine = ids_of(hidden)
     for place in {w.place.key: w.place for w, _ in hidden}.values():
         camera = goal_camera(place)
         closed = world.link_poses(place.object_id)

@@ -104,11 +104,8 @@ def question_text(kind: QuestionKind, type_name: str, relation: Relation, expres
     'How many mugs are there in the fridge?'
     """
     rules = question_rules()
-    words = relation_rules().words[relation]
-    if kind == "SPATIAL":
-        words = rules.spatial_words.get(relation, words)
-    template = rules.templates[kind]
-    return template.format(a_obj=with_article(type_name), objs=plural(type_name), relation=words, re=expression)
+    words = {"a_obj": with_article(type_name), "objs": plural(type_name), "relation": rules.said(kind, relation)}
+    return rules.templates[kind].format(**words, re=expression)
 
 
 def question_program(kind: QuestionKind, type_name: str, relation: Relation, where: Program) -> Program:

@@ -266,15 +266,13 @@ def _known(
 def _collated(key: str, values: list[Any]) -> Any:
     if key in RAGGED or any(value is None or isinstance(value, str) for value in values):
         return values
-    if isinstance(values[0], Mapping | tuple):
-        return default_collate(values)
     if isinstance(values[0], np.ndarray | np.generic):
         values = [torch.as_tensor(value) for value in values]
     if isinstance(values[0], torch.Tensor):
         if len(shapes := {tuple(value.shape) for value in values}) > 1:
             raise DatasetError(f"{key}: samples of several shapes cannot be one batch: {sorted(shapes)}")
         return torch.stack(values)
-    return default_collate(values) if isinstance(values[0], int | float) else values
+    return default_collate(values) if isinstance(values[0], Mapping | tuple | int | float) else values
 
 
 def _image(name: str, data: memoryview) -> torch.Tensor:

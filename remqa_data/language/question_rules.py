@@ -21,7 +21,7 @@ from remqa_data.catalog import Manipulation, TypeName
 from remqa_data.language.inner_relations import InnerRelation
 from remqa_data.scene_graph.relations import Relation, relation_rules
 from remqa_data.tables.rows import KINDS, QuestionKind
-from remqa_data.yaml_files import Word, checked_pattern, entry_for_each, template_rules
+from remqa_data.yaml_files import Word, check_told_apart, checked_pattern, entry_for_each, template_rules
 
 SOURCE = "questions.yaml"
 YES, NO = "yes", "no"
@@ -86,19 +86,25 @@ class QuestionRules(BaseModel):
         return checked_pattern(template, ["obj", "relation", "obj2", "re"])
 
     @model_validator(mode="after")
-    def _kinds_are_told_apart(self) -> QuestionRules:
+    def _some_inner_relation_is_asked(self) -> QuestionRules:
         if not any(self.inner_relations.values()) and self.inner_share:
             raise ValueError("inner_relations: one of them must be likelier than 0, or inner_share be 0")
-        said = relation_rules().words | dict(self.spatial_words)
+        return self
+
+    @model_validator(mode="after")
+    def _kinds_are_told_apart(self) -> QuestionRules:
         for relation in RELATIONS_OF["EXISTENCE"]:
-            spatial = self.templates["SPATIAL"].replace("{relation}", said[relation])
-            if spatial == self.templates["EXISTENCE"].replace("{relation}", relation_rules().words[relation]):
+            spatial, other = (
+                self.templates[kind].replace("{relation}", self.said(kind, relation))
+                for kind in ("SPATIAL", "EXISTENCE")
+            )
+            if spatial == other:
                 raise ValueError(
                     f"spatial_words: SPATIAL and EXISTENCE both ask {spatial!r}; say another word for {relation!r}"
                 )
-        words = [said[relation] for relation in RELATIONS_OF["SPATIAL"]]
-        if len({*words}) < len(words):
-            raise ValueError(f"spatial_words: {words[0]!r} is said for two relations")
+        check_told_apart(
+            [self.said("SPATIAL", relation) for relation in RELATIONS_OF["SPATIAL"]], "relations", "spatial_words"
+        )
         return self
 
     @field_validator("counts")
@@ -109,6 +115,11 @@ class QuestionRules(BaseModel):
                 f"expected [0, 1] or [0, 1, 2, 3], each as often among four questions, found {list(counts)}"
             )
         return counts
+
+    def said(self, kind: QuestionKind, relation: Relation) -> str:
+        """The words of a kind of question for a relation."""
+        words = relation_rules().words[relation]
+        return self.spatial_words.get(relation, words) if kind == "SPATIAL" else words
 
     def answers(self, kind: QuestionKind) -> tuple[str, ...]:
         """The answers to a kind of question."""

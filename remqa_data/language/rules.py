@@ -19,7 +19,7 @@ from pydantic import (
 
 from remqa_data.catalog import TypeName, catalog, types_with
 from remqa_data.scene_graph.relations import Relation, relation_rules
-from remqa_data.yaml_files import Word, template_rules
+from remqa_data.yaml_files import Word, check_told_apart, template_rules
 
 SOURCE = "expressions.yaml"
 SEEN_AS_ONE = types_with("seen_as_one")
@@ -82,9 +82,7 @@ class ExpressionRules(BaseModel):
 
     @model_validator(mode="after")
     def _words_mean_one_thing(self) -> ExpressionRules:
-        places = [*self.stack_words, *self.row_words, *self.row_ordinals, *self.substances]
-        if twice := sorted({word for word in places if places.count(word) > 1}):
-            raise ValueError(f"{twice[0]!r} is said for two things; phrases are to be told apart")
+        check_told_apart([*self.stack_words, *self.row_words, *self.row_ordinals, *self.substances], "things")
         return self
 
 

@@ -20,7 +20,7 @@ from remqa_data.geometry import arithmetic
 from remqa_data.geometry import boxes as geometry
 from remqa_data.geometry.types import F64, Flags
 from remqa_data.sim.metadata import ObjectMetadata
-from remqa_data.yaml_files import Word, entry_for_each, template_rules
+from remqa_data.yaml_files import Word, check_told_apart, entry_for_each, template_rules
 
 Relation = Literal["in", "on", "under", "above", "below", "next to"]
 """What one object is to another, by their boxes and by what holds them: the edges of the scene graph."""
@@ -167,8 +167,7 @@ class RelationRules(_Rules):
     @model_validator(mode="after")
     def _are_told_apart(self) -> RelationRules:
         said = [*self.words.values(), *self.order_words.values()]
-        if twice := sorted({word for word in said if said.count(word) > 1}):
-            raise ValueError(f"words: {twice[0]!r} is said for two relations; phrases are to be told apart")
+        check_told_apart(said, "relations", "words")
         for name, kind in catalog().items():
             for noun in kind.words:
                 if inside := [word for word in said if f" {word} " in noun]:
